@@ -1,0 +1,190 @@
+"""The HDF5 files between the two methods: one schema table writes, reads, checks and documents them.
+
+`case.h5` carries the assembly and its limit analysis to YADE; `run.h5` carries YADE's record back.
+This module runs in both interpreters: standard library, numpy >= 1.24 and h5py >= 3.7 only.
+
+Conventions: SI units, z up. Twist = (vx, vy, vz, wx, wy, wz), wrench likewise (force, moment), about the block's
+centroid unless a field says otherwise. Contact (a, b) has its normal from a to b; the contact force is the force on b,
+compression positive along the normal. An undefined number is NaN, never 0.
+"""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+VERSION = 1
+FREE, FIXED, SUPPORT = 0, 1, 2
+
+
+class ExchangeError(Exception):
+    """A case or run file is missing, incomplete, foreign or broken; the message says which and what to do."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """One dataset: where it lies, what it holds. `shape` names dimensions by letters; equal letters are equal sizes."""
+
+    path: str
+    dtype: str  # "f8", "i8", "u1" or "str"
+    shape: tuple[str | int, ...]
+    unit: str
+    meaning: str
+
+
+# Dimensions: B blocks, V vertices, L face-loop entries, F faces, I interfaces, C contact points.
+CASE_FIELDS = (
+    Field("scene/name", "str", (), "", "scene file's stem"),
+    Field("scene/title", "str", (), "", "title for people"),
+    Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
+    Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
+    Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
+    Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
+    Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),
+    Field("blocks/name", "str", ("B",), "", "unique block names"),
+    Field("blocks/role", "i8", ("B",), "", "0 free, 1 fixed, 2 support"),
+    Field("blocks/mass", "f8", ("B",), "kg", "density times volume"),
+    Field("blocks/centroid", "f8", ("B", 3), "m", "centre of mass"),
+    Field("blocks/inertia", "f8", ("B", 3, 3), "kg m2", "inertia about the centroid, global axes"),
+    Field("blocks/vertices", "f8", ("V", 3), "m", "vertices of all blocks, block after block"),
+    Field("blocks/vertex_start", "i8", ("B1",), "", "block i owns vertices[start[i]:start[i+1]]; B+1 entries"),
+    Field("blocks/face_vertex", "i8", ("L",), "", "face loops: rows of vertices, counter-clockwise from outside"),
+    Field("blocks/face_start", "i8", ("F1",), "", "face j owns face_vertex[start[j]:start[j+1]]; F+1 entries"),
+    Field("blocks/face_block", "i8", ("F",), "", "block that owns the face"),
+    Field("interfaces/block_a", "i8", ("I",), "", "lower block index"),
+    Field("interfaces/block_b", "i8", ("I",), "", "higher block index"),
+    Field("interfaces/normal", "f8", ("I", 3), "-", "unit normal from a to b"),
+    Field("interfaces/area", "f8", ("I",), "m2", "area of the overlap, not inset"),
+    Field("contacts/interface", "i8", ("C",), "", "interface of the contact point"),
+    Field("contacts/position", "f8", ("C", 3), "m", "contact point, inset"),
+    Field("contacts/friction", "f8", ("C",), "-", "friction coefficient tan(phi)"),
+)
+
+_SOLUTION = (
+    ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
+    ("value", "f8", (), "N, N m or -", "reaction for a settlement, multiplier for a live load"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("forces", "f8", ("C", 3), "N", "contact force on b, global axes; NaN where there is none"),
+    ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
+    ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
+    ("mechanism_violation", "f8", (), "-", "largest violation of the flow rule over the support's speed"),
+    ("duality_gap", "f8", (), "-", "value from forces less value from work, over the mean free-block weight"),
+    ("seconds", "f8", (), "s", "solver time"),
+    ("iterations", "i8", (), "", "solver iterations"),
+    ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
+)
+
+
+def solution_fields(group: str) -> tuple[Field, ...]:
+    """Fields of one limit-analysis solution below `limit_analysis/<group>`; its contact points may be its own."""
+    own = {"C": f"C of {group}", "K": f"K of {group}"}
+    return tuple(
+        Field(f"limit_analysis/{group}/{name}", dtype, tuple(own.get(str(n), n) for n in shape), unit, meaning)
+        for name, dtype, shape, unit, meaning in _SOLUTION
+    )
+
+
+# Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
+RUN_FIELDS = (
+    Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
+    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, extrapolated to zero settlement"),
+    Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
+    Field("result/settlement", "f8", (), "m or rad", "support motion reached, read from the support's pose"),
+    Field("result/asked_settlement", "f8", (), "m or rad", "support motion imposed until the stop: integral of its speed"),
+    Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
+    Field("result/slope", "f8", (), "N/m", "slope of the fitted line"),
+    Field("result/kinetic_ratio", "f8", (), "-", "largest kinetic energy on the plateau over the weights' work there"),
+    Field("result/steps", "i8", (), "", "time steps taken"),
+    Field("result/seconds", "f8", (), "s", "wall time inside YADE"),
+    Field("result/version", "str", (), "", "YADE version"),
+    Field("result/message", "str", (), "", "one sentence on how the run ended"),
+    Field("settings/json", "str", (), "", "all settings as used, a JSON object"),
+    Field("record/stage", "i8", ("T",), "", "0 gravity, 1 settlement"),
+    Field("record/time", "f8", ("T",), "s", "model time"),
+    Field("record/settlement", "f8", ("T",), "m or rad", "support motion so far"),
+    Field("record/reaction", "f8", ("T",), "N or N m", "minus support twist . wrench of the support on the structure"),
+    Field("record/support_wrench", "f8", ("T", 6), "N, N m", "force and moment (about the origin) of supports on the structure"),
+    Field("record/kinetic_energy", "f8", ("T",), "J", "kinetic energy of the free blocks"),
+    Field("record/unbalanced", "f8", ("T",), "-", "largest unbalanced force over the mean free-block weight"),
+    Field("poses/settlement", "f8", ("P",), "m or rad", "support motion of each stored state; the first is rest under gravity"),
+    Field("poses/displacement", "f8", ("P", "B", 3), "m", "displacement of the centroid from the case's geometry"),
+    Field("poses/rotation", "f8", ("P", "B", 3), "rad", "rotation vector from the case's geometry"),
+    Field("poses/forces", "f8", ("P", "C", 3), "N", "contact force on b at the case's contact points, global axes"),
+    Field("extra_contacts/blocks", "i8", ("E", 2), "", "block pairs that touched in YADE at a point the case does not list"),
+    Field("extra_contacts/position", "f8", ("E", 3), "m", "where they touched first"),
+)
+
+
+def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
+    """Write `values` (one per field path) beside `path` and rename; `inputs` is the digest of what made them.
+
+    The attribute `complete` is written last: a file without it is no result.
+    """
+    missing = [field.path for field in fields if field.path not in values]
+    if missing:
+        raise ExchangeError(f"{path}: not written: no value for {', '.join(missing)}")
+    unwritten = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with h5py.File(unwritten, "w") as file:
+            file.attrs["version"] = VERSION
+            file.attrs["inputs"] = inputs
+            for field in fields:
+                dtype: Any = h5py.string_dtype() if field.dtype == "str" else field.dtype
+                dataset = file.create_dataset(field.path, data=np.asarray(values[field.path], dtype=dtype))
+                dataset.attrs["unit"] = field.unit
+                dataset.attrs["meaning"] = field.meaning
+            file.attrs["complete"] = True
+        unwritten.replace(path)
+    finally:
+        unwritten.unlink(missing_ok=True)
+
+
+def inputs_digest(path: Path) -> str:
+    """Digest of the inputs that made `path`, or "" when there is no whole file of this version."""
+    try:
+        with h5py.File(path, "r") as file:
+            whole = file.attrs.get("complete", False) and file.attrs.get("version") == VERSION
+            return str(file.attrs.get("inputs", "")) if whole else ""
+    except OSError:
+        return ""
+
+
+def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
+    """Read and check every field: present, of its kind, of its shape. Strings come as `str`, arrays as numpy."""
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("version") != VERSION:
+                raise ExchangeError(f"{path}: version {file.attrs.get('version')}, this program reads version {VERSION}; run it again")
+            if not file.attrs.get("complete", False):
+                raise ExchangeError(f"{path}: not complete; run it again")
+            sizes: dict[str, int] = {}
+            return {field.path: _checked(path, file, field, sizes) for field in fields}
+    except OSError as error:
+        raise ExchangeError(f"{path}: not a readable HDF5 file ({error}); run it again") from error
+
+
+def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
+    dataset = file.get(field.path)
+    if not isinstance(dataset, h5py.Dataset):
+        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
+    is_text = h5py.check_string_dtype(dataset.dtype) is not None
+    if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
+        raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}")
+    expected = tuple(n if isinstance(n, int) else sizes.setdefault(n, size) for n, size in zip(field.shape, dataset.shape, strict=False))
+    if dataset.ndim != len(field.shape) or dataset.shape != expected:
+        raise ExchangeError(f"{path}: {field.path} has shape {dataset.shape}, the schema says {field.shape} = {expected}")
+    if is_text:
+        text = dataset.asstr()[()]
+        return text if field.shape == () else [str(item) for item in text]
+    return dataset[()]
+
+
+def schema_table(fields: tuple[Field, ...]) -> str:
+    """The schema as a Markdown table, for the documentation."""
+    rows = ["| path | type | shape | unit | meaning |", "|---|---|---|---|---|"]
+    rows += [f"| {f.path} | {f.dtype} | {' x '.join(map(str, f.shape)) or 'scalar'} | {f.unit} | {f.meaning} |" for f in fields]
+    return "\n".join(rows)

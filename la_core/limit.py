@@ -1,0 +1,188 @@
+"""Limit analysis with associated friction: bounds of the reaction, or the multiplier of a live load, and the mechanism.
+
+Kinematic form: the unknowns are the twists of the free blocks; the relative velocity u at every contact point obeys the
+associated flow rule u_n >= mu |u_t| (dual of Coulomb's cone |t| <= mu n); the contact forces are the multipliers.
+With K* the cone of the flow rule, w the weights and d the support's unit motion, virtual power gives for every equilibrium
+with forces in the cones and every such velocity
+    settlement, support yields (d):          R      >=  w . v    so  R_min  = max   w . v
+    settlement, support pushes back (-d):    R      <= -w . v    so  R_max  = min  -w . v
+    live load l, with l . v = 1:             lambda <= -w . v    so  lambda = min  -w . v
+(Livesley 1978; Portioli & Cascini 2016, doi 10.1016/j.engstruct.2016.02.002).
+"""
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from la_core import evidence
+from la_core.assembly import PLANE_FREEDOMS, Assembly, per_length
+from la_core.conic import Answer, Cones, Outcome, maximise
+
+ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
+FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
+
+
+class Status(enum.StrEnum):
+    """What limit analysis can say; only SOLVED carries a value that residuals confirm."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"  # cannot stand under its own weight
+    UNBOUNDED = "unbounded"  # no mechanism lets the support move this way, so nothing limits the reaction
+    INACCURATE = "inaccurate"
+    FAILED = "failed"
+
+
+class Drive(enum.Enum):
+    """What drives the structure to collapse."""
+
+    YIELDING = 1.0  # the support moves by its unit motion: least reaction
+    PUSHING = -1.0  # the support moves against it: greatest reaction
+    LIVE = 0.0  # a load grows: collapse multiplier
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Answer of one limit analysis with its recomputed evidence. Undefined numbers are NaN.
+
+    value: reaction in N (N m for a rotation) or multiplier. twists (B, 6): mechanism for the support's unit motion, or for
+    unit power of the unit live load. forces (C, 3): contact forces on b in N, global axes.
+    Residuals (equilibrium_residual, cone_violation, duality_gap) are relative to the mean free-block weight;
+    mechanism_violation is the flow rule's, relative to the largest contact velocity.
+    falling: names of blocks that fall when the status is INFEASIBLE.
+    """
+
+    status: Status
+    value: float
+    twists: np.ndarray
+    forces: np.ndarray
+    equilibrium_residual: float
+    cone_violation: float
+    mechanism_violation: float
+    duality_gap: float
+    seconds: float
+    iterations: int
+    falling: tuple[str, ...] = ()
+
+
+def solve(assembly: Assembly, drive: Drive) -> Solution:
+    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so."""
+    length, weight = assembly.length, assembly.weight
+    flow_rule, cones = _flow_rule(assembly)
+    freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
+    free = np.repeat(assembly.blocks.free, freedoms)
+    matrix = assembly.kinematic_matrix(length)
+    speed, imposed = _imposed_motion(assembly, drive)
+    columns = _columns(assembly, imposed, length)
+    power = _columns(assembly, per_length(assembly.dead_load, length) / weight, 1.0)[free]
+    rows, offset = (flow_rule @ matrix[:, free]).tocsr(), flow_rule @ (matrix @ columns)
+    if drive is Drive.LIVE:
+        live = _columns(assembly, per_length(assembly.live_load, length) / weight, 1.0)[free]
+        rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
+        offset = np.concatenate([[-1.0], offset])
+        cones = Cones(cones.equalities + 1, cones.inequalities, cones.second_order)
+    answer = maximise(power, rows, offset, cones)
+    twists = np.zeros((len(assembly.blocks), 6))
+    if answer.outcome is Outcome.RAY:
+        twists[assembly.blocks.free] = _twists(answer.x, assembly, length)
+        return _cannot_stand(assembly, twists, answer)
+    if answer.outcome is Outcome.EMPTY:
+        return _without_value(assembly, Status.UNBOUNDED, answer)
+    if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
+        return _without_value(assembly, Status.FAILED, answer)
+    if drive is Drive.LIVE:
+        speed = 1.0 / weight  # unit power of the unit live load, which was scaled by the weight
+    twists += imposed * speed
+    twists[assembly.blocks.free] = _twists(answer.x, assembly, length) * speed
+    multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
+    local = (flow_rule.T @ multipliers).reshape(len(assembly.points), -1) * weight
+    forces = np.einsum("ck,ckj->cj", local, assembly.axes[:, : local.shape[1]])
+    return _with_evidence(assembly, drive, twists, forces, answer)
+
+
+def _imposed_motion(assembly: Assembly, drive: Drive) -> tuple[float, np.ndarray]:
+    """Speed of the fastest support point and the supports' twists (B, 6) divided by it."""
+    if drive is Drive.LIVE:
+        return 1.0, np.zeros((len(assembly.blocks), 6))
+    speed = float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
+    return speed, drive.value * assembly.support_twist / speed
+
+
+def _columns(assembly: Assembly, twists: np.ndarray, length: float) -> np.ndarray:
+    """Twists (B, 6) as the vector the kinematic matrix acts on: rotations times `length`, plane freedoms picked."""
+    scaled = twists * np.array([1.0, 1.0, 1.0, length, length, length])
+    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
+
+
+def _twists(x: np.ndarray, assembly: Assembly, length: float) -> np.ndarray:
+    """Twists (free blocks, 6) from the unknowns of the scaled problem."""
+    count = int(assembly.blocks.free.sum())
+    twists = np.zeros((count, 6))
+    twists[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)
+    return per_length(twists, length)
+
+
+def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
+    """Rows T with T u in the flow rule's cone; contact forces are T' times the multipliers.
+
+    Frictionless points need only u_n >= 0; where sliding is excluded (Heyman), u_t = 0 and u_n >= 0; in the plane the cone is
+    two inequalities u_n -+ mu u_t >= 0; else one second-order cone. Rows are scaled to unit length, which leaves cones as they are.
+    """
+    friction, count = assembly.points.friction, len(assembly.points)
+    width = 2 if assembly.effects.plane else 3
+    normal_row = np.arange(count) * width
+    scale = 1.0 / np.hypot(1.0, friction)
+    no_slip = assembly.effects.friction == "none-slides"
+    rough = np.flatnonzero(friction > 0.0) if not no_slip else np.zeros(0, dtype=int)
+    smooth = np.flatnonzero(friction == 0.0) if not no_slip else np.arange(count)
+    tangents = [normal_row + k for k in range(1, width)]
+    pick = sparse.identity(count * width, format="csr")
+    equalities = sparse.vstack([pick[rows] for rows in tangents]) if no_slip else pick[:0]
+    unilateral = pick[normal_row[smooth]]
+    n, scaled_n = normal_row[rough], sparse.diags(scale[rough])
+    slope = sparse.diags((scale * friction)[rough])
+    if assembly.effects.plane:
+        t = slope @ pick[tangents[0][rough]]
+        pairs = sparse.vstack([scaled_n @ pick[n] - t, scaled_n @ pick[n] + t])
+        inequalities, second_order = sparse.vstack([unilateral, pairs]), pick[:0]
+    else:
+        triples = sparse.vstack([scaled_n @ pick[n], *(slope @ pick[rows[rough]] for rows in tangents)]).tocsr()
+        order = np.arange(3 * len(rough)).reshape(3, -1).T.ravel()
+        inequalities, second_order = unilateral, triples[order]
+    rows = sparse.vstack([equalities, inequalities, second_order]).tocsr()
+    return rows, Cones(equalities.shape[0], inequalities.shape[0], len(rough) if not assembly.effects.plane else 0)
+
+
+def _without_value(assembly: Assembly, status: Status, answer: Answer, falling: tuple[str, ...] = ()) -> Solution:
+    nan = float("nan")
+    twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
+    return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
+
+
+def _cannot_stand(assembly: Assembly, twists: np.ndarray, answer: Answer) -> Solution:
+    """Check the certificate: with the supports at rest, an admissible motion on which the weights do positive work."""
+    power = np.sum(assembly.dead_load * twists, axis=1)
+    if power.sum() <= 0.0 or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
+        return _without_value(assembly, Status.FAILED, answer)
+    falls = np.flatnonzero(power >= FALLING_SHARE * power.max())
+    return _without_value(assembly, Status.INFEASIBLE, answer, tuple(assembly.blocks.names[k] for k in falls))
+
+
+def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer) -> Solution:
+    """Solution with residuals recomputed from its forces and twists; one residual above ACCEPTED makes it inaccurate."""
+    from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
+    if drive is Drive.LIVE:
+        value, from_forces, unit = from_work, evidence.multiplier(assembly, forces), 1.0
+    else:
+        value = from_forces = evidence.reaction(assembly, forces)
+        unit = assembly.mean_weight * (assembly.length if np.any(assembly.support_twist[:, 3:]) else 1.0)
+    residuals = {
+        "equilibrium_residual": evidence.equilibrium_residual(assembly, forces, value if drive is Drive.LIVE else 0.0),
+        "cone_violation": evidence.cone_violation(assembly, forces),
+        "mechanism_violation": evidence.flow_rule_violation(assembly, twists),
+        "duality_gap": abs(from_forces - from_work) / unit,
+    }
+    confirmed = answer.outcome is Outcome.OPTIMUM and max(residuals.values()) <= ACCEPTED
+    status = Status.SOLVED if confirmed else Status.INACCURATE
+    return Solution(status, value, twists, forces, seconds=answer.seconds, iterations=answer.iterations, falling=(), **residuals)

@@ -1,0 +1,225 @@
+"""From a TOML file to a `Scene`: every complaint about a scene is made here, before anything is solved."""
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pydantic
+
+from la_core import generators, schema, shapes
+from la_core.errors import SceneError, nearest
+from la_core.exchange import FREE
+from la_core.generators import NamedShape
+
+LARGEST_FILE = 50_000_000  # bytes; a scene is text
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A validated scene: blocks as arrays, joint law, motion or load, what is expected of it. SI units, z up.
+
+    support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
+    live (3,): unit direction of a load proportional to weight, None for a settlement.
+    """
+
+    name: str
+    path: Path
+    text: str
+    title: str
+    source: str
+    gravity: np.ndarray
+    friction: float
+    inset: float
+    blocks: shapes.Blocks
+    support_twist: np.ndarray | None
+    live: np.ndarray | None
+    effects: schema.Effects
+    expected: schema.Expected | None
+    yade: dict[str, Any]
+
+    @property
+    def weight(self) -> float:
+        """Weight of the free blocks, N."""
+        return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the support turns, so that the reaction is a moment."""
+        return self.support_twist is not None and bool(np.any(self.support_twist[3:]))
+
+    @property
+    def quantity(self) -> str:
+        """What limit analysis yields here: "reaction" or "multiplier"."""
+        return "reaction" if self.live is None else "multiplier"
+
+    @property
+    def unit(self) -> str:
+        """Unit of that quantity."""
+        return "" if self.live is not None else "N m" if self.is_rotation else "N"
+
+
+def load_scene(path: Path, name: str = "") -> Scene:
+    """Read, validate and expand a scene file; raises SceneError for anything a user must mend.
+
+    `name` replaces the file's stem as the scene's name, for copies.
+    """
+    text = _read(path)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(str(path), f"not valid TOML: {error}") from error
+    try:
+        return _build(path, name or path.stem, text, _validate(data))
+    except SceneError as error:
+        raise SceneError(str(path), str(error)) from error
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
+    except UnicodeDecodeError as error:
+        raise SceneError(str(path), f"not UTF-8 text (byte {error.start})") from error
+
+
+def _validate(data: dict[str, Any]) -> schema.SceneFile:
+    try:
+        return schema.SceneFile.model_validate(data)
+    except pydantic.ValidationError as error:
+        raise _complaint(error.errors()[0], data) from error
+
+
+def _complaint(error: Any, data: dict[str, Any]) -> SceneError:
+    """One pydantic error as a sentence: key path (with the block's name), value, rule, nearest key."""
+    path, value = _key_path(error["loc"], data), error["input"]
+    if error["type"] == "extra_forbidden":
+        *parents, key = error["loc"]
+        return SceneError(path, "unknown key", hint=nearest(str(key), _valid_keys(parents)))
+    if error["type"] == "missing":
+        return SceneError(path, "missing", hint="no physical quantity has a silent default")
+    if error["type"] == "value_error":
+        return SceneError(path or "scene", str(error["ctx"]["error"]))
+    return SceneError(path, error["msg"][0].lower() + error["msg"][1:], value=value)
+
+
+def _key_path(location: tuple[Any, ...], data: Any) -> str:
+    parts: list[str] = []
+    for step in location:
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            data = None
+        if not isinstance(step, int):
+            parts.append(str(step))
+        elif isinstance(data, dict) and isinstance(data.get("name"), str):
+            parts[-1] += f' "{data["name"]}"'
+        else:
+            parts[-1] += f"[{step + 1}]"
+    return ".".join(part for part in parts if not part.startswith(("constrained-", "literal[", "tuple[", "bool")))
+
+
+def _valid_keys(parents: list[Any]) -> list[str]:
+    """Keys of the table that `parents` lead to, by walking the schema."""
+    model: type[pydantic.BaseModel] = schema.SceneFile
+    for step in parents:
+        if isinstance(step, int):
+            continue
+        field = next(f for name, f in model.model_fields.items() if step in (name, f.alias))
+        model = _table_of(field.annotation)
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _table_of(annotation: Any) -> Any:
+    """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`."""
+    if isinstance(annotation, type) and issubclass(annotation, pydantic.BaseModel):
+        return annotation
+    return next(found for part in annotation.__args__ if part is not type(None) and (found := _table_of(part)))
+
+
+def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
+    named = list(_named_shapes(file))
+    _require_blocks(named, file)
+    blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
+    return Scene(
+        name=name,
+        path=path,
+        text=text,
+        title=file.title or name,
+        source=file.source,
+        gravity=np.array(file.gravity),
+        friction=file.joint.friction,
+        inset=file.joint.inset,
+        blocks=blocks,
+        support_twist=_support_twist(file.settlement),
+        live=_unit(file.live.direction) if file.live else None,
+        effects=file.effects,
+        expected=file.expected,
+        yade=file.yade,
+    )
+
+
+def _named_shapes(file: schema.SceneFile) -> Iterator[NamedShape]:
+    for block in file.block:
+        try:
+            yield NamedShape(block.name, block.role, block.density, _shape(block))
+        except ValueError as error:
+            raise SceneError(f'block "{block.name}"', str(error)) from error
+    for wall in file.wall:
+        yield from generators.wall_blocks(wall)
+    for arch in file.arch:
+        yield from generators.arch_blocks(arch)
+
+
+def _shape(block: schema.Block) -> shapes.Shape:
+    if block.box:
+        return shapes.box(block.box.from_, block.box.to)
+    if block.prism:
+        return shapes.prism(block.prism.profile, block.prism.y)
+    assert block.polyhedron is not None  # the schema demands exactly one shape
+    return shapes.polyhedron(block.polyhedron.vertices)
+
+
+def _require_blocks(named: list[NamedShape], file: schema.SceneFile) -> None:
+    twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
+    if twice:
+        raise SceneError(f'block "{twice[0]}"', "the name is used twice; every block needs its own")
+    roles = {n.role for n in named}
+    if "free" not in roles:
+        raise SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"')
+    if file.settlement and "support" not in roles:
+        raise SceneError("settlement", "no block has the role of support", hint='give a [[block]] role = "support"')
+    if file.live and "support" in roles:
+        raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
+
+
+def _densities(named: list[NamedShape], file: schema.SceneFile) -> list[float]:
+    """Density of every block; a held block may do without (NaN), a free one may not."""
+    stone = file.stone.density if file.stone else None
+    densities = [n.density if n.density is not None else stone for n in named]
+    for n, density in zip(named, densities, strict=True):
+        if density is None and shapes.ROLES[n.role] == FREE:
+            raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
+    return [np.nan if density is None else density for density in densities]
+
+
+def _unit(vector: schema.Vector) -> np.ndarray:
+    """Unit vector; scaled by the largest entry first, so that tiny and huge entries do not under- or overflow."""
+    scaled = np.array(vector) / np.abs(vector).max()
+    return scaled / np.linalg.norm(scaled)
+
+
+def _support_twist(settlement: schema.Settlement | None) -> np.ndarray | None:
+    if settlement is None:
+        return None
+    if settlement.direction is not None:
+        return np.concatenate([_unit(settlement.direction), np.zeros(3)])
+    assert settlement.axis is not None and settlement.point is not None  # the schema demands both
+    axis = _unit(settlement.axis)
+    return np.concatenate([np.cross(np.array(settlement.point), axis), axis])

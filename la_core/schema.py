@@ -1,0 +1,217 @@
+"""The scene file as a schema: every table and key, its type and its limits (pydantic)."""
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+
+Real = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Positive = Annotated[Real, Field(gt=0.0)]
+NotNegative = Annotated[Real, Field(ge=0.0)]
+Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
+Pair = tuple[Real, Real]
+Vector = tuple[Real, Real, Real]
+Name = Annotated[str, Strict(), Field(min_length=1, max_length=200)]
+MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
+Role = Literal["free", "fixed", "support"]
+
+
+def _not_zero(vector: Vector) -> Vector:
+    if not any(vector):
+        raise ValueError("must not be the zero vector")
+    return vector
+
+
+Direction = Annotated[Vector, AfterValidator(_not_zero)]
+
+
+class Table(BaseModel):
+    """A table that refuses keys it does not know and does not change once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Stone(Table):
+    """What every block without its own density is made of (density in kg/m3)."""
+
+    density: Positive
+
+
+class Joint(Table):
+    """The dry joint: friction is tan(phi); inset in m draws contact points in from the edges of an interface."""
+
+    friction: NotNegative
+    inset: NotNegative = 0.001
+
+
+class Box(Table):
+    """Box along the axes between two corners, m."""
+
+    from_: Vector = Field(alias="from")
+    to: Vector
+
+    @model_validator(mode="after")
+    def _has_volume(self) -> Self:
+        if any(high <= low for low, high in zip(self.from_, self.to, strict=True)):
+            raise ValueError("every coordinate of `to` must be greater than that of `from`, else the box has no volume")
+        return self
+
+
+class Prism(Table):
+    """Convex (x, z) profile, in either orientation, extruded from y[0] to y[1], m."""
+
+    profile: Annotated[tuple[Pair, ...], Field(min_length=3)]
+    y: Pair
+
+    @model_validator(mode="after")
+    def _has_depth(self) -> Self:
+        if self.y[1] <= self.y[0]:
+            raise ValueError("`y` must rise, else the prism has no volume")
+        return self
+
+
+class Polyhedron(Table):
+    """Convex hull of vertices, m."""
+
+    vertices: Annotated[tuple[Vector, ...], Field(min_length=4)]
+
+
+class Block(Table):
+    """One convex block; role "support" moves with the settlement, "fixed" is the ground."""
+
+    name: Name
+    role: Role = "free"
+    density: Positive | None = None
+    box: Box | None = None
+    prism: Prism | None = None
+    polyhedron: Polyhedron | None = None
+
+    @model_validator(mode="after")
+    def _has_one_shape(self) -> Self:
+        if sum(shape is not None for shape in (self.box, self.prism, self.polyhedron)) != 1:
+            raise ValueError("needs exactly one shape: box, prism or polyhedron")
+        return self
+
+
+class Opening(Table):
+    """Rectangle cut out of a wall, in the wall's own x and z (from its lower left corner), under one lintel."""
+
+    from_: Pair = Field(alias="from")
+    to: Pair
+    bearing: Positive
+
+    @model_validator(mode="after")
+    def _has_area(self) -> Self:
+        if self.to[0] <= self.from_[0] or self.to[1] <= self.from_[1]:
+            raise ValueError("both coordinates of `to` must be greater than those of `from`")
+        return self
+
+
+class Wall(Table):
+    """Courses of equal blocks along x, bottom course first."""
+
+    name: Name = "wall"
+    bond: Literal["running", "stack"]
+    origin: Vector
+    block: tuple[Positive, Positive, Positive]  # length (x), depth (y), height (z)
+    per_course: Count
+    courses: Count
+    first: Literal["full", "half"] = "full"  # what the bottom course of a running bond starts with
+    density: Positive | None = None
+    opening: tuple[Opening, ...] = ()
+
+    @model_validator(mode="after")
+    def _is_bounded(self) -> Self:
+        if self.per_course * self.courses > MOST_BLOCKS:
+            raise ValueError(f"`per_course` times `courses` may be at most {MOST_BLOCKS}")
+        return self
+
+
+class Springers(Table):
+    """Roles of the held blocks behind the springing joints of an arch."""
+
+    left: Literal["fixed", "support"]
+    right: Literal["fixed", "support"]
+
+
+class Arch(Table):
+    """Straight-sided voussoirs with radial joints in the xz plane, numbered from the left springing."""
+
+    name: Name = "arch"
+    centre: Vector  # centre of the circle; its y is where the depth begins
+    radius: Positive  # of the ring's mid line
+    thickness: Positive
+    depth: Positive
+    voussoirs: Count
+    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = 180.0  # degrees; 180 is semicircular, less is segmental
+    springers: Springers | None = None
+    density: Positive | None = None
+
+    @model_validator(mode="after")
+    def _is_a_ring(self) -> Self:
+        if self.thickness >= 2.0 * self.radius:
+            raise ValueError("`thickness` must be less than twice `radius`")
+        if self.embrace / self.voussoirs > 120.0:
+            raise ValueError("a voussoir may span at most 120 degrees; take more `voussoirs`")
+        return self
+
+
+class Settlement(Table):
+    """Motion of all support blocks as one rigid body: a translation or a rotation."""
+
+    direction: Direction | None = None
+    axis: Direction | None = None
+    point: Vector | None = None
+
+    @model_validator(mode="after")
+    def _is_one_motion(self) -> Self:
+        given = (self.direction is not None, self.axis is not None, self.point is not None)
+        if given not in ((True, False, False), (False, True, True)):
+            raise ValueError("needs either `direction` (translation) or both `axis` and `point` (rotation)")
+        return self
+
+
+class Live(Table):
+    """A load proportional to weight along a direction."""
+
+    direction: Direction
+
+
+class Effects(Table):
+    """Which effects to model; "auto" decides from the scene."""
+
+    plane: Literal["auto"] | Annotated[bool, Strict()] = "auto"
+    friction: Literal["auto", "coulomb", "associated", "none-slides"] = "auto"
+
+
+class Expected(Table):
+    """What the scene is known to yield for sharp arrises, and how it is known."""
+
+    reaction_over_weight: Real | None = None
+    reaction_max_over_weight: Real | None = None
+    multiplier: Real | None = None
+    tolerance: Positive = 1e-4
+    kind: Literal["exact", "published", "computed"]
+
+
+class SceneFile(Table):
+    """The whole file."""
+
+    title: Annotated[str, Strict()] = ""
+    source: Annotated[str, Strict()] = ""
+    gravity: Direction = (0.0, 0.0, -9.81)
+    stone: Stone | None = None
+    joint: Joint
+    block: tuple[Block, ...] = ()
+    wall: tuple[Wall, ...] = ()
+    arch: tuple[Arch, ...] = ()
+    settlement: Settlement | None = None
+    live: Live | None = None
+    effects: Effects = Effects()
+    expected: Expected | None = None
+    yade: dict[str, Any] = {}  # settings for YADE in place of derived ones; YADE's side checks them
+
+    @model_validator(mode="after")
+    def _has_one_loading(self) -> Self:
+        if (self.settlement is None) == (self.live is None):
+            raise ValueError("needs either a [settlement] or a [live] table")
+        return self

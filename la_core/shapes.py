@@ -1,0 +1,198 @@
+"""Convex blocks: from the shapes of a scene to flat arrays of vertices and faces, and their mass properties."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.spatial
+
+from la_core.exchange import FIXED, FREE, SUPPORT
+
+ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
+FLATNESS = 1e-9  # of the block's size: vertices closer than this to a plane or line lie on it
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One convex polyhedron: vertices (n, 3) in m, faces as loops counter-clockwise seen from outside."""
+
+    vertices: np.ndarray
+    faces: tuple[tuple[int, ...], ...]
+
+
+def box(low: Sequence[float], high: Sequence[float]) -> Shape:
+    """Box with edges along the axes, from corner `low` to corner `high` (m)."""
+    (x0, y0, z0), (x1, y1, z1) = low, high
+    return prism([(x0, z0), (x1, z0), (x1, z1), (x0, z1)], (y0, y1))
+
+
+def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
+    """Prism of a convex (x, z) profile, in either orientation, from y[0] to y[1] (m).
+
+    Raises ValueError when the profile is not convex or has no area.
+    """
+    points = np.array(profile, dtype=float)
+    following = np.roll(points, -1, axis=0)
+    if np.sum(points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]) < 0.0:
+        points = points[::-1]
+    size = np.ptp(points, axis=0).max()
+    edge_in, edge_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    turn = edge_in[:, 0] * edge_out[:, 1] - edge_in[:, 1] * edge_out[:, 0]
+    flat = np.abs(turn) <= FLATNESS * size * np.maximum(np.hypot(*edge_in.T), np.hypot(*edge_out.T))
+    winding = np.arctan2(turn, np.sum(edge_in * edge_out, axis=1)).sum() / (2.0 * np.pi)
+    if flat.all():
+        raise ValueError("the profile has no area")
+    if np.any(turn[~flat] < 0.0) or abs(winding - 1.0) > 1e-6:
+        raise ValueError("the profile is not convex")
+    points = points[~flat]
+    n = len(points)
+    if n < 3:
+        raise ValueError("the profile has no area")
+    vertices = np.array([(px, depth, pz) for depth in y for px, pz in points])
+    sides = tuple(((i + 1) % n, i, n + i, n + (i + 1) % n) for i in range(n))
+    return Shape(vertices, (tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides))
+
+
+def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:
+    """Convex hull of vertices (n, 3) in m, coplanar triangles merged into faces.
+
+    Raises ValueError when the hull has no volume.
+    """
+    points = np.array(vertices, dtype=float)
+    centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    if not size > 0.0:
+        raise ValueError("the polyhedron has no volume")
+    try:
+        hull = scipy.spatial.ConvexHull((points - centre) / size)
+    except scipy.spatial.QhullError as error:
+        raise ValueError("the polyhedron has no volume") from error
+    faces, remaining = [], list(range(len(hull.equations)))
+    while remaining:
+        plane = hull.equations[remaining[0]]
+        distance = np.abs(hull.points[hull.vertices] @ plane[:3] + plane[3])
+        corners = hull.vertices[distance <= 10.0 * FLATNESS]
+        faces.append(_ordered(hull.points, corners, plane[:3]))
+        members = set(corners.tolist())
+        remaining = [k for k in remaining if not members.issuperset(hull.simplices[k].tolist())]
+    used = sorted({vertex for face in faces for vertex in face})
+    renumber = {old: new for new, old in enumerate(used)}
+    return Shape(points[used], tuple(tuple(renumber[v] for v in face) for face in faces))
+
+
+def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tuple[int, ...]:
+    """Corners of a face counter-clockwise about its outward normal."""
+    arms = points[corners] - points[corners].mean(axis=0)
+    across = np.cross(normal, arms[0])
+    angle = np.arctan2(arms @ across, arms @ np.cross(across, normal))
+    return tuple(int(corner) for corner in corners[np.argsort(angle)])
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """All blocks of a structure as flat arrays (see `la_core.exchange` for the layout); SI units.
+
+    names B; role (B,); density (B,) NaN where a held block has none; vertices (V, 3); vertex_start (B+1,);
+    face_vertex (L,); face_start (F+1,); face_block (F,); face_normal (F, 3) outward; face_offset (F,): normal . x = offset.
+    """
+
+    names: tuple[str, ...]
+    role: np.ndarray
+    density: np.ndarray
+    vertices: np.ndarray
+    vertex_start: np.ndarray
+    face_vertex: np.ndarray
+    face_start: np.ndarray
+    face_block: np.ndarray
+    face_normal: np.ndarray
+    face_offset: np.ndarray
+    volume: np.ndarray
+    centroid: np.ndarray
+    inertia: np.ndarray
+
+    @classmethod
+    def gather(cls, names: Sequence[str], roles: Sequence[str], densities: Sequence[float], shapes: Sequence[Shape]) -> "Blocks":
+        """Concatenate shapes and derive face planes, volume (B,), centroid (B, 3) and inertia (B, 3, 3) at the centroid."""
+        vertices = np.concatenate([shape.vertices for shape in shapes])
+        vertex_start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])])
+        loops = [np.array(face) + start for shape, start in zip(shapes, vertex_start, strict=False) for face in shape.faces]
+        face_vertex = np.concatenate(loops)
+        face_start = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])])
+        face_block = np.repeat(np.arange(len(shapes)), [len(shape.faces) for shape in shapes])
+        normal, offset = _face_planes(vertices, face_vertex, face_start)
+        density = np.array(densities, dtype=float)
+        volume, centroid, inertia = _mass_properties(vertices, vertex_start, face_vertex, face_start, face_block)
+        role = np.array([ROLES[role] for role in roles])
+        return cls(
+            tuple(names), role, density, vertices, vertex_start, face_vertex, face_start, face_block,
+            normal, offset, volume, centroid, inertia * density[:, None, None],
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def free(self) -> np.ndarray:
+        """Mask (B,) of the blocks that may move freely."""
+        return self.role == FREE
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses (B,) in kg; NaN for a held block without density."""
+        return self.density * self.volume
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower corner (B, 3) of each bounding box, m."""
+        return np.minimum.reduceat(self.vertices, self.vertex_start[:-1])
+
+    @property
+    def high(self) -> np.ndarray:
+        """Upper corner (B, 3) of each bounding box, m."""
+        return np.maximum.reduceat(self.vertices, self.vertex_start[:-1])
+
+    def faces_of(self, block: int) -> list[np.ndarray]:
+        """Face polygons of one block, each (n, 3) in m."""
+        faces = np.flatnonzero(self.face_block == block)
+        return [self.vertices[self.face_vertex[self.face_start[f] : self.face_start[f + 1]]] for f in faces]
+
+
+def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fan triangulation of every face: vertex indices (T, 3) and the face of each triangle (T,)."""
+    counts = np.diff(face_start) - 2
+    face = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
+    first = face_start[face]
+    return face_vertex[np.stack([first, first + place, first + place + 1], axis=1)], face
+
+
+def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    corners, face = _triangles(face_vertex, face_start)
+    a, b, c = (vertices[corners[:, k]] for k in range(3))
+    normal = np.zeros((len(face_start) - 1, 3))
+    np.add.at(normal, face, np.cross(b - a, c - a))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    mean = np.add.reduceat(vertices[face_vertex], face_start[:-1]) / np.diff(face_start)[:, None]
+    return normal, np.sum(normal * mean, axis=1)
+
+
+def _mass_properties(
+    vertices: np.ndarray, vertex_start: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray, face_block: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Volume, centroid and inertia at unit density, by tetrahedra from each block's first vertex to its faces' triangles."""
+    count = len(vertex_start) - 1
+    corners, face = _triangles(face_vertex, face_start)
+    block = face_block[face]
+    origin = vertices[vertex_start[:-1]]
+    a, b, c = (vertices[corners[:, k]] - origin[block] for k in range(3))
+    six_volumes = np.sum(a * np.cross(b, c), axis=1)
+    total = a + b + c
+    # Integrals over a tetrahedron (0, a, b, c): of x, det/24 (a+b+c); of x x', det/120 (ss' + aa' + bb' + cc').
+    volume, first, second = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
+    np.add.at(volume, block, six_volumes / 6.0)
+    np.add.at(first, block, six_volumes[:, None] * total / 24.0)
+    outer = sum(vector[:, :, None] * vector[:, None, :] for vector in (total, a, b, c))
+    np.add.at(second, block, six_volumes[:, None, None] * outer / 120.0)
+    arm = first / volume[:, None]
+    second -= volume[:, None, None] * arm[:, :, None] * arm[:, None, :]
+    inertia = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
+    return volume, origin + arm, inertia
