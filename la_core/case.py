@@ -78,12 +78,18 @@ def _solve_all(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Soluti
             return
 
 
-def digest(scene: Scene, for_yade: bool) -> str:
-    """Digest of all that decides the limit analysis: the scene's text and this package's code."""
-    total = hashlib.sha256(f"{scene.name}\n{for_yade}\n{scene.text}".encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+def code_digest(folder: Path) -> str:
+    """Digest of the Python code directly in a package's folder."""
+    total = hashlib.sha256()
+    for source in sorted(folder.glob("*.py")):
         total.update(source.read_bytes())
     return total.hexdigest()
+
+
+def digest(scene: Scene, for_yade: bool) -> str:
+    """Digest of all that decides the limit analysis: the scene's name and text and this package's code."""
+    text = "\n".join([scene.name, str(for_yade), code_digest(Path(__file__).parent), scene.text])
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _fields(scene: Scene) -> tuple[exchange.Field, ...]:

@@ -11,7 +11,7 @@ with forces in the cones and every such velocity
 """
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -66,39 +66,60 @@ class Solution:
     falling: tuple[str, ...] = ()
 
 
-def solve(assembly: Assembly, drive: Drive) -> Solution:
-    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so."""
-    length, weight = assembly.length, assembly.weight
+@dataclass(frozen=True)
+class ScaledProblem:
+    """The kinematic problem with lengths over the mean block size and weights over the total weight.
+
+    power (n,): of the weights per unknown; rows: unknowns to flow-rule velocities; imposed_rows: all blocks' columns to the same;
+    flow_rule: local relative velocities to flow-rule velocities, its transpose turns multipliers into contact forces.
+    """
+
+    power: np.ndarray
+    rows: sparse.csr_matrix
+    imposed_rows: sparse.csr_matrix
+    flow_rule: sparse.csr_matrix
+    cones: Cones
+
+
+def scaled_problem(assembly: Assembly) -> ScaledProblem:
+    """Set up the kinematic problem of an assembly, the same for every drive."""
     flow_rule, cones = _flow_rule(assembly)
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
     free = np.repeat(assembly.blocks.free, freedoms)
-    matrix = assembly.kinematic_matrix(length)
+    imposed_rows = (flow_rule @ assembly.kinematic_matrix(assembly.length)).tocsr()
+    power = _scaled_load(assembly, assembly.dead_load)[free]
+    return ScaledProblem(power, imposed_rows[:, free], imposed_rows, flow_rule, cones)
+
+
+def solve(assembly: Assembly, drive: Drive) -> Solution:
+    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so."""
+    problem = scaled_problem(assembly)
     speed, imposed = _imposed_motion(assembly, drive)
-    columns = _columns(assembly, imposed, length)
-    power = _columns(assembly, per_length(assembly.dead_load, length) / weight, 1.0)[free]
-    rows, offset = (flow_rule @ matrix[:, free]).tocsr(), flow_rule @ (matrix @ columns)
+    rows, cones = problem.rows, problem.cones
+    offset = problem.imposed_rows @ columns(assembly, imposed)
     if drive is Drive.LIVE:
-        live = _columns(assembly, per_length(assembly.live_load, length) / weight, 1.0)[free]
+        free = np.repeat(assembly.blocks.free, rows.shape[1] // int(assembly.blocks.free.sum()))
+        live = _scaled_load(assembly, assembly.live_load)[free]
         rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
         offset = np.concatenate([[-1.0], offset])
-        cones = Cones(cones.equalities + 1, cones.inequalities, cones.second_order)
-    answer = maximise(power, rows, offset, cones)
-    twists = np.zeros((len(assembly.blocks), 6))
-    if answer.outcome is Outcome.RAY:
-        twists[assembly.blocks.free] = _twists(answer.x, assembly, length)
-        return _cannot_stand(assembly, twists, answer)
+        cones = replace(cones, equalities=cones.equalities + 1)
+        speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
+    answer = maximise(problem.power, rows, offset, cones)
     if answer.outcome is Outcome.EMPTY:
         return _without_value(assembly, Status.UNBOUNDED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
-    if drive is Drive.LIVE:
-        speed = 1.0 / weight  # unit power of the unit live load, which was scaled by the weight
-    twists += imposed * speed
-    twists[assembly.blocks.free] = _twists(answer.x, assembly, length) * speed
+    twists = np.zeros((len(assembly.blocks), 6))
+    twists[assembly.blocks.free] = _twists(answer.x, assembly)
+    if answer.outcome is Outcome.RAY:
+        return _cannot_stand(assembly, twists, answer)
     multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
-    local = (flow_rule.T @ multipliers).reshape(len(assembly.points), -1) * weight
+    local = (problem.flow_rule.T @ multipliers).reshape(len(assembly.points), -1) * assembly.weight
     forces = np.einsum("ck,ckj->cj", local, assembly.axes[:, : local.shape[1]])
-    return _with_evidence(assembly, drive, twists, forces, answer)
+    solution = _with_evidence(assembly, drive, (twists + imposed) * speed, forces, answer)
+    if drive is Drive.LIVE and solution.value < -ACCEPTED:  # the live load has to hold the structure up
+        return _cannot_stand(assembly, solution.twists, answer)
+    return solution
 
 
 def _imposed_motion(assembly: Assembly, drive: Drive) -> tuple[float, np.ndarray]:
@@ -109,18 +130,24 @@ def _imposed_motion(assembly: Assembly, drive: Drive) -> tuple[float, np.ndarray
     return speed, drive.value * assembly.support_twist / speed
 
 
-def _columns(assembly: Assembly, twists: np.ndarray, length: float) -> np.ndarray:
-    """Twists (B, 6) as the vector the kinematic matrix acts on: rotations times `length`, plane freedoms picked."""
-    scaled = twists * np.array([1.0, 1.0, 1.0, length, length, length])
+def columns(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
+    """Twists (B, 6) as the vector the scaled matrix acts on: rotations times the length, plane freedoms picked."""
+    scaled = twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3])
     return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
 
 
-def _twists(x: np.ndarray, assembly: Assembly, length: float) -> np.ndarray:
+def _scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
+    """Wrenches (B, 6) as powers per scaled column: forces over the weight, moments over weight and length."""
+    scaled = per_length(wrenches, assembly.length) / assembly.weight
+    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
+
+
+def _twists(x: np.ndarray, assembly: Assembly) -> np.ndarray:
     """Twists (free blocks, 6) from the unknowns of the scaled problem."""
     count = int(assembly.blocks.free.sum())
     twists = np.zeros((count, 6))
     twists[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)
-    return per_length(twists, length)
+    return per_length(twists, assembly.length)
 
 
 def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:

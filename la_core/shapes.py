@@ -23,7 +23,15 @@ class Shape:
 def box(low: Sequence[float], high: Sequence[float]) -> Shape:
     """Box with edges along the axes, from corner `low` to corner `high` (m)."""
     (x0, y0, z0), (x1, y1, z1) = low, high
-    return prism([(x0, z0), (x1, z0), (x1, z1), (x0, z1)], (y0, y1))
+    return _extruded([(x0, z0), (x1, z0), (x1, z1), (x0, z1)], (y0, y1))
+
+
+def _extruded(points: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
+    """Prism of a convex (x, z) profile whose corners turn from x to z."""
+    n = len(points)
+    vertices = np.array([(px, depth, pz) for depth in y for px, pz in points])
+    sides = tuple(((i + 1) % n, i, n + i, n + (i + 1) % n) for i in range(n))
+    return Shape(vertices, (tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides))
 
 
 def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
@@ -45,12 +53,9 @@ def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
     if np.any(turn[~flat] < 0.0) or abs(winding - 1.0) > 1e-6:
         raise ValueError("the profile is not convex")
     points = points[~flat]
-    n = len(points)
-    if n < 3:
+    if len(points) < 3:
         raise ValueError("the profile has no area")
-    vertices = np.array([(px, depth, pz) for depth in y for px, pz in points])
-    sides = tuple(((i + 1) % n, i, n + i, n + (i + 1) % n) for i in range(n))
-    return Shape(vertices, (tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides))
+    return _extruded(points.tolist(), y)
 
 
 def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:

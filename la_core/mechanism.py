@@ -1,0 +1,58 @@
+"""Measures of a mechanism: which blocks move, where joints slide, how alike two mechanisms are."""
+
+import numpy as np
+
+from la_core.assembly import Assembly
+from la_core.shapes import Blocks
+
+MOVING_SHARE = 0.05  # of the fastest block's speed: blocks below this stand still; elastic strain is far below it
+
+
+def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
+    """Largest speed (B,) over the vertices of each block, for twists (B, 6) about the centroids; in the twists' unit."""
+    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    arm = blocks.vertices - blocks.centroid[owner]
+    velocity = twists[owner, :3] + np.cross(twists[owner, 3:], arm)
+    return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
+
+
+def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
+    """Mask (B,) of the free blocks that take part in a mechanism."""
+    speed = np.where(blocks.free, block_speeds(blocks, twists), 0.0)
+    return blocks.free & (speed > MOVING_SHARE * speed.max())
+
+
+def moving_mass_share(blocks: Blocks, twists: np.ndarray) -> float:
+    """Mass of the moving blocks over that of all free blocks."""
+    return float(blocks.mass[moving(blocks, twists)].sum() / blocks.mass[blocks.free].sum())
+
+
+def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
+    """Mass-weighted assurance (a'Mb)^2 / ((a'Ma)(b'Mb)) of two mechanisms (B, 6), M = diag(m, m, m, I), free blocks only.
+
+    1 for mechanisms that differ by a factor, 0 for orthogonal ones, NaN when one of them is at rest.
+    """
+    free = blocks.free
+    mass, inertia = blocks.mass[free], blocks.inertia[free]
+
+    def product(a: np.ndarray, b: np.ndarray) -> float:
+        translation = np.sum(mass[:, None] * a[free, :3] * b[free, :3])
+        rotation = np.einsum("bi,bij,bj->", a[free, 3:], inertia, b[free, 3:])
+        return float(translation + rotation)
+
+    norms = product(first, first) * product(second, second)
+    return product(first, second) ** 2 / norms if norms > 0.0 else float("nan")
+
+
+def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
+    """Power sum of mu n |u_t| over the contact points, relative to the power the weights exchange, sum of |w . v|.
+
+    Zero when no loaded joint slides: then the flow rule's dilatancy plays no part and the associated answer is Coulomb's too.
+    """
+    velocity, normal = assembly.relative_velocity(twists), assembly.normal
+    compression = np.maximum(np.sum(forces * normal, axis=1), 0.0)
+    sliding = np.linalg.norm(velocity - np.sum(velocity * normal, axis=1)[:, None] * normal, axis=1)
+    exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
+    if exchanged == 0.0:
+        return 0.0
+    return float(np.sum(assembly.points.friction * compression * sliding) / exchanged)

@@ -1,0 +1,248 @@
+"""The case as YADE bodies: one clump per block, one sphere per contact point, and the engines that move them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from yade import (
+    Bo1_Box_Aabb,
+    Bo1_Polyhedra_Aabb,
+    Bo1_Sphere_Aabb,
+    Body,
+    Box,
+    ForceResetter,
+    HelixEngine,
+    Ig2_Box_Sphere_ScGeom,
+    Ig2_Sphere_Polyhedra_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_ViscElMat_ViscElMat_ViscElPhys,
+    KinematicEngine,
+    Law2_ScGeom_ViscElPhys_Basic,
+    NewtonIntegrator,
+    Omega,
+    Polyhedra,
+    PyRunner,
+    Sphere,
+    TranslationEngine,
+    ViscElMat,
+)
+from yade.minieigenHP import Matrix3, Quaternion, Vector3
+
+from yade_scripts.case import FREE, Case
+from yade_scripts.settings import Settings
+
+# Spheres meet faces only, and nothing meets between two held blocks. YADE pairs bodies whose masks share a bit, unless the
+# masks are equal and share a bit with the collider's avoidSelfInteractionMask.
+_FREE_SPHERE, _HELD_SPHERE, _FREE_FACE, _HELD_FACE = 0b011, 0b100, 0b101, 0b010
+_NO_PAIRS_OF_EQUALS = 0b111
+_NO_FRICTION_LIMIT = 0.5 * np.pi - 1e-9  # of a face: YADE takes the smaller friction angle, that of the sphere
+_MASSLESS = 1e-12  # kg/m3; YADE recomputes a sphere's mass from its density, and refuses 0
+_PLANE_BLOCKED = "yXZ"
+_ALL_BLOCKED = "xyzXYZ"
+_INERTIA_TOLERANCE = 1e-6
+# Twice this margin stays below the gap between a sphere and the neighbour's face across a joint, which is one radius: a wider
+# one would make YADE examine every such pair at every step.
+_BOUND_MARGIN = 0.3
+_SHAPE_TOLERANCE = 1e-9  # of the block's size
+
+
+class YadeError(Exception):
+    """YADE built something else than asked; the message says what."""
+
+
+@dataclass(frozen=True)
+class Model:
+    """Identifiers of YADE's bodies: clump (B,) of each block, sphere (C,) of each contact point, face (B,) of each block.
+
+    position, rotation: pose of every clump as built, (B, 3) m and one quaternion each.
+    integrator, drive, watch: engines whose settings change from stage to stage.
+    """
+
+    clump: tuple[int, ...]
+    sphere: tuple[int, ...]
+    face: tuple[int, ...]
+    position: np.ndarray
+    rotation: tuple[Quaternion, ...]
+    integrator: NewtonIntegrator
+    drive: KinematicEngine
+    watch: PyRunner
+
+
+def build(case: Case, settings: Settings, watch_command: str) -> Model:
+    """Fill YADE's scene with the case; `watch_command` is the Python statement that PyRunner repeats.
+
+    Raises YadeError when a clump does not have the mass, centroid and inertia of its block.
+    """
+    omega = Omega()
+    omega.reset()
+    spheres = _add_spheres(case, settings)
+    faces, carriers, clumps = [], [], []
+    material = _material(settings, _NO_FRICTION_LIMIT)
+    for block in range(len(case.role)):
+        faces.append(omega.bodies.append(_face(case, block, material)))
+        carriers.append(omega.bodies.append(_carrier(case, block, material)))
+        hosted = [spheres[contact] for contact in np.flatnonzero(case.host == block)]
+        clumps.append(omega.bodies.clump([faces[-1], carriers[-1], *hosted]))
+    _settle_inertia(case, carriers, clumps)
+    for block, clump in enumerate(clumps):
+        omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
+    integrator, drive, watch = _engines(case, settings, clumps, watch_command)
+    states = [omega.bodies[clump].state for clump in clumps]
+    position = np.array([state.pos for state in states])
+    rotation = tuple(Quaternion(state.ori) for state in states)
+    return Model(tuple(clumps), tuple(spheres), tuple(faces), position, rotation, integrator, drive, watch)
+
+
+def _material(settings: Settings, friction_angle: float) -> ViscElMat:
+    material = ViscElMat(
+        kn=settings.normal_stiffness,
+        ks=settings.shear_stiffness,
+        cn=settings.normal_damping,
+        cs=settings.shear_damping,
+        frictionAngle=friction_angle,
+        density=_MASSLESS,
+    )
+    Omega().materials.append(material)
+    return material
+
+
+def _add_spheres(case: Case, settings: Settings) -> list[int]:
+    """One sphere per contact point, inside its host and tangent to the interface at that point."""
+    materials = {mu: _material(settings, float(np.arctan(mu))) for mu in np.unique(case.friction)}
+    into_host = np.where(case.host == case.block_b, 1.0, -1.0)[:, None] * case.normal
+    centres = case.position + settings.sphere_radius * into_host
+    ids = []
+    for centre, host, friction in zip(centres, case.host, case.friction, strict=True):
+        body = Body()
+        body.shape = Sphere(radius=settings.sphere_radius)
+        body.material = materials[friction]
+        body.mask = _FREE_SPHERE if case.role[host] == FREE else _HELD_SPHERE
+        volume = 4.0 / 3.0 * np.pi * settings.sphere_radius**3
+        body.state.mass = _MASSLESS * volume
+        body.state.inertia = Vector3.Ones * (0.4 * _MASSLESS * volume * settings.sphere_radius**2)
+        body.state.pos = centre
+        ids.append(Omega().bodies.append(body))
+    return ids
+
+
+def _face(case: Case, block: int, material: ViscElMat) -> Body:
+    """The block's solid without mass, for other blocks' spheres to touch."""
+    body = Body()
+    box = case.boxes[block]
+    if box is not None:
+        body.shape = Box(extents=0.5 * (box[1] - box[0]))
+        body.state.pos = 0.5 * (box[0] + box[1])
+    else:
+        # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
+        body.shape = Polyhedra(v=[Vector3(vertex) for vertex in case.vertices[block]])
+        body.state.pos, body.state.ori = body.shape.GetCentroid(), body.shape.GetOri()
+        _check_polyhedron(case, block, body)
+    body.material = material
+    body.mask = _FREE_FACE if case.role[block] == FREE else _HELD_FACE
+    return body
+
+
+def _check_polyhedron(case: Case, block: int, body: Body) -> None:
+    placed = np.array([body.state.pos + body.state.ori * vertex for vertex in body.shape.v])
+    asked = case.vertices[block]
+    gaps = np.linalg.norm(asked[:, None, :] - placed[None, :, :], axis=2)
+    error = max(gaps.min(axis=0).max(), gaps.min(axis=1).max())
+    if len(placed) != len(asked) or error > _SHAPE_TOLERANCE * np.ptp(asked, axis=0).max():
+        raise YadeError(f"block {block}: YADE's polyhedron has {len(placed)} vertices, {error:.3g} m away from the {len(asked)} asked for")
+
+
+def _carrier(case: Case, block: int, material: ViscElMat) -> Body:
+    """A speck at the centroid with the block's mass and inertia that touches nothing."""
+    body = Body()
+    body.shape = Box(extents=1e-3 * np.ptp(case.vertices[block], axis=0))
+    body.material = material
+    body.mask = 0
+    body.bounded = False
+    principal, axes = np.linalg.eigh(case.inertia[block])
+    body.state.pos, body.state.ori = case.centroid[block], _quaternion(axes)
+    body.state.mass, body.state.inertia = case.mass[block], principal
+    return body
+
+
+def _quaternion(axes: np.ndarray) -> Quaternion:
+    right_handed = axes * np.array([1.0, 1.0, np.sign(np.linalg.det(axes))])
+    rotation = Quaternion(Matrix3(*right_handed.ravel()))
+    rotation.normalize()
+    return rotation
+
+
+def _settle_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
+    """Make every clump's inertia that of its block.
+
+    YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. So where a clump comes out wrong, its
+    carrier is turned the other way and the clump's properties are asked for again; a YADE without that slip needs no turn.
+    """
+    bodies = Omega().bodies
+    turned = [carrier for carrier, block in zip(carriers, _wrong_inertias(case, clumps), strict=True) if block]
+    if turned:
+        for carrier in turned:
+            bodies[carrier].state.ori = bodies[carrier].state.ori.conjugate()
+        bodies.updateClumpProperties(discretization=0)
+        if any(_wrong_inertias(case, clumps)):
+            raise YadeError("YADE's clumps do not take the inertia of their blocks; this version of YADE is not understood")
+    if case.plane:
+        # With freedoms blocked YADE divides global torques by the sorted principal inertias; make their order irrelevant.
+        for block, clump in enumerate(clumps):
+            bodies[clump].state.inertia = Vector3.Ones * case.inertia[block, 1, 1]
+
+
+def _wrong_inertias(case: Case, clumps: list[int]) -> list[bool]:
+    wrong = []
+    for block, clump in enumerate(clumps):
+        state = Omega().bodies[clump].state
+        axes = np.array(state.ori.toRotationMatrix()).reshape(3, 3)
+        inertia = axes @ np.diag(list(state.inertia)) @ axes.T
+        size = np.abs(case.inertia[block]).max()
+        wrong.append(bool(np.abs(inertia - case.inertia[block]).max() > _INERTIA_TOLERANCE * size))
+        if abs(state.mass - case.mass[block]) > _INERTIA_TOLERANCE * case.mass[block]:
+            raise YadeError(f"block {block}: YADE's clump weighs {state.mass} kg, the block {case.mass[block]} kg")
+    return wrong
+
+
+def _blocked(case: Case, block: int) -> str:
+    if case.role[block] != FREE:
+        return _ALL_BLOCKED
+    return _PLANE_BLOCKED if case.plane else ""
+
+
+def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
+    """Set YADE's engines; the support's drive runs before the integrator, at rest until its velocity is set."""
+    collider = InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Polyhedra_Aabb()])
+    collider.verletDist = _BOUND_MARGIN * settings.sphere_radius
+    collider.avoidSelfInteractionMask = _NO_PAIRS_OF_EQUALS
+    contacts = InteractionLoop(
+        [Ig2_Box_Sphere_ScGeom(), Ig2_Sphere_Polyhedra_ScGeom()],
+        [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
+        [Law2_ScGeom_ViscElPhys_Basic()],
+    )
+    integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
+    drive = _drive(case, [clumps[block] for block in case.supports])
+    watch = PyRunner(command=command, iterPeriod=1, initRun=False)
+    omega = Omega()
+    omega.engines = [ForceResetter(), collider, contacts, drive, integrator, watch]
+    omega.dt = settings.time_step
+    return integrator, drive, watch
+
+
+def _drive(case: Case, ids: list[int]) -> KinematicEngine:
+    """Rigid motion of all supports with the direction of the unit twist: a translation, or a screw about its axis."""
+    velocity, spin = case.support_twist[:3], case.support_twist[3:]
+    if not case.is_rotation:
+        return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)
+    rate = float(np.linalg.norm(spin))
+    return HelixEngine(ids=ids, rotationAxis=spin / rate, zeroPoint=np.cross(spin, velocity) / rate**2, rotateAroundZero=True)
+
+
+def set_speed(case: Case, drive: KinematicEngine, speed: float) -> None:
+    """Move the supports with `speed` times the unit twist from the next step on."""
+    if case.is_rotation:
+        rate = float(np.linalg.norm(case.support_twist[3:]))
+        drive.angularVelocity = speed * rate
+        drive.linearVelocity = speed * float(case.support_twist[:3] @ case.support_twist[3:]) / rate
+    else:
+        drive.velocity = speed * float(np.linalg.norm(case.support_twist[:3]))

@@ -1,0 +1,149 @@
+"""One case as YADE needs it: blocks, contact points and the support's unit motion, from the fields of `case.h5`."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from yade_scripts import hosting
+
+FREE, FIXED, SUPPORT = 0, 1, 2
+
+
+class CaseError(Exception):
+    """The case cannot be run; the message says what is wrong, the value and the rule."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """B blocks, C contact points. SI units, z up; contact normals point from the lower block index a to the higher b.
+
+    The sphere of a contact point sits on block `host` (C,), its face is that of block `target` (C,).
+
+    role (B,): 0 free, 1 fixed, 2 support. boxes: low and high corner of axis-aligned boxes, None for others.
+    mass (B,) kg; centroid (B, 3) m; inertia (B, 3, 3) kg m2, global axes.
+    vertices: one (n, 3) array per block, m. block_a, block_b (C,); normal (C, 3); position (C, 3) m; friction (C,).
+    support_twist (6,): velocity of the global origin and angular velocity per unit settlement.
+    """
+
+    name: str
+    plane: bool
+    inset: float
+    gravity: np.ndarray
+    support_twist: np.ndarray
+    overrides: dict[str, Any]
+    role: np.ndarray
+    mass: np.ndarray
+    centroid: np.ndarray
+    inertia: np.ndarray
+    vertices: tuple[np.ndarray, ...]
+    block_a: np.ndarray
+    block_b: np.ndarray
+    normal: np.ndarray
+    position: np.ndarray
+    friction: np.ndarray
+    boxes: tuple[tuple[np.ndarray, np.ndarray] | None, ...]
+    host: np.ndarray
+
+    @property
+    def target(self) -> np.ndarray:
+        """Block (C,) whose face each contact sphere touches."""
+        return self.block_a + self.block_b - self.host
+
+    @property
+    def free(self) -> np.ndarray:
+        """Indices of the free blocks."""
+        return np.flatnonzero(self.role == FREE)
+
+    @property
+    def supports(self) -> np.ndarray:
+        """Indices of the blocks that settle."""
+        return np.flatnonzero(self.role == SUPPORT)
+
+    @property
+    def block_weight(self) -> float:
+        """Mean weight of a free block, N: the unit of force in every tolerance."""
+        return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
+
+    @property
+    def block_size(self) -> float:
+        """Median over the free blocks of their largest extent (in the xz plane for plane cases), m."""
+        axes = [0, 2] if self.plane else [0, 1, 2]
+        return float(np.median([np.ptp(self.vertices[block][:, axes], axis=0).max() for block in self.free]))
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the settlement is an angle (rad) rather than a length (m)."""
+        return bool(np.any(self.support_twist[3:]))
+
+    @property
+    def support_reach(self) -> float:
+        """Largest speed of a contact point of the support per unit settlement speed: 1 for translations, m for rotations."""
+        touching = np.isin(self.block_a, self.supports) | np.isin(self.block_b, self.supports)
+        velocity = self.support_twist[:3] + np.cross(self.support_twist[3:], self.position[touching])
+        return float(np.linalg.norm(velocity, axis=1).max())
+
+
+def from_fields(data: Mapping[str, Any]) -> Case:
+    """Case from the fields of `case.h5`. Raises CaseError when it has nothing to run."""
+    start, interface = data["blocks/vertex_start"], data["contacts/interface"]
+    vertices = tuple(data["blocks/vertices"][a:b] for a, b in zip(start[:-1], start[1:], strict=True))
+    boxes = tuple(hosting.box_extents(points) for points in vertices)
+    case = Case(
+        name=data["scene/name"],
+        plane=bool(data["scene/plane"]),
+        inset=float(data["scene/inset"]),
+        gravity=data["scene/gravity"],
+        support_twist=data["scene/support_twist"],
+        overrides=_overrides(data["scene/settings"]),
+        role=data["blocks/role"],
+        mass=data["blocks/mass"],
+        centroid=data["blocks/centroid"],
+        inertia=data["blocks/inertia"],
+        vertices=vertices,
+        block_a=data["interfaces/block_a"][interface],
+        block_b=data["interfaces/block_b"][interface],
+        normal=data["interfaces/normal"][interface],
+        position=data["contacts/position"],
+        friction=data["contacts/friction"],
+        boxes=boxes,
+        host=_hosts(data, np.array([box is not None for box in boxes])),
+    )
+    _refuse_unrunnable(case)
+    return case
+
+
+def _hosts(data: Mapping[str, Any], is_box: np.ndarray) -> np.ndarray:
+    interface = data["contacts/interface"]
+    block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
+    position, normal, plane = data["contacts/position"], data["interfaces/normal"][interface], bool(data["scene/plane"])
+    planes = hosting.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
+    faces = (data["blocks/face_block"], *planes)
+    on_a = hosting.depth_in_faces(position, normal, block_a, faces, plane)
+    on_b = hosting.depth_in_faces(position, -normal, block_b, faces, plane)
+    return hosting.hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
+
+
+def _overrides(text: str) -> dict[str, Any]:
+    try:
+        values = json.loads(text or "{}")
+    except json.JSONDecodeError as error:
+        raise CaseError(f"scene/settings: not JSON ({error}): {text!r}") from error
+    if not isinstance(values, dict):
+        raise CaseError(f"scene/settings: {text!r} is not a JSON object of settings by name")
+    return values
+
+
+def _refuse_unrunnable(case: Case) -> None:
+    if not case.inset > 0.0:
+        raise CaseError(f"scene/inset is {case.inset}: contact spheres need room, give an inset greater than 0")
+    if len(case.free) == 0:
+        raise CaseError("blocks/role: no free block, nothing to simulate")
+    if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
+        raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
+    if not np.any(case.support_twist):
+        raise CaseError("scene/support_twist is zero: no settlement to impose")
+    if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
+        raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")

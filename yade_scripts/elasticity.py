@@ -1,0 +1,115 @@
+"""The assembly as elastic springs at its contact points: highest frequency, elastic settlement, stable time step.
+
+Matrix-free over contact arrays: a vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from yade_scripts.case import Case
+
+_PLANE_FREEDOMS = np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0])
+_POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highest eigenvalue, below it
+_SOLVER_ITERATIONS = 1000
+_SOLVER_TOLERANCE = 1e-3  # only a scale is wanted
+
+
+@dataclass(frozen=True)
+class Springs:
+    """Bilateral springs at every contact point: K as an operator, M block-diagonal.
+
+    stiffness (3,)-weights are `normal` along the contact normal and `shear` across it, N/m.
+    """
+
+    case: Case
+    normal: float
+    shear: float
+    arm_a: np.ndarray
+    arm_b: np.ndarray
+    freedoms: np.ndarray
+    inverse_inertia: np.ndarray
+
+    def contact_forces(self, twists: np.ndarray) -> np.ndarray:
+        """Spring forces (C, 3), N, on block b (against its displacement relative to a, hence the sign is that of the gap)."""
+        case = self.case
+        of_a, of_b = twists[case.block_a], twists[case.block_b]
+        relative = of_b[:, :3] + np.cross(of_b[:, 3:], self.arm_b) - of_a[:, :3] - np.cross(of_a[:, 3:], self.arm_a)
+        along = np.einsum("ci,ci->c", relative, case.normal)[:, None] * case.normal
+        return self.shear * relative + (self.normal - self.shear) * along
+
+    def stiffness(self, twists: np.ndarray) -> np.ndarray:
+        """K times twists: generalised forces (B, 6), N and N m."""
+        force = self.contact_forces(twists)
+        case = self.case
+        on_b = np.hstack([force, np.cross(self.arm_b, force)])
+        on_a = -np.hstack([force, np.cross(self.arm_a, force)])
+        blocks = np.concatenate([case.block_a, case.block_b])
+        weights = np.vstack([on_a, on_b])
+        total = np.column_stack([np.bincount(blocks, weights[:, i], len(case.mass)) for i in range(6)])
+        return total * self.freedoms
+
+    def compliance_of_mass(self, wrenches: np.ndarray) -> np.ndarray:
+        """M^-1 times wrenches: accelerations (B, 6)."""
+        linear = wrenches[:, :3] / self.case.mass[:, None]
+        angular = np.einsum("bij,bj->bi", self.inverse_inertia, wrenches[:, 3:])
+        return np.hstack([linear, angular]) * self.freedoms
+
+
+def springs(case: Case, normal: float, shear: float) -> Springs:
+    """Springs of `normal` and `shear` stiffness (N/m) at every contact point of the case."""
+    freedoms = np.outer(np.isin(np.arange(len(case.mass)), case.free), _PLANE_FREEDOMS if case.plane else np.ones(6))
+    inertia = case.inertia
+    if case.plane:
+        inertia = inertia[:, 1, 1, None, None] * np.eye(3)
+    arm_a, arm_b = case.position - case.centroid[case.block_a], case.position - case.centroid[case.block_b]
+    return Springs(case, normal, shear, arm_a, arm_b, freedoms.astype(float), np.linalg.inv(inertia))
+
+
+def highest_frequency(system: Springs) -> float:
+    """Highest natural frequency (rad/s) by power iteration on M^-1 K with a fixed starting vector."""
+    twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
+    twists[:, 3:] /= system.case.block_size
+    twists *= system.freedoms
+    eigenvalue = 0.0
+    for _ in range(_POWER_ITERATIONS):
+        forces = system.stiffness(twists)
+        following = system.compliance_of_mass(forces)
+        # |K x| in the metric of M^-1 over (x, K x): a Rayleigh quotient of the current vector, one product ahead.
+        eigenvalue = float(np.vdot(forces, following) / np.vdot(twists, forces))
+        twists = following / np.abs(following).max()
+    return float(np.sqrt(eigenvalue))
+
+
+def stable_time_step(frequency: float, damping_time: float) -> float:
+    """Largest stable step (s) of the leapfrog scheme whose viscous force lags half a step.
+
+    frequency: highest natural frequency (rad/s); damping_time: viscosity over stiffness (s), the same at every contact,
+    so that every mode is damped by the ratio damping_time * frequency / 2 and the limit is 2/w (sqrt(1 + x^2) - x).
+    """
+    ratio = 0.5 * damping_time * frequency
+    return float(2.0 / frequency * (np.hypot(1.0, ratio) - ratio))
+
+
+def elastic_settlement(system: Springs) -> tuple[float, float]:
+    """Largest displacement of a centroid (m) and largest contact force (N) under the weights, joints glued.
+
+    Conjugate gradients preconditioned by M. Glued joints are stiffer than open ones: a scale, not a prediction.
+    """
+    case = system.case
+    residual = np.hstack([case.mass[:, None] * case.gravity, np.zeros((len(case.mass), 3))]) * system.freedoms
+    twists = np.zeros_like(residual)
+    direction = scaled = system.compliance_of_mass(residual)
+    power = start = float(np.vdot(residual, scaled))
+    for _ in range(_SOLVER_ITERATIONS):
+        forces = system.stiffness(direction)
+        curvature = float(np.vdot(direction, forces))
+        if power <= _SOLVER_TOLERANCE**2 * start or curvature <= 0.0:
+            break
+        twists = twists + power / curvature * direction
+        residual = residual - power / curvature * forces
+        scaled = system.compliance_of_mass(residual)
+        power, before = float(np.vdot(residual, scaled)), power
+        direction = scaled + power / before * direction
+    largest_force = np.linalg.norm(system.contact_forces(twists), axis=1).max()
+    return float(np.linalg.norm(twists[:, :3], axis=1).max()), float(largest_force)

@@ -1,0 +1,57 @@
+"""What a finished run writes: every field of `run.h5` from the protocol's record."""
+
+import dataclasses
+import json
+from typing import Any
+
+import numpy as np
+from yade import Omega, config
+
+from yade_scripts.protocol import Protocol
+from yade_scripts.recorder import SETTLEMENT, Row
+
+
+def fields(run: Protocol, seconds: float) -> dict[str, Any]:
+    """Values of all fields of `run.h5` by path. `seconds`: wall time of the run."""
+    values: dict[str, Any] = {
+        "result/status": run.status.value if run.status else "failed",
+        "result/reaction": run.plateau.reaction,
+        "result/uncertainty": run.plateau.uncertainty,
+        "result/settlement": run.record.settlement(),
+        "result/asked_settlement": run.asked_settlement,
+        "result/plateau_start": run.plateau.start,
+        "result/slope": run.plateau.slope,
+        "result/kinetic_ratio": kinetic_ratio(run.record.rows, run.plateau.start),
+        "result/steps": Omega().iter,
+        "result/seconds": seconds,
+        "result/version": config.version,
+        "result/message": run.message,
+        "settings/json": json.dumps(dataclasses.asdict(run.settings), sort_keys=True),
+    }
+    return values | _rows(run.record.rows) | _poses(run) | _extra(run)
+
+
+def kinetic_ratio(rows: list[Row], start: float) -> float:
+    """Largest kinetic energy on the plateau over the weights' work there; NaN without a plateau or when they do no work."""
+    fitted = [row for row in rows if row.stage == SETTLEMENT and row.settlement >= start]
+    work = fitted[-1].weight_work - fitted[0].weight_work if fitted else 0.0
+    return max(row.kinetic_energy for row in fitted) / work if work > 0.0 else float("nan")
+
+
+def _rows(rows: list[Row]) -> dict[str, Any]:
+    names = ("stage", "time", "settlement", "reaction", "kinetic_energy", "unbalanced")
+    wrenches = np.array([row.support_wrench for row in rows]).reshape(-1, 6)
+    return {f"record/{name}": np.array([getattr(row, name) for row in rows]) for name in names} | {"record/support_wrench": wrenches}
+
+
+def _poses(run: Protocol) -> dict[str, Any]:
+    names = ("settlement", "displacement", "rotation", "forces")
+    return {f"poses/{name}": np.array([pose[i] for pose in run.record.poses]) for i, name in enumerate(names)}
+
+
+def _extra(run: Protocol) -> dict[str, Any]:
+    found = sorted(run.record.extra.items())
+    return {
+        "extra_contacts/blocks": np.array([pair for pair, _ in found], dtype=int).reshape(-1, 2),
+        "extra_contacts/position": np.array([point for _, point in found], dtype=float).reshape(-1, 3),
+    }

@@ -1,0 +1,162 @@
+"""The loading protocol: rest under gravity, then one steady settlement of the support until the reaction is flat."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from yade import Omega
+
+from yade_scripts import plateau
+from yade_scripts.bodies import Model, set_speed
+from yade_scripts.case import Case
+from yade_scripts.plateau import Plateau
+from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
+from yade_scripts.settings import Settings
+
+ROWS_BETWEEN_FITS = 20
+ROWS_AT_REST = 3  # consecutive rows below the unbalanced force that counts as rest: one row may cross zero by chance
+GRAVITY_ROWS = 2000  # of the longest gravity stage
+Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
+
+
+class Status(Enum):
+    """How a run ended, as `run.h5` says it."""
+
+    PLATEAU = "plateau"
+    NO_PLATEAU = "no plateau"
+    COLLAPSED = "collapsed"
+    TIMEOUT = "timeout"
+    FAILED = "failed"
+
+
+@dataclass
+class Protocol:
+    """One run of a model: `run` takes it through both stages; `watch` is what YADE calls at every recorded step."""
+
+    case: Case
+    settings: Settings
+    model: Model
+    record: Record
+    progress: Progress
+    status: Status | None = None
+    message: str = ""
+    plateau: Plateau = plateau.NONE
+    asked_settlement: float = 0.0
+    error: BaseException | None = None
+    _stage: int = GRAVITY
+    _speed: float = 0.0
+    _start_time: float = 0.0
+    _last_time: float = 0.0
+    _next_pose: float = 0.0
+    _at_rest: int = 0
+    _began: float = field(default_factory=time.monotonic)
+
+    def run(self) -> None:
+        """Both stages; afterwards `status`, `message` and `plateau` say how it ended. Re-raises what went wrong in `watch`."""
+        settings, dt = self.settings, self.settings.time_step
+        longest = math.ceil(settings.gravity_time / dt)
+        self._advance(longest, max(1, longest // GRAVITY_ROWS))
+        if self.status is None and self._at_rest < ROWS_AT_REST:
+            unbalanced = self.record.rows[-1].unbalanced
+            self._end(Status.FAILED, f"not at rest under gravity after {settings.gravity_time:.3g} s: unbalanced force {unbalanced:.2g}")
+        self.record.store_pose()
+        if self.status is None:
+            self._settle()
+        if self.status is None:
+            self._judge_full_travel()
+
+    def _settle(self) -> None:
+        settings, dt = self.settings, self.settings.time_step
+        self.model.integrator.damping = 0.0
+        self._stage, self._start_time, self._last_time = SETTLEMENT, Omega().time, Omega().time
+        self._next_pose = settings.max_travel / settings.poses
+        every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
+        full_time = settings.max_travel / settings.speed + 0.5 * settings.ramp_time
+        self._set_speed(every * dt)
+        self._advance(math.ceil(full_time / dt), every)
+        self.asked_settlement += self._speed * (Omega().time - self._last_time)
+        if self.record.poses[-1][0] < self.record.settlement():
+            self.record.store_pose()
+
+    def _advance(self, steps: int, every: int) -> None:
+        self.model.watch.iterPeriod = every
+        Omega().run(steps, True)
+        if self.error is not None:
+            raise self.error
+
+    def watch(self) -> None:
+        """Record a row and decide whether to go on. Runs in YADE's thread: an exception is kept for `run`."""
+        try:
+            row = self.record.read_row(self._stage)
+            self._stop_if_lost(row)
+            if self.status is None:
+                (self._watch_gravity if self._stage == GRAVITY else self._watch_settlement)(row)
+        except BaseException as error:
+            self.error = error
+        if self.error is not None or self.status is not None:
+            Omega().pause()
+
+    def _stop_if_lost(self, row: Row) -> None:
+        limit = self.settings.max_travel * self.case.support_reach
+        numbers = (row.reaction, row.kinetic_energy, row.unbalanced)
+        if not np.all(np.isfinite(numbers)):
+            self._end(Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable")
+        elif row.speed > self.settings.fall_speed:
+            self._end(Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after a settlement of {row.settlement:.3g}")
+        elif self._stage == GRAVITY and row.displacement > limit:
+            self._end(Status.COLLAPSED, f"a block has moved {row.displacement:.3g} m under gravity alone")
+        elif time.monotonic() - self._began > self.settings.time_limit:
+            self._end(Status.TIMEOUT, f"time limit of {self.settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}")
+
+    def _watch_gravity(self, row: Row) -> None:
+        self._at_rest = self._at_rest + 1 if row.unbalanced < self.settings.rest_unbalanced else 0
+        self.progress("gravity", min(1.0, row.time / self.settings.gravity_time), 0.0, row.reaction, "")
+        if self._at_rest >= ROWS_AT_REST:
+            Omega().pause()
+
+    def _watch_settlement(self, row: Row) -> None:
+        self.asked_settlement += self._speed * (row.time - self._last_time)
+        self._last_time = row.time
+        if self._speed < self.settings.speed:
+            self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * self.settings.time_step)
+        if row.settlement >= self._next_pose:
+            self.record.store_pose()
+            self._next_pose += self.settings.max_travel / self.settings.poses
+        self.progress("settlement", min(1.0, row.settlement / self.settings.max_travel), row.settlement, row.reaction, "")
+        if row.settlement >= self.settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
+            self.plateau = self._fit()
+            if self._is_plateau(self.plateau, self.settings.stop_uncertainty):
+                self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {row.settlement:.3g}")
+
+    def _set_speed(self, elapsed: float) -> None:
+        """Cosine ramp from rest to full speed, in steps of one recorded row."""
+        ramp = self.settings.ramp_time
+        share = 0.5 - 0.5 * math.cos(math.pi * elapsed / ramp) if elapsed < ramp else 1.0
+        self._speed = share * self.settings.speed
+        set_speed(self.case, self.model.drive, self._speed)
+
+    def _fit(self) -> Plateau:
+        rows = [row for row in self.record.rows if row.stage == SETTLEMENT]
+        return plateau.fit(np.array([row.settlement for row in rows]), np.array([row.reaction for row in rows]))
+
+    def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
+        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
+        scale = max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
+        return fit.uncertainty <= uncertainty * scale and abs(fit.drift) <= self.settings.plateau_drift * scale
+
+    def _judge_full_travel(self) -> None:
+        self.plateau = self._fit()
+        reached = self.record.settlement()
+        if self._is_plateau(self.plateau, self.settings.plateau_uncertainty):
+            self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {reached:.3g}")
+        else:
+            share = self.plateau.uncertainty / abs(self.plateau.reaction) if self.plateau.reaction else math.nan
+            self._end(Status.NO_PLATEAU, f"travel of {reached:.3g} used up: reaction known to {share:.2g} of itself only")
+
+    def _end(self, status: Status, message: str) -> None:
+        if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):
+            self.plateau = plateau.NONE
+        self.status, self.message = status, message

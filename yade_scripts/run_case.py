@@ -1,0 +1,128 @@
+"""Run one case in YADE: `/usr/bin/python3 run_case.py case.h5 run.h5 [--inputs DIGEST] [--time-limit SECONDS]`.
+
+Standard output carries protocol lines only: `progress {JSON}` while it runs, `done <status>` at the end. The exit code is 0
+whenever run.h5 was written, whatever the status. YADE's Python modules are looked for in $YADE_MODULES, else where Debian and
+Ubuntu put them. Run with a plain Python interpreter, YADE opens no network socket; its own launcher always opens two.
+"""
+
+import argparse
+import dataclasses
+import importlib.util
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any, TextIO
+
+os.environ["OMP_NUM_THREADS"] = "1"  # before YADE loads: several threads add forces in an order that differs between runs
+
+_ROOT = Path(__file__).resolve().parent.parent
+_SECONDS_BETWEEN_LINES = 0.25
+
+
+def load_package(name: str) -> ModuleType:
+    """Load package `name` from beside this file's folder, leaving sys.path alone: other packages there must not be seen."""
+    folder = _ROOT / name
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{folder} is not a package")
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
+    spec.loader.exec_module(package)
+    return package
+
+
+def find_yade() -> str:
+    """Folder of YADE's Python modules. Raises ImportError, saying how to get it, when there is none."""
+    asked = os.environ.get("YADE_MODULES")
+    folders = [Path(asked)] if asked else sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))
+    for folder in folders:
+        if (folder / "yade" / "__init__.py").is_file():
+            return str(folder)
+    where = f"in $YADE_MODULES = {asked}" if asked else "below /usr/lib"
+    raise ImportError(f"no YADE {where}; install it (apt-get install yade python3-h5py) or set YADE_MODULES to its module folder")
+
+
+class Reporter:
+    """Protocol lines on the process's standard output, at most a few per second of wall time."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+        self._last = -_SECONDS_BETWEEN_LINES
+
+    def progress(self, stage: str, fraction: float, settlement: float, reaction: float, message: str) -> None:
+        """Write one progress line unless the last one is too recent."""
+        now = time.monotonic()
+        if now - self._last >= _SECONDS_BETWEEN_LINES:
+            self._last = now
+            line = {"stage": stage, "fraction": fraction, "settlement": settlement, "reaction": reaction, "message": message}
+            self._write(f"progress {json.dumps(line)}")
+
+    def done(self, status: str) -> None:
+        """Write the last line."""
+        self._write(f"done {status}")
+
+    def _write(self, line: str) -> None:
+        self._stream.write(line + "\n")
+        self._stream.flush()
+
+
+def run(options: argparse.Namespace, reporter: Reporter) -> None:
+    """Read the case, run it, write the record."""
+    sys.path[:] = [entry for entry in sys.path if Path(entry or ".").resolve() != _ROOT / "yade_scripts"]
+    for package in ("la_core", "yade_scripts"):
+        load_package(package)
+    from la_core import exchange
+
+    from yade_scripts import case, settings
+
+    began = time.monotonic()
+    one = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS))
+    chosen = settings.derive(one)
+    if options.time_limit is not None:
+        chosen = dataclasses.replace(chosen, time_limit=options.time_limit)
+    sys.path.append(find_yade())
+    from yade_scripts import bodies, outcome, protocol, recorder
+
+    model = bodies.build(one, chosen, "watch()")
+    steps = protocol.Protocol(one, chosen, model, recorder.Record(one, model), reporter.progress)
+    _expose(steps.watch)
+    steps.run()
+    values = outcome.fields(steps, time.monotonic() - began)
+    exchange.write(options.run, exchange.RUN_FIELDS, values, options.inputs)
+    reporter.done(values["result/status"])
+
+
+def _expose(watch: Callable[[], Any]) -> None:
+    """YADE's PyRunner evaluates its command in the main module."""
+    sys.modules["__main__"].__dict__["watch"] = watch
+
+
+def main() -> int:
+    """Entry point: exit code 0 when run.h5 was written, 1 when not, 2 for wrong arguments."""
+    parser = argparse.ArgumentParser(description="Run one case in YADE.")
+    parser.add_argument("case", type=Path, help="case.h5, from limit analysis")
+    parser.add_argument("run", type=Path, help="run.h5, to be written")
+    parser.add_argument("--inputs", default="", help="digest of what makes the run, stored in run.h5")
+    parser.add_argument("--time-limit", type=float, help="seconds of wall time, in place of the case's setting")
+    options = parser.parse_args()
+    # YADE prints to standard output from C++ and Python: send all that to standard error, keep the original for the protocol.
+    protocol_stream = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    try:
+        run(options, Reporter(protocol_stream))
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        sys.stderr.write(f"error: {reason}\n")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    code = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # YADE's own clean-up at interpreter exit may crash after all results are written
