@@ -1,0 +1,212 @@
+"""The command line: reads words, calls the rooms, prints; results on stdout, narration on stderr. No mechanics here."""
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from comparison import doctor, shipped, tables
+from comparison.checks import check_expected, overall
+from comparison.narration import Narration
+from comparison.provenance import describe, version
+from comparison.summary import limit_analysis_summary
+from la_core.assembly import assemble
+from la_core.case import analyse
+from la_core.errors import SceneError
+from la_core.exchange import ExchangeError
+from la_core.scene import Scene, load_scene
+
+AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
+EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
+GRAVEST_FIRST = (TOOL, DISAGREE, INCONCLUSIVE)
+RESULTS = Path("crosscheck-results")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit code of the contract: 0 agree, 1 disagree, 2 usage or scene, 3 tool, 4 inconclusive."""
+    options = _parser().parse_args(arguments)
+    narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
+    try:
+        return int(options.command(options, narrator))
+    except SceneError as error:
+        return _complain(str(error), USAGE)
+    except ExchangeError as error:
+        return _complain(str(error), TOOL)
+    except OSError as error:
+        return _complain(f"{error.filename or 'file'}: {error.strerror or error}", TOOL)
+    except KeyboardInterrupt:
+        return _complain("stopped; what was finished is kept, the same command goes on from there", TOOL)
+
+
+def _complain(message: str, code: int) -> int:
+    Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {message}", markup=False)
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="crosscheck",
+        description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
+        epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
+    )
+    parser.add_argument("--version", action="version", version=f"crosscheck {version()}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(name: str, command: Any, text: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=text, description=text)
+        sub.set_defaults(command=command)
+        sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
+        sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
+        return sub
+
+    scene_help = "path of a scene file, or the name of a shipped scene"
+    add("scenes", _scenes, "list the shipped scenes: title, expected value, kind, source")
+    show = add("show", _show, "draw a scene: blocks, roles, contact points; counts and weight")
+    show.add_argument("scene", metavar="SCENE", help=scene_help)
+    show.add_argument("-o", "--output", type=Path, metavar="FIG", help="write the figure here (default: SCENE.png)")
+    solve = add("solve", _solve, "limit analysis alone")
+    solve.add_argument("scene", metavar="SCENE", help=scene_help)
+    run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
+    run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
+    run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
+    run.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="wall seconds for each YADE run (default: 3600)")
+    report = add("report", _report, "write the report again from stored results")
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
+    add("doctor", _doctor, "what is installed, what is missing, the command that mends it")
+    return parser
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text}: must be a positive number of seconds")
+    return value
+
+
+def _print_json(value: Any) -> None:
+    print(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+def _scenes(options: argparse.Namespace, narrator: Console) -> int:
+    scenes = [load_scene(shipped.find(name)) for name in shipped.names()]
+    if options.json:
+        rows = [{"name": s.name, "title": s.title, "source": s.source} for s in scenes]
+        _print_json([row | {"expected": s.expected.model_dump() if s.expected else None} for row, s in zip(rows, scenes, strict=True)])
+    else:
+        Console().print(tables.scene_table(scenes))
+    return AGREE
+
+
+def _show(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison import plots
+
+    scene = load_scene(shipped.find(options.scene))
+    assembly = assemble(scene)
+    figure = options.output or Path(f"{scene.name}.png")
+    plots.save(plots.assembly_figure(scene, assembly), figure)
+    facts = tables.scene_facts(scene, assembly)
+    if options.json:
+        _print_json(facts | {"figure": str(figure)})
+    else:
+        Console().print(tables.facts_table(scene.title, facts))
+        narrator.print(f"drawn in {figure}", markup=False)
+    return AGREE
+
+
+def _solve(options: argparse.Namespace, narrator: Console) -> int:
+
+    scene = load_scene(shipped.find(options.scene))
+    narrator.print(f"{scene.name}: limit analysis of {int(scene.blocks.free.sum())} free blocks", markup=False)
+    analysis = analyse(scene)
+    summary = limit_analysis_summary(scene, analysis)
+    checks = list(check_expected(scene, analysis))
+    if options.json:
+        _print_json(summary)
+    else:
+        Console().print(tables.solution_table(scene, summary, checks))
+    verdict, reason = overall(checks)
+    if reason:
+        narrator.print(reason, markup=False)
+    if analysis.rounded[analysis.main].status in ("inaccurate", "failed"):
+        return INCONCLUSIVE
+    return EXIT_OF_VERDICT[verdict]
+
+
+def _run(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.workflow import run_scene
+
+    scenes = [load_scene(shipped.find(name)) for name in options.scenes]
+    _refuse_same_name(scenes)
+    with Narration(narrator) as narration:
+        comparisons = [
+            run_scene(scene, options.output / scene.name, narration, not options.no_yade, options.time_limit) for scene in scenes
+        ]
+    return _conclude(options, narrator, [(options.output, comparisons)])
+
+
+def _refuse_same_name(scenes: list[Scene]) -> None:
+    seen: dict[str, Scene] = {}
+    for scene in scenes:
+        if scene.name in seen:
+            raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
+        seen[scene.name] = scene
+
+
+def _report(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.workflow import report_again
+
+    reports = []
+    with Narration(narrator) as narration:
+        for folder in options.folders:
+            cases = sorted(path.parent for path in folder.glob("*/case.h5"))
+            if not cases:
+                raise SceneError(str(folder), "holds no results of `crosscheck run`")
+            reports.append((folder, [report_again(case, narration) for case in cases]))
+    return _conclude(options, narrator, reports)
+
+
+def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
+    """Write each folder's report, print the verdict table, and return the gravest exit code."""
+    from comparison.report import write_report
+
+    codes = []
+    for folder, comparisons in reports:
+        page = write_report(folder, comparisons, describe())
+        if options.json:
+            print((folder / "report.json").read_text(encoding="utf-8"), end="")
+        else:
+            Console().print(tables.verdict_table(comparisons))
+            for comparison in comparisons:
+                if comparison["reason"]:
+                    Console(soft_wrap=True, highlight=False).print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
+            Console(soft_wrap=True, highlight=False).print(f"report: {os.path.relpath(page)}", markup=False)
+        codes += [_code(comparison) for comparison in comparisons]
+    return next((code for code in GRAVEST_FIRST if code in codes), AGREE)
+
+
+def _code(comparison: dict[str, Any]) -> int:
+    if comparison["yade"] and comparison["yade"]["status"] in ("missing", "failed"):
+        return TOOL
+    return EXIT_OF_VERDICT[comparison["verdict"]]
+
+
+def _doctor(options: argparse.Namespace, narrator: Console) -> int:
+    findings = doctor.examine()
+    if options.json:
+        _print_json([vars(finding) for finding in findings])
+    else:
+        Console().print(tables.doctor_table(findings))
+        for finding in findings:
+            if not finding.well:
+                Console(soft_wrap=True, highlight=False).print(f"{finding.part}: {finding.remedy}", markup=False)
+    return AGREE if all(finding.well for finding in findings) else TOOL
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,25 @@
+"""The scenes that come with the program."""
+
+from pathlib import Path
+
+import la_core
+from la_core.errors import SceneError, nearest
+
+FOLDER = Path(la_core.__file__).parent / "scenes"
+
+
+def names() -> list[str]:
+    """Names of the shipped scenes, in order."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def find(scene: str) -> Path:
+    """Path of a scene given by path or by a shipped scene's name; raises SceneError when there is neither."""
+    path = Path(scene)
+    if path.suffix == ".toml" or path.exists():
+        if path.is_dir():
+            raise SceneError(scene, "is a folder, not a scene file")
+        return path
+    if scene not in names():
+        raise SceneError(scene, "neither a file nor a shipped scene", hint=nearest(scene, names()))
+    return FOLDER / f"{scene}.toml"

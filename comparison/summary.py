@@ -1,0 +1,106 @@
+"""What a scene came to, as the JSON object of `comparison.json` and `solve --json`: undefined numbers are null."""
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from comparison.checks import Check, overall
+from comparison.record import Run
+from la_core.case import LimitAnalysis
+from la_core.limit import Drive, Solution, Status
+from la_core.scene import Scene
+
+EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
+
+
+def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
+    """Scene, counts, effects and limit analysis: what `solve --json` prints."""
+    assembly = analysis.assembly
+    effects = assembly.effects
+    summary = {
+        "scene": scene.name,
+        "title": scene.title,
+        "source": scene.source,
+        "weight": scene.weight,
+        "free_blocks": int(scene.blocks.free.sum()),
+        "interfaces": len(assembly.interfaces),
+        "contact_points": len(assembly.points),
+        "effects": {"plane": effects.plane, "friction": effects.friction, "reasons": effects.reasons},
+        "expected": scene.expected.model_dump() if scene.expected else None,
+        "limit_analysis": {"associated": _associated(scene, analysis), "coulomb": None},
+    }
+    return _without_undefined(summary)
+
+
+def _associated(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
+    """The associated answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    main = analysis.main
+    shown = analysis.sharp if scene.inset == 0.0 else analysis.rounded
+    solution = shown[main]
+    values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
+    if main is Drive.YIELDING:
+        values["reaction_max"] = shown[Drive.PUSHING].value
+        values["reaction_max_status"] = shown[Drive.PUSHING].status.value
+        values["reaction_max_sharp"] = analysis.sharp[Drive.PUSHING].value
+    values[f"{scene.quantity}_sharp"] = analysis.sharp[main].value
+    values["inset"] = scene.inset
+    if analysis.assembly.inset != scene.inset:
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **{_NAMES[d]: s.value for d, s in analysis.rounded.items()}}
+    values |= {name: _worst(getattr(s, name) for s in shown.values()) for name in EVIDENCE}
+    values["iterations"] = solution.iterations
+    values["seconds"] = sum(s.seconds for s in _distinct(analysis))
+    if solution.status is Status.INFEASIBLE:
+        values["falling"] = list(solution.falling)
+    return values
+
+
+_NAMES = {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE: "multiplier"}
+
+
+def _worst(residuals: Iterable[float]) -> float:
+    """The largest residual of the solutions that have one, NaN where none has."""
+    return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
+
+
+def _distinct(analysis: LimitAnalysis) -> list[Solution]:
+    """Every solution that was computed, once."""
+    return list({id(s): s for s in (*analysis.rounded.values(), *analysis.sharp.values())}.values())
+
+
+def yade_summary(run: Run) -> dict[str, Any]:
+    """YADE's outcome, by the names of `la_core.exchange`."""
+    return dict(run.result)
+
+
+def comparison_summary(
+    scene: Scene,
+    analysis: LimitAnalysis,
+    yade: dict[str, Any] | None,
+    checks: list[Check],
+    settings: dict[str, Any] | None,
+    notes: list[str],
+) -> dict[str, Any]:
+    """The whole comparison: limit analysis, YADE, every check, the verdict and its reason."""
+    verdict, reason = overall(checks)
+    summary = limit_analysis_summary(scene, analysis)
+    summary |= {
+        "yade": yade,
+        "checks": [dataclasses.asdict(check) for check in checks],
+        "verdict": verdict.value if verdict else None,
+        "reason": reason,
+        "notes": notes,
+        "settings": settings,
+    }
+    return _without_undefined(summary)
+
+
+def _without_undefined(value: Any) -> Any:
+    """The same structure with null for every number that is not finite."""
+    if isinstance(value, dict):
+        return {key: _without_undefined(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_undefined(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

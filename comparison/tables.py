@@ -1,0 +1,117 @@
+"""Tables for the terminal (rich); a number that does not exist is a dash."""
+
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from comparison.checks import Check
+from comparison.doctor import Finding
+from la_core.assembly import Assembly
+from la_core.scene import Scene
+
+MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
+
+
+def _table(*headings: str, title: str | None = None) -> Table:
+    table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for column in table.columns:
+        column.overflow = "fold"
+    return table
+
+
+def number(value: float | None, digits: int = 6) -> str:
+    """A number in `digits` significant digits, a dash for none."""
+    return "–" if value is None else f"{value:.{digits}g}"
+
+
+def scene_table(scenes: list[Scene]) -> Table:
+    """Shipped scenes with what is expected of them."""
+    table = _table("scene", "title", "expected", "kind", "source")
+    for scene in scenes:
+        expected = scene.expected
+        value = None
+        if expected is not None:
+            value = expected.multiplier if scene.live is not None else expected.reaction_over_weight
+        table.add_row(scene.name, _plain(scene.title), number(value), expected.kind if expected else "–", _plain(scene.source))
+    return table
+
+
+def _plain(text: str) -> str:
+    """Text of a scene with nothing that the terminal library would take for markup."""
+    return text.replace("[", r"\[")
+
+
+def scene_facts(scene: Scene, assembly: Assembly) -> dict[str, Any]:
+    """Counts and weight of a scene, and the effects it calls for."""
+    roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
+    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight, **{f"{name}_blocks": count for name, count in roles.items()}}
+    facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
+    effects = assembly.effects
+    facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
+    return facts | {"effects": {"plane": effects.plane, "friction": effects.friction, "reasons": effects.reasons}}
+
+
+def facts_table(title: str, facts: dict[str, Any]) -> Table:
+    """Scene facts, one a row."""
+    units = {"weight": "N", "inset": "m"}
+    table = _table("what", "value", "unit or reason", title=_plain(title))
+    for name, value in facts.items():
+        if name == "effects":
+            for effect, reason in value["reasons"].items():
+                table.add_row(f"effect: {effect}", str(value[effect]), _plain(reason))
+        else:
+            table.add_row(name.replace("_", " "), number(value) if isinstance(value, float) else str(value), units.get(name, ""))
+    return table
+
+
+def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
+    """Limit analysis of one scene: values in their unit and over the weight, residuals, checks against expected values."""
+    answer = summary["limit_analysis"]["associated"]
+    table = _table("limit analysis", scene.unit or "value", "over W" if scene.live is None else "", title=_plain(scene.title))
+    table.add_row("status", answer["status"], "")
+    for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
+        if name in answer:
+            value = answer[name]
+            over = "" if scene.live is not None else number(None if value is None else value / scene.weight)
+            table.add_row(name.replace("_", " "), number(value), over)
+    if "falling" in answer:
+        table.add_row("blocks that fall", _plain(", ".join(answer["falling"])), "")
+    for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
+        table.add_row(name.replace("_", " "), number(answer[name], 2), "")
+    for check in checks:
+        table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])
+    return table
+
+
+def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
+    """One row a scene: bounds and YADE's reaction over the weight, the verdict, the time of each method."""
+    table = _table(
+        "scene", "limit analysis", "greatest", "YADE", "±", "verdict", "LA s", "YADE s", title="over the weight W of the free blocks"
+    )
+    for comparison in comparisons:
+        answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
+
+        def over(value: float | None, weight: float = weight) -> str:
+            return number(None if value is None else value / weight, 5)
+
+        if "multiplier" in answer:
+            values = [number(answer["multiplier"]), "–", "–", "–"]
+        else:
+            shared = answer.get("shared_inset", answer)
+            values = [over(shared["reaction"]), over(shared["reaction_max"]), over(yade.get("reaction")), over(yade.get("uncertainty"))]
+        if answer["status"] != "solved":
+            values[0] = answer["status"]
+        if yade and yade["status"] != "plateau":
+            values[2] = yade["status"]
+        seconds = [number(answer["seconds"], 2), number(yade.get("seconds"), 3)]
+        table.add_row(comparison["scene"], *values, MARKS[comparison["verdict"]], *seconds)
+    return table
+
+
+def doctor_table(findings: list[Finding]) -> Table:
+    """What is installed and what is not."""
+    table = _table("part", "state", "")
+    for finding in findings:
+        table.add_row(finding.part, _plain(finding.state), "[green]✓[/]" if finding.well else "[red]✗ missing[/]")
+    return table

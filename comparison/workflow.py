@@ -1,0 +1,196 @@
+"""The straight line of one scene: limit analysis, YADE, comparison, figures; each stage is redone only when its inputs change."""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from comparison import plots, provenance
+from comparison.checks import Check, Verdict, check_expected, check_run
+from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
+from comparison.record import Run, read_run
+from comparison.summary import comparison_summary, yade_summary
+from la_core import case, exchange
+from la_core.case import LimitAnalysis
+from la_core.limit import Status
+from la_core.scene import Scene, load_scene
+
+ROOT = Path(__file__).parent.parent
+TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
+REPEATED = ("timeout", "failed")  # outcomes of a machine, not of a scene: tried again by the next call
+
+
+class Listener(Protocol):
+    """Hears what happens while it happens."""
+
+    def stage(self, scene: str, stage: str, state: str) -> None:
+        """A stage began, was found cached, or ended in a way worth a word."""
+
+    def progress(self, scene: str, report: dict[str, Any]) -> None:
+        """YADE reports where it is."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """Results of both methods as they lie in a run's folder; `run` is None, and `yade` says why, where YADE gave none.
+
+    inputs: digest of what made the latest stage. yade is None where YADE was not asked.
+    """
+
+    scene: Scene
+    analysis: LimitAnalysis
+    run: Run | None
+    yade: dict[str, Any] | None
+    notes: list[str]
+    inputs: str
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file beside its name and rename, so that a crash leaves the old one or the new one."""
+    unwritten = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        unwritten.write_text(text, encoding="utf-8")
+        unwritten.replace(path)
+    finally:
+        unwritten.unlink(missing_ok=True)
+
+
+def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float = TIME_LIMIT) -> dict[str, Any]:
+    """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(folder / "scene.toml", scene.text)
+    analysis, inputs = _limit_analysis(scene, folder, listener, with_yade)
+    notes = _notes(scene, analysis)
+    if scene.live is not None:
+        notes.append("A live load is a matter of limit analysis alone, so YADE was not run.")
+    if scene.live is not None or not with_yade:
+        return _compare(Stored(scene, analysis, None, None, notes, inputs), folder, listener)
+    run_inputs = _digest(inputs, "yade_scripts")
+    run, yade = _yade(scene, analysis, run_inputs, folder, listener, time_limit)
+    return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
+
+
+def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
+    """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing."""
+    scene = load_scene(folder / "scene.toml", name=folder.name)
+    case_path, run_path = folder / "case.h5", folder / "run.h5"
+    analysis = case.read_case(case_path, scene)
+    previous = _stored_summary(folder)
+    run = read_run(run_path, analysis.assembly) if run_path.exists() else None
+    yade = yade_summary(run) if run else previous.get("yade")
+    inputs = exchange.inputs_digest(run_path if run else case_path)
+    notes = previous.get("notes") or _notes(scene, analysis)
+    return _compare(Stored(scene, analysis, run, yade, notes, inputs), folder, listener)
+
+
+def _notes(scene: Scene, analysis: LimitAnalysis) -> list[str]:
+    shared = analysis.assembly.inset
+    if shared == scene.inset:
+        return []
+    return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
+
+
+def _limit_analysis(scene: Scene, folder: Path, listener: Listener, for_yade: bool) -> tuple[LimitAnalysis, str]:
+    path, inputs = folder / "case.h5", case.digest(scene, for_yade)
+    if exchange.inputs_digest(path) == inputs:
+        try:
+            stored = case.read_case(path, scene)
+            listener.stage(scene.name, "limit analysis", "cached")
+            return stored, inputs
+        except exchange.ExchangeError as error:
+            listener.stage(scene.name, "limit analysis", f"done again: {error}")
+    else:
+        listener.stage(scene.name, "limit analysis", "running")
+    analysis = case.analyse(scene, for_yade)
+    case.write_case(path, scene, analysis, inputs)
+    return analysis, inputs
+
+
+def _yade(
+    scene: Scene, analysis: LimitAnalysis, inputs: str, folder: Path, listener: Listener, time_limit: float
+) -> tuple[Run | None, dict[str, Any]]:
+    """YADE's run, stored or new, and its summary; no run when YADE is missing or failed."""
+    path = folder / "run.h5"
+    if exchange.inputs_digest(path) == inputs:
+        try:
+            stored = read_run(path, analysis.assembly)
+            if stored.status not in REPEATED:
+                listener.stage(scene.name, "YADE", "cached")
+                return stored, yade_summary(stored)
+        except exchange.ExchangeError as error:
+            listener.stage(scene.name, "YADE", f"done again: {error}")
+    path.unlink(missing_ok=True)
+    try:
+        yade = find_yade()
+        listener.stage(scene.name, "YADE", f"running {yade.version}")
+        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, report))
+        run = read_run(path, analysis.assembly)
+        return run, yade_summary(run)
+    except YadeMissingError as error:
+        listener.stage(scene.name, "YADE", f"missing: {error}")
+        return None, {"status": "missing", "message": str(error)}
+    except (YadeFailedError, exchange.ExchangeError) as error:
+        listener.stage(scene.name, "YADE", f"failed: {error}")
+        return None, {"status": "failed", "message": str(error)}
+
+
+def _digest(of: str, room: str) -> str:
+    """Digest of a stage's inputs: what it is made `of`, and the code of the `room` that makes it."""
+    return hashlib.sha256((of + case.code_digest(ROOT / room)).encode()).hexdigest()
+
+
+def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]:
+    """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
+    scene, analysis, run = stored.scene, stored.analysis, stored.run
+    of = stored.inputs + ("" if run else json.dumps([stored.yade, stored.notes]))
+    inputs = _digest(of, "comparison")
+    figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
+    previous = _stored_summary(folder)
+    if previous.get("inputs") == inputs and all(path.exists() for path in figures):
+        listener.stage(scene.name, "comparison", "cached")
+        return previous
+    listener.stage(scene.name, "comparison", "running")
+    settings = run.settings if run else None
+    checks = list(check_expected(scene, analysis)) + _judge(stored)
+    summary = comparison_summary(scene, analysis, stored.yade, checks, settings, stored.notes)
+    summary |= {"provenance": provenance.describe(), "inputs": inputs}
+    for path, draw in figures.items():
+        plots.save(draw(), path)
+    write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
+    return summary
+
+
+def _judge(stored: Stored) -> list[Check]:
+    """Checks of a run, or the one sentence on why there are none."""
+    if stored.run is not None:
+        return check_run(stored.scene, stored.analysis, stored.run)
+    if stored.yade is not None:
+        reason = f"YADE is {stored.yade['status']}: {stored.yade['message'].splitlines()[0]}"
+        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason)]
+    status = stored.analysis.rounded[stored.analysis.main].status
+    if status in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
+        return []
+    return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {status}.")]
+
+
+def _figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
+    mechanisms = {"limit analysis (associated)": analysis.rounded[analysis.main].twists}
+    if run is not None:
+        mechanisms["YADE"] = run.mechanism()
+    return {
+        "assembly": lambda: plots.assembly_figure(scene, analysis.assembly),
+        "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms),
+        "reaction": lambda: plots.reaction_figure(scene, analysis, run),
+    }
+
+
+def _stored_summary(folder: Path) -> dict[str, Any]:
+    """What comparison.json says, or nothing where there is none that can be read."""
+    try:
+        stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return stored if isinstance(stored, dict) else {}

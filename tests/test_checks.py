@@ -1,0 +1,179 @@
+"""The judge, judged: made-up YADE runs that are right, wrong in one respect, or undecided."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from comparison import checks
+from comparison.checks import Check, Verdict, check_expected, check_run, overall
+from comparison.record import Run
+from comparison.shipped import find
+from la_core.case import LimitAnalysis, analyse
+from la_core.limit import Drive
+from la_core.scene import Scene, load_scene
+
+TRAVEL = 1e-3  # m
+
+
+def _case(name: str) -> tuple[Scene, LimitAnalysis]:
+    scene = load_scene(find(name))
+    return scene, analyse(scene, for_yade=True)
+
+
+def _perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
+    """The run of a YADE that follows limit analysis to the digit."""
+    least = analysis.rounded[Drive.YIELDING]
+    settlement = np.linspace(0.0, TRAVEL, 5)
+    scalars = {
+        "status": "plateau", "reaction": least.value, "uncertainty": 0.0, "settlement": TRAVEL, "asked_settlement": TRAVEL,
+        "plateau_start": 0.3 * TRAVEL, "slope": 0.0, "kinetic_ratio": 1e-6, "steps": 1000, "seconds": 1.0, "version": "made up",
+        "message": "steady",
+    }  # fmt: skip
+    poses = {
+        "settlement": settlement,
+        "displacement": settlement[:, None, None] * least.twists[None, :, :3],
+        "rotation": settlement[:, None, None] * least.twists[None, :, 3:],
+        "forces": np.repeat(least.forces[None], 5, axis=0),
+    }
+    return Run({**scalars, **result}, {}, poses, np.zeros((0, 2), dtype=int), {})
+
+
+def _verdict(name: str, found: list[Check]) -> Verdict:
+    return next(check.verdict for check in found if check.name.startswith(name))
+
+
+@pytest.fixture(scope="module")
+def arch() -> tuple[Scene, LimitAnalysis]:
+    return _case("arch_spreading")
+
+
+def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(*arch, _perfect_run(arch[1]))
+    assert {check.verdict for check in found} == {Verdict.AGREE}
+    assert {check.name.split(" along")[0] for check in found} == {
+        "settlement achieved", "contact lists", "equilibrium of the YADE state", "reaction within bounds", "reaction against prediction",
+        "mechanism similarity", "moving blocks", "force sums over sections", "support's force",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.004, Verdict.AGREE), (0.996, Verdict.AGREE), (1.006, Verdict.DISAGREE)])
+def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnalysis], factor: float, verdict: Verdict) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis, reaction=factor * analysis.rounded[Drive.YIELDING].value)
+    assert _verdict("reaction against prediction", check_run(scene, analysis, run)) is verdict
+
+
+def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis, reaction=0.9 * analysis.rounded[Drive.YIELDING].value)
+    assert _verdict("reaction within bounds", check_run(scene, analysis, run)) is Verdict.DISAGREE
+
+
+def test_a_run_that_does_not_know_its_reaction_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis, uncertainty=0.2 * analysis.rounded[Drive.YIELDING].value)
+    assert _verdict("reaction against prediction", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+
+
+def test_an_undefined_reaction_never_agrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    found = check_run(scene, analysis, _perfect_run(analysis, reaction=math.nan))
+    assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
+    assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE
+
+
+def test_a_settlement_that_was_not_delivered_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis, settlement=0.5 * TRAVEL)
+    assert _verdict("settlement achieved", check_run(scene, analysis, run)) is Verdict.DISAGREE
+
+
+def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = dataclasses.replace(_perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
+    check = next(c for c in check_run(scene, analysis, run) if c.name == "contact lists")
+    assert check.verdict is Verdict.DISAGREE
+    assert scene.blocks.names[0] in check.reason and scene.blocks.names[2] in check.reason
+
+
+def test_a_state_out_of_equilibrium_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis)
+    run.poses["forces"][:, 0] += 0.5 * analysis.assembly.mean_weight
+    assert _verdict("equilibrium", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+
+
+def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis)
+    run.poses["displacement"][:] = 0.0
+    run.poses["displacement"][:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
+    found = check_run(scene, analysis, run)
+    assert _verdict("mechanism similarity", found) is Verdict.DISAGREE
+    assert _verdict("moving blocks", found) is Verdict.DISAGREE
+
+
+def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = _perfect_run(analysis)
+    support = int(np.flatnonzero(scene.blocks.role == 2)[0])
+    a, b = analysis.assembly.contact_blocks
+    at_support = (a == support) | (b == support)
+    run.poses["forces"][:, at_support, 2] += 0.1 * scene.weight
+    assert _verdict("support's force along z", check_run(scene, analysis, run)) is Verdict.DISAGREE
+
+
+def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
+    scene, analysis = _case("two_blocks")
+    run = _perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
+    check = next(c for c in check_run(scene, analysis, run) if c.name == "reaction against prediction")
+    assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
+    assert _verdict("reaction within bounds", check_run(scene, analysis, run)) is Verdict.AGREE
+
+
+def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    assert overall(check_run(scene, analysis, _perfect_run(analysis, status="no plateau")))[0] is Verdict.INCONCLUSIVE
+    for status in ("timeout", "failed"):
+        assert overall(check_run(scene, analysis, _perfect_run(analysis, status=status)))[0] is Verdict.INCONCLUSIVE
+
+
+def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
+    verdict, reason = overall(check_run(*arch, _perfect_run(arch[1], status="collapsed")))
+    assert verdict is Verdict.INCONCLUSIVE and "thrust" in reason
+
+
+@pytest.mark.parametrize(("status", "verdict"), [("collapsed", Verdict.AGREE), ("plateau", Verdict.DISAGREE)])
+def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdict, tmp_path) -> None:
+    text = find("two_pads").read_text().replace('role = "fixed"', 'role = "support"').replace("source", "# source", 1)
+    text = text.replace("from = [0.5, 0.0, -0.1]", "from = [0.3, 0.0, -0.1]").replace("to = [1.0, 0.2, 0.0]", "to = [0.4, 0.2, 0.0]")
+    path = tmp_path / "overhang.toml"
+    path.write_text(text.replace("to = [0.4, 0.2, 0.0] }", "to = [0.3, 0.2, 0.0] }", 1).split("[expected]")[0])
+    scene = load_scene(path)
+    analysis = analyse(scene, for_yade=True)
+    run = _perfect_run(analysis, status=status)
+    found, reason = overall(check_run(scene, analysis, run))
+    assert found is verdict
+    assert verdict is Verdict.AGREE or '"block"' in reason or "block would fall" in reason
+
+
+def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
+    scene, analysis = _case("two_pads")
+    assert {check.verdict for check in check_expected(scene, analysis)} == {Verdict.AGREE}
+    assert scene.expected is not None
+    wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
+    assert Verdict.DISAGREE in {check.verdict for check in check_expected(wrong, analysis)}
+
+
+def test_the_gravest_check_decides_and_gives_the_reason() -> None:
+    good, open_, bad = (Check("c", verdict, reason=verdict.value) for verdict in (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.DISAGREE))
+    assert overall([good, open_, bad]) == (Verdict.DISAGREE, "disagree")
+    assert overall([good, open_]) == (Verdict.INCONCLUSIVE, "inconclusive")
+    assert overall([]) == (None, "")
+
+
+def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
+    for name in ("REACTION", "LEAST_REACTION", "SETTLEMENT", "UNBALANCED", "NO_SLIDING", "SECTION", "SAME_MASS"):
+        assert 0.0 < getattr(checks, name) <= 0.05

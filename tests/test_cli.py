@@ -1,0 +1,201 @@
+"""The command line's promises: exit codes, JSON alone on stdout, one helpful message, resume."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from comparison import shipped
+from comparison.cli import main
+from la_core.scene import load_scene
+
+SOLVED_KEYS = {
+    "status", "reaction", "reaction_max", "reaction_sharp", "equilibrium_residual", "cone_violation", "duality_gap", "seconds"
+}  # fmt: skip
+
+
+def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scenes", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [scene["name"] for scene in listed] == shipped.names()
+    assert all(scene["title"] and scene["source"] and scene["expected"] for scene in listed)
+    assert main(["scenes"]) == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("two_pads", "facade", "wall_third"))
+
+
+def test_solve_prints_one_json_object_and_nothing_else(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["weight"] == pytest.approx(2158.2)
+    assert (answer["free_blocks"], answer["interfaces"], answer["contact_points"]) == (1, 2, 4)
+    assert answer["effects"]["plane"] is True
+    associated = answer["limit_analysis"]["associated"]
+    assert associated.keys() >= SOLVED_KEYS
+    assert associated["status"] == "solved"
+    assert associated["reaction"] == pytest.approx(363.297, abs=1e-3)  # the inset moves every lever arm: 0.101 / 0.6 of W
+    assert associated["reaction_sharp"] == pytest.approx(359.7, abs=1e-3)
+    assert answer["limit_analysis"]["coulomb"] is None
+    assert not {"yade", "checks", "verdict"} & answer.keys()
+
+
+def _overhanging(folder: Path) -> Path:
+    """Two pads that both lie left of the block's centroid."""
+    text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    path = folder / "overhang.toml"
+    path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
+    return path
+
+
+def test_solve_of_a_structure_that_cannot_stand_names_what_falls(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", str(_overhanging(tmp_path)), "--json"]) == 0
+    associated = json.loads(capsys.readouterr().out)["limit_analysis"]["associated"]
+    assert associated["status"] == "infeasible"
+    assert associated["reaction"] is None and associated["duality_gap"] is None
+    assert associated["falling"] == ["block"]
+
+
+def test_a_scene_that_misses_its_expected_value_disagrees(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace("0.1666666667", "0.1766666667"))
+    assert main(["solve", str(path), "-q"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("friction = 0.6", "fricton = 0.6"), ("fricton", "friction")),
+        (("friction = 0.6", "friction = -0.6"), ("joint.friction", "-0.6")),
+        (("friction = 0.6", "friction = nan"), ("joint.friction", "nan")),
+        (("[settlement]", "[settlement"), ("TOML",)),
+    ],
+)
+def test_a_bad_scene_ends_with_code_2_and_one_message(
+    change: tuple[str, str], words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace(*change))
+    for command in (["solve", str(path)], ["run", str(path), "-o", str(tmp_path / "out")], ["show", str(path)]):
+        assert main(command) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert captured.err.startswith("error: ") and captured.err.count("\n") == 1
+        assert "bad.toml" in captured.err and all(word in captured.err for word in words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_unknown_scenes_and_commands_end_with_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pds"]) == 2
+    assert "two_pads" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as stop:
+        main(["frobnicate"])
+    assert stop.value.code == 2
+
+
+def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = tmp_path / "two_pads.toml"
+    shutil.copy(shipped.find("two_pads"), copy)
+    assert main(["run", "two_pads", str(copy), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert "same name" in capsys.readouterr().err
+
+
+def test_show_draws_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "figure.png"
+    assert main(["show", "slab_four_corners", "-o", str(figure), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["free_blocks"], facts["contact_points"]) == (1, 16)
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_run_without_yade_writes_every_file_and_then_finds_it_cached(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
+    assert "report.html" in capsys.readouterr().out
+    for name in ("two_pads/scene.toml", "two_pads/case.h5", "two_pads/comparison.json", "report.html", "report.md", "report.json"):
+        assert (out / name).exists(), name
+    summary = json.loads((out / "two_pads" / "comparison.json").read_text())
+    assert summary["yade"] is None and summary["verdict"] == "agree"
+    before = (out / "two_pads" / "case.h5").stat().st_mtime_ns
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
+    assert capsys.readouterr().err.count("cached") == 2
+    assert (out / "two_pads" / "case.h5").stat().st_mtime_ns == before
+    assert main(["report", str(out)]) == 0
+
+
+def test_a_changed_scene_is_solved_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = tmp_path / "mine.toml", tmp_path / "out"
+    text = shipped.find("two_pads").read_text().split("[expected]")[0]
+    path.write_text(text)
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    path.write_text(text.replace("density = 2200.0", "density = 1100.0"))
+    capsys.readouterr()
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    assert "cached" not in capsys.readouterr().err
+    assert json.loads((out / "mine" / "comparison.json").read_text())["weight"] == pytest.approx(1079.1)
+
+
+def test_a_half_written_case_is_recognised_and_redone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
+    case = out / "two_pads" / "case.h5"
+    case.write_bytes(case.read_bytes()[: case.stat().st_size // 2])
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
+    assert json.loads((out / "two_pads" / "comparison.json").read_text())["verdict"] == "agree"
+
+
+def test_without_yade_on_the_machine_limit_analysis_is_kept_and_the_exit_code_is_3(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CROSSCHECK_YADE", str(tmp_path / "nowhere"))
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out)]) == 3
+    captured = capsys.readouterr()
+    assert "apt-get install yade python3-h5py" in captured.err
+    summary = json.loads((out / "two_pads" / "comparison.json").read_text())
+    assert summary["limit_analysis"]["associated"]["status"] == "solved"
+    assert summary["yade"]["status"] == "missing" and summary["verdict"] == "inconclusive"
+    assert main(["doctor"]) == 3
+    assert "apt-get install yade" in capsys.readouterr().out
+
+
+def test_a_live_load_gives_a_multiplier_and_no_yade_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "pushed.toml"
+    path.write_text("""
+title = "Block pushed sideways"
+[stone]
+density = 2000.0
+[joint]
+friction = 0.4
+[[block]]
+name = "ground"
+role = "fixed"
+box = { from = [-1.0, 0.0, -0.1], to = [2.0, 1.0, 0.0] }
+[[block]]
+name = "block"
+box = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 0.5] }
+[live]
+direction = [1.0, 0.0, 0.0]
+""")
+    assert main(["solve", str(path), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)["limit_analysis"]["associated"]
+    assert answer["multiplier"] == pytest.approx(0.4, abs=1e-8)
+    assert "reaction" not in answer
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+
+
+def test_colours_and_narration_obey_the_environment(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "comparison.cli", "solve", "two_pads", "-q"]
+    environment = {**os.environ, "NO_COLOR": "1", "FORCE_COLOR": ""}
+    answer = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert "\x1b[3" not in answer.stdout
+    assert answer.stderr == ""
+
+
+def test_every_shipped_scene_reproduces_its_expected_value() -> None:
+    for name in shipped.names():
+        assert load_scene(shipped.find(name)).expected is not None
+        assert main(["solve", name, "-q"]) == 0, name

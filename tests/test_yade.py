@@ -1,0 +1,165 @@
+"""Real YADE runs against exact values, each other, and the promises about the process."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from comparison import launch, shipped
+from comparison.checks import Verdict, check_run
+from comparison.cli import main
+from comparison.record import Run, read_run
+from la_core import case
+from la_core.exchange import RUN_FIELDS
+from la_core.limit import Drive
+from la_core.scene import Scene, load_scene
+
+HALF_PER_CENT = 5e-3  # what the method promises on cases with exact values
+COVERAGE = 3.0  # standard uncertainties that the exact value may lie away from the run's own
+
+
+@pytest.fixture(scope="session")
+def yade() -> launch.Yade:
+    return launch.find_yade()
+
+
+def _run(yade: launch.Yade, path: Path, folder: Path) -> tuple[Scene, case.LimitAnalysis, Run]:
+    scene = load_scene(path)
+    analysis = case.analyse(scene, for_yade=True)
+    case.write_case(folder / "case.h5", scene, analysis, "test")
+    launch.run_yade(yade, folder, "test", 600.0, lambda report: None)
+    return scene, analysis, read_run(folder / "run.h5", analysis.assembly)
+
+
+@pytest.mark.parametrize("name", ["two_pads", "trilith", "arch_spreading", "arch_settling", "arch_diagonal", "slab_four_corners"])
+def test_the_reaction_is_exact_to_half_a_per_cent_and_its_own_uncertainty(name: str, yade: launch.Yade, tmp_path: Path) -> None:
+    scene, analysis, run = _run(yade, shipped.find(name), tmp_path)
+    exact = analysis.rounded[Drive.YIELDING].value
+    difference = abs(run.result["reaction"] - exact)
+    assert run.status == "plateau"
+    assert difference <= HALF_PER_CENT * exact
+    assert difference <= COVERAGE * run.result["uncertainty"] + 1e-4 * exact
+    assert {check.verdict for check in check_run(scene, analysis, run)} == {Verdict.AGREE}
+
+
+def test_friction_without_dilatancy_holds_nothing_between_two_columns(yade: launch.Yade, tmp_path: Path) -> None:
+    scene, analysis, run = _run(yade, shipped.find("two_blocks"), tmp_path)
+    assert run.result["reaction"] == pytest.approx(0.5 * scene.weight, rel=HALF_PER_CENT)
+    verdicts = {check.name: check.verdict for check in check_run(scene, analysis, run)}
+    assert verdicts["reaction within bounds"] is Verdict.AGREE
+    assert verdicts["reaction against prediction"] is Verdict.INCONCLUSIVE
+
+
+def test_a_frictional_wall_lies_between_the_bounds(yade: launch.Yade, tmp_path: Path) -> None:
+    scene, analysis, run = _run(yade, shipped.find("wall_third"), tmp_path)
+    found = {check.name: check for check in check_run(scene, analysis, run)}
+    assert found["reaction within bounds"].verdict is Verdict.AGREE
+    assert found["reaction against prediction"].verdict is Verdict.INCONCLUSIVE
+    assert "bound" in found["reaction against prediction"].reason
+    assert 0.0690 <= run.result["reaction"] / scene.weight <= 0.0745  # prototypes on the same wall: 0.0703 to 0.0743
+
+
+def test_two_identical_runs_give_identical_bits(yade: launch.Yade, tmp_path: Path) -> None:
+    for folder in (tmp_path / "first", tmp_path / "second"):
+        folder.mkdir()
+        _run(yade, shipped.find("arch_spreading"), folder)
+    with h5py.File(tmp_path / "first" / "run.h5") as first, h5py.File(tmp_path / "second" / "run.h5") as second:
+        for field in RUN_FIELDS:
+            if field.path != "result/seconds":
+                assert np.array_equal(first[field.path][()], second[field.path][()], equal_nan=field.dtype == "f8"), field.path
+
+
+def test_nothing_listens_while_yade_runs(yade: launch.Yade, tmp_path: Path) -> None:
+    scene = load_scene(shipped.find("wall_third"))
+    case.write_case(tmp_path / "case.h5", scene, case.analyse(scene, for_yade=True), "test")
+    script = Path(launch.__file__).parent.parent / "yade_scripts" / "run_case.py"
+    environment = {"PATH": os.defpath, "YADE_MODULES": str(yade.modules)}
+    command = [str(yade.python), str(script), str(tmp_path / "case.h5"), str(tmp_path / "run.h5")]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout is not None
+        first = process.stdout.readline()  # the model stands and runs from here on
+        sockets = set()
+        for _ in range(20):
+            if process.poll() is None:
+                sockets |= {str(entry.readlink()) for entry in Path(f"/proc/{process.pid}/fd").iterdir() if entry.is_symlink()}
+            time.sleep(0.05)
+        process.kill()
+    assert first.startswith("progress ")
+    assert sockets and not [target for target in sockets if target.startswith("socket:")]
+
+
+def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path) -> None:
+    text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    path = tmp_path / "overhang.toml"
+    path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
+    summary = json.loads((tmp_path / "out" / "overhang" / "comparison.json").read_text())
+    assert summary["yade"]["status"] == "collapsed" and summary["yade"]["reaction"] is None
+    assert summary["limit_analysis"]["associated"]["falling"] == ["block"]
+
+
+def test_sharp_arrises_are_judged_by_the_inset_that_yade_took(tmp_path: Path) -> None:
+    path = tmp_path / "sharp.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace("friction = 0.6", "friction = 0.6\ninset = 0.0"))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
+    summary = json.loads((tmp_path / "out" / "sharp" / "comparison.json").read_text())
+    associated = summary["limit_analysis"]["associated"]
+    assert associated["reaction"] == associated["reaction_sharp"] == pytest.approx(359.7, abs=1e-3)
+    assert associated["shared_inset"]["reaction"] == pytest.approx(363.297, abs=1e-3)
+    assert any("smallest inset" in note for note in summary["notes"])
+
+
+def test_a_rotating_support_gives_a_moment(tmp_path: Path) -> None:
+    path = tmp_path / "hinge.toml"
+    text = shipped.find("two_pads").read_text().split("[expected]")[0]
+    path.write_text(text.replace("direction = [0.0, 0.0, -1.0]", "axis = [0.0, 1.0, 0.0]\npoint = [0.4, 0.0, 0.0]"))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
+    summary = json.loads((tmp_path / "out" / "hinge" / "comparison.json").read_text())
+    yade, associated = summary["yade"], summary["limit_analysis"]["associated"]
+    assert yade["reaction"] == pytest.approx(associated["reaction"], rel=HALF_PER_CENT)
+
+
+def test_a_run_that_was_killed_is_redone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "comparison.cli", "run", "wall_third", "-o", str(out)]
+    with subprocess.Popen(
+        command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, cwd=Path(launch.__file__).parent.parent
+    ) as process:
+        deadline = time.monotonic() + 60.0
+        while not (out / "wall_third" / "yade.log").exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(1.0)
+        process.kill()
+    assert not (out / "wall_third" / "run.h5").exists()
+    assert main(["run", "wall_third", "-o", str(out), "-q", "--no-yade"]) == 0
+
+
+def test_a_yade_that_crashes_is_a_failed_tool_with_the_log_s_last_lines(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake = tmp_path / "python"
+    fake.write_text('#!/bin/sh\n[ "$1" = -c ] && echo 0.0 && exit 0\necho the sky is falling\nkill -SEGV $$\n')
+    fake.chmod(0o755)
+    monkeypatch.setenv("CROSSCHECK_YADE_PYTHON", str(fake))
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == 3
+    said = capsys.readouterr().err
+    assert "SIGSEGV" in said and "the sky is falling" in said
+
+
+def test_a_time_limit_ends_in_a_timeout_that_is_tried_again(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "wall_third", "-o", str(out), "-q", "--time-limit", "0.5"]) == 4
+    assert json.loads((out / "wall_third" / "comparison.json").read_text())["yade"]["status"] == "timeout"
+
+
+def test_a_misspelt_yade_setting_is_a_failed_run_with_its_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "typo.toml"
+    path.write_text(shipped.find("two_pads").read_text() + "\n[yade]\nspeeed = 1.0\n")
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 3
+    assert "speeed" in capsys.readouterr().err
