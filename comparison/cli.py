@@ -24,6 +24,7 @@ from la_core.scene import Scene, load_scene
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVEST_FIRST = (TOOL, DISAGREE, INCONCLUSIVE)
+PIPE_WIDTH = 120  # columns
 RESULTS = Path("crosscheck-results")
 
 
@@ -89,6 +90,12 @@ def _seconds(text: str) -> float:
     return value
 
 
+def _stdout() -> Console:
+    """Results: as wide as the terminal, or wide enough for a table in a file or pipe; text is never cut or broken."""
+    console = Console(highlight=False, soft_wrap=True)
+    return console if console.is_terminal else Console(highlight=False, soft_wrap=True, width=PIPE_WIDTH)
+
+
 def _print_json(value: Any) -> None:
     print(json.dumps(value, indent=2, ensure_ascii=False))
 
@@ -99,7 +106,7 @@ def _scenes(options: argparse.Namespace, narrator: Console) -> int:
         rows = [{"name": s.name, "title": s.title, "source": s.source} for s in scenes]
         _print_json([row | {"expected": s.expected.model_dump() if s.expected else None} for row, s in zip(rows, scenes, strict=True)])
     else:
-        Console().print(tables.scene_table(scenes))
+        _stdout().print(tables.scene_table(scenes))
     return AGREE
 
 
@@ -114,7 +121,7 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
     if options.json:
         _print_json(facts | {"figure": str(figure)})
     else:
-        Console().print(tables.facts_table(scene.title, facts))
+        _stdout().print(tables.facts_table(scene.title, facts))
         narrator.print(f"drawn in {figure}", markup=False)
     return AGREE
 
@@ -129,7 +136,7 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
     if options.json:
         _print_json(summary)
     else:
-        Console().print(tables.solution_table(scene, summary, checks))
+        _stdout().print(tables.solution_table(scene, summary, checks))
     verdict, reason = overall(checks)
     if reason:
         narrator.print(reason, markup=False)
@@ -181,11 +188,11 @@ def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tupl
         if options.json:
             print((folder / "report.json").read_text(encoding="utf-8"), end="")
         else:
-            Console().print(tables.verdict_table(comparisons))
+            _stdout().print(tables.verdict_table(comparisons))
             for comparison in comparisons:
                 if comparison["reason"]:
-                    Console(soft_wrap=True, highlight=False).print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
-            Console(soft_wrap=True, highlight=False).print(f"report: {os.path.relpath(page)}", markup=False)
+                    _stdout().print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
+            _stdout().print(f"report: {os.path.relpath(page)}", markup=False)
         codes += [_code(comparison) for comparison in comparisons]
     return next((code for code in GRAVEST_FIRST if code in codes), AGREE)
 
@@ -201,10 +208,10 @@ def _doctor(options: argparse.Namespace, narrator: Console) -> int:
     if options.json:
         _print_json([vars(finding) for finding in findings])
     else:
-        Console().print(tables.doctor_table(findings))
+        _stdout().print(tables.doctor_table(findings))
         for finding in findings:
             if not finding.well:
-                Console(soft_wrap=True, highlight=False).print(f"{finding.part}: {finding.remedy}", markup=False)
+                _stdout().print(f"{finding.part}: {finding.remedy}", markup=False)
     return AGREE if all(finding.well for finding in findings) else TOOL
 
 

@@ -123,7 +123,7 @@ class Canvas:
         blocks = self.blocks
         owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
         along = blocks.face_normal @ self.toward
-        hidden: list[bool] = []
+        hidden = []
         for part in np.array_split(position, len(position) // 500 + 1):
             inside = blocks.face_offset - part @ blocks.face_normal.T
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -132,8 +132,8 @@ class Canvas:
             enter = np.maximum.reduceat(np.where(along < -1e-9, cut, -np.inf), owner_start, axis=1)
             missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), owner_start, axis=1)
             stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
-            hidden += list((stone > HIDING * size(blocks)).any(axis=1))
-        return ~np.array(hidden)
+            hidden.append(np.any(stone > HIDING * size(blocks), axis=1))
+        return ~np.concatenate(hidden)
 
     def marks(self, position: np.ndarray, **style: Any) -> None:
         """Markers without lines."""
@@ -154,11 +154,14 @@ class Canvas:
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Each block's name at its centroid, as large as the block allows."""
+        """Each block's name at its centroid, as large as the block allows, a word to a line where that helps."""
         extent = (self.blocks.high - self.blocks.low) * self.scale
         for name, centre, (width, _, height) in zip(self.blocks.names, self.blocks.centroid, extent, strict=True):
-            shown = name if len(name) <= 24 else name[:23] + "…"
-            self.text(centre, shown, float(np.clip(min(width / (0.62 * len(shown)), height), 5.0, 9.0)))
+            whole = name if len(name) <= 24 else name[:23] + "…"
+            split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
+            sizes = {words: _font(words, width, height) for words in (whole, split)}
+            shown = max(sizes, key=lambda words: sizes[words])
+            self.text(centre, shown, sizes[shown])
 
     def _scales(self) -> None:
         """Axes in space, in m: x along the lower front edge, y along the lower right one, z along the front left one."""
@@ -179,12 +182,18 @@ class Canvas:
             self.outlines([np.array([start, start + 0.4 * outward]) for start in starts], INK, 0.8)
             for tick, start in zip(ticks, starts, strict=True):
                 self.text(start + 1.2 * outward, f"{tick:g}", 7.0)
-            self.text(corner + 0.5 * length * along + 2.6 * outward, f"{'xyz'[axis]} (m)", 8.0)
+            self.text(corner + 0.5 * length * along + (2.6 if axis < 2 else 3.4) * outward, f"{'xyz'[axis]} (m)", 8.0)
 
 
 def arrow_style(colour: str) -> dict[str, Any]:
     """Properties of every arrow."""
     return {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
+
+
+def _font(words: str, width: float, height: float) -> float:
+    """Font size (pt), readable and not larger than names need, that lets words fit into width and height (pt) at best."""
+    lines = words.split("\n")
+    return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
 
 
 def canvases(figure: Figure, assembly: Assembly, count: int) -> list[Canvas]:

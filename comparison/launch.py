@@ -6,6 +6,7 @@ import re
 import shutil
 import signal
 import subprocess
+import tempfile
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -63,7 +64,7 @@ def find_yade() -> Yade:
     python = Path(os.environ.get("CROSSCHECK_YADE_PYTHON", SYSTEM_PYTHON))
     try:
         answer = subprocess.run(
-            [python, "-c", _PROBE, modules], env=_environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
+            [python, "-c", _PROBE, modules], env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
@@ -89,10 +90,11 @@ def _module_folder() -> Path | None:
     return next((folder for folder in candidates if (folder / "yade").is_dir()), None)
 
 
-def _environment() -> dict[str, str]:
-    """What YADE gets of the environment: one thread, and nothing of Python's or the project's virtual environment."""
+def environment() -> dict[str, str]:
+    """What YADE gets of the environment: one thread, a home (it asks for one), nothing of Python's or this program's own."""
     kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
-    return {**kept, "PATH": "/usr/local/bin:/usr/bin:/bin", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+    one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+    return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread}
 
 
 def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
@@ -105,10 +107,10 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     command = [
         str(part) for part in (yade.python, "-u", script, case.resolve(), run.resolve(), "--inputs", inputs, "--time-limit", time_limit)
     ]
-    environment = {**_environment(), "YADE_MODULES": str(yade.modules)}
+    variables = {**environment(), "YADE_MODULES": str(yade.modules)}
     with log.open("w") as record:
         process = subprocess.Popen(
-            command, env=environment, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             text=True, errors="replace", start_new_session=True,
         )  # fmt: skip
         overtime = threading.Timer(time_limit + GRACE, _end, [process])

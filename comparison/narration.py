@@ -51,5 +51,5 @@ def _state(report: dict[str, Any]) -> str:
     if report.get("stage") == "gravity":
         return "coming to rest under gravity"
     settlement, reaction = report.get("settlement"), report.get("reaction")
-    moved = "" if settlement is None else f"moved {settlement * 1e3:.3f} mm or mrad"
+    moved = "" if settlement is None else f"moved {settlement * 1e3:.3f} {report.get('unit', '')}"
     return moved if reaction is None else f"{moved}, reaction {reaction:.5g}"

@@ -16,6 +16,7 @@ from la_core.scene import Scene
 NEAR = 2.5  # times the range of all other values: a greatest reaction farther than this is only pointed at
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
 BAND = 0.16  # opacity
+PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
 
 
 @dataclass(frozen=True)
@@ -39,25 +40,24 @@ def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> F
     if obstacle and run is None:
         figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
         return figure
-    scales = _scales(scene, analysis, run)
-    ends = _ends(run)
-    panels = (
-        figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if run is not None and np.isfinite(run.result["reaction"]) else [figure.subplots()]
-    )
-    for axes, limits in zip(panels, (_whole_limits(analysis, run), _plateau_limits(analysis, run)), strict=False):
-        _draw_bounds(axes, analysis, scales, ends, limits)
-        if run is not None:
-            _draw_run(axes, run, scales, ends)
-        _finish(axes, scene, scales, ends, limits)
-    if len(panels) == 2:
-        panels[1].set_title("close to the plateau", fontsize=9, loc="left")
-    panels[0].set_title(_status_words(run, obstacle), fontsize=9, parse_math=False, loc="left")
-    handles, labels = panels[-1].get_legend_handles_labels()
-    more = [pair for pair in zip(*panels[0].get_legend_handles_labels(), strict=True) if pair[1] not in labels]
-    figure.legend(
-        handles + [h for h, _ in more], labels + [name for _, name in more], loc="outside lower center", ncols=4, fontsize=8, frameon=False
-    )
+    scales, end = _scales(scene, analysis, run), _reached(run)
+    whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if _has_plateau(run) else [figure.subplots()]
+    panels = [(whole, _whole_limits(analysis, run)), *((axes, _plateau_limits(analysis, run)) for axes in close)]
+    for axes, limits in panels:
+        _draw_bounds(axes, analysis, scales, limits)
+        if run is not None and end > 0.0:
+            _draw_run(axes, run, scales, end)
+        _finish(axes, scene, scales, end, limits)
+    for axes in close:
+        axes.set_title("close to the plateau", fontsize=9, loc="left")
+    whole.set_title(_status_words(run, obstacle), fontsize=9, parse_math=False, loc="left")
+    named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
+    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure
+
+
+def _has_plateau(run: Run | None) -> bool:
+    return run is not None and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
 
 
 def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
@@ -77,10 +77,11 @@ def _status_words(run: Run | None, obstacle: str) -> str:
 
 def _lines(analysis: LimitAnalysis) -> dict[str, float]:
     """Finite reactions of limit analysis by label."""
-    least, sharp, greatest = (_value(solutions, drive) for solutions, drive in (
-        (analysis.rounded, Drive.YIELDING), (analysis.sharp, Drive.YIELDING), (analysis.rounded, Drive.PUSHING)
-    ))  # fmt: skip
-    named = {"least": least, "sharp": sharp, "greatest": greatest}
+    named = {
+        "least": _value(analysis.rounded, Drive.YIELDING),
+        "sharp": _value(analysis.sharp, Drive.YIELDING),
+        "greatest": _value(analysis.rounded, Drive.PUSHING),
+    }
     return {name: value for name, value in named.items() if np.isfinite(value)}
 
 
@@ -88,10 +89,9 @@ def _value(solutions: dict[Drive, Solution], drive: Drive) -> float:
     return solutions[drive].value if drive in solutions else float("nan")
 
 
-def _ends(run: Run | None) -> float:
-    """Largest settlement drawn, m or rad."""
-    reached = run.settling("settlement") if run is not None else np.zeros(0)
-    return float(reached.max()) if len(reached) and reached.max() > 0.0 else 1.0
+def _reached(run: Run | None) -> float:
+    """Largest settlement recorded, m or rad; 0 where none is."""
+    return float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
 
 
 def _scales(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> _Scales:
@@ -100,8 +100,7 @@ def _scales(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> _Scales:
         values += list(np.abs(run.settling("reaction")))
     largest = max((value for value in values if np.isfinite(value)), default=1.0)
     divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
-    end = _ends(run)
-    tiny = end < 1e-5
+    tiny = _reached(run) < 1e-5
     length = ("µrad" if tiny else "mrad") if scene.is_rotation else ("µm" if tiny else "mm")
     return _Scales(1e-6 if tiny else 1e-3, length, divisor, f"{prefix}{scene.unit}")
 
@@ -127,26 +126,20 @@ def _whole_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, floa
 def _plateau_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float]:
     """Reaction range around the fitted line, its uncertainty and the least reactions, with room for the record's noise."""
     values = [value for name, value in _lines(analysis).items() if name != "greatest"]
-    if run is not None and np.isfinite(run.result["reaction"]):
+    if run is not None and _has_plateau(run):
         reaction, uncertainty = run.result["reaction"], run.result["uncertainty"]
         late = run.settling("reaction")[run.settling("settlement") >= run.result["plateau_start"]]
         values += [reaction - 2.0 * uncertainty, reaction + 2.0 * uncertainty, *np.quantile(late, (0.02, 0.98))]
     return _padded(min(values, default=0.0), max(values, default=1.0))
 
 
-def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: _Scales, end: float, limits: tuple[float, float]) -> None:
+def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: _Scales, limits: tuple[float, float]) -> None:
+    """Admissible band and its ends; a greatest reaction beyond the axes is named above them."""
     lines = {name: value / scales.reaction for name, value in _lines(analysis).items()}
     low, high = (limit / scales.reaction for limit in limits)
     if "least" in lines:
-        top = lines.get("greatest", high)
-        axes.axhspan(
-            lines["least"],
-            max(min(top, 2.0 * high - low), lines["least"]),
-            color=LIMIT_ANALYSIS,
-            alpha=BAND / 2.0,
-            linewidth=0.0,
-            label="admissible (associated)",
-        )
+        top = max(lines["least"], min(lines.get("greatest", np.inf), 2.0 * high - low))
+        axes.axhspan(lines["least"], top, color=LIMIT_ANALYSIS, alpha=BAND / 2.0, linewidth=0.0, label="admissible (associated)")
         axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label=r"limit analysis, $R_{\min}$")
     if "sharp" in lines and lines["sharp"] != lines.get("least"):
         axes.axhline(lines["sharp"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle=":", label=r"$R_{\min}$ of sharp arrises")
@@ -158,35 +151,35 @@ def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: _Scales, end: float
 
 
 def _draw_run(axes: Any, run: Run, scales: _Scales, end: float) -> None:
+    """The record, the fitted line from rest on, and the reaction at rest with its uncertainty."""
     axes.plot(
         run.settling("settlement") / scales.settlement, run.settling("reaction") / scales.reaction,
-        color=YADE, linewidth=1.0, label="YADE, recorded",
+        color=YADE, linewidth=0.8, label="YADE, recorded",
     )  # fmt: skip
+    if not _has_plateau(run):
+        return
     reaction, uncertainty, slope = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty", "slope"))
     start = run.result["plateau_start"]
-    if not np.isfinite([reaction, uncertainty, slope, start]).all():
-        return
-    for settlement, style, label in (
-        ((0.0, start), (0, (4, 2)), "YADE, extrapolated to rest"),
-        ((start, end), "-", "YADE, fitted plateau"),
-    ):
-        s = np.array(settlement)
+    for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", "YADE, fitted plateau")):
+        s = np.array([first, last])
         axes.plot(s / scales.settlement, reaction + slope * s, color=INK, linewidth=1.6, linestyle=style, label=label)
     s = np.array([0.0, end])
-    line = reaction + slope * s
-    axes.fill_between(
-        s / scales.settlement, line - uncertainty, line + uncertainty, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty"
-    )
-    axes.errorbar(
-        [0.0], [reaction], [uncertainty], color=INK, marker="s", markersize=5, markerfacecolor=YADE, capsize=4, clip_on=False, zorder=6
-    )
+    low, high = (reaction + slope * s + sign * uncertainty for sign in (-1.0, 1.0))
+    axes.fill_between(s / scales.settlement, low, high, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty")
+    marker = {"marker": "s", "markersize": 5, "markerfacecolor": YADE, "capsize": 4}
+    axes.errorbar([0.0], [reaction], [uncertainty], color=INK, zorder=6, **marker)
 
 
 def _finish(axes: Any, scene: Scene, scales: _Scales, end: float, limits: tuple[float, float]) -> None:
     """Axes, units and the second scale R/W."""
-    axes.set(xlim=(-0.03 * end / scales.settlement, 1.03 * end / scales.settlement), ylim=np.array(limits) / scales.reaction)
-    kind = "rotation" if scene.is_rotation else "settlement"
-    axes.set_xlabel(f"{kind} of the support ({scales.settlement_unit})")
+    motion = f"{'rotation' if scene.is_rotation else 'settlement'} of the support"
+    axes.set_ylim(*np.array(limits) / scales.reaction)
+    if end > 0.0:
+        axes.set_xlim(-0.03 * end / scales.settlement, 1.03 * end / scales.settlement)
+        axes.set_xlabel(f"{motion} ({scales.settlement_unit})")
+    else:
+        axes.set_xticks([])
+        axes.set_xlabel(f"{motion}: none recorded")
     axes.set_ylabel(f"reaction R ({scales.reaction_unit})")
     ratio = scales.reaction / scene.weight
     second = axes.secondary_yaxis("right", functions=(lambda r: r * ratio, lambda q: q / ratio))

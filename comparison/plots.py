@@ -77,7 +77,7 @@ def mechanism_figure(
     factor = DRAWN * drawing.size(assembly.blocks) / fastest if fastest > 0.0 else 0.0
     heading = "\n".join(part for part in (_wrapped(title), _scale_words(assembly, factor) if known else "") if part)
     figure = _figure(assembly, len(mechanisms), heading)
-    handles = [_area("at rest", ROLE_FACE[FREE])]
+    handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
     for canvas, (label, twists) in zip(drawing.canvases(figure, assembly, len(mechanisms)), mechanisms.items(), strict=True):
         colour = drawing.tint(drawing.method_colour(label))
         if np.isfinite(twists).all():

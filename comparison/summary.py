@@ -23,6 +23,7 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "title": scene.title,
         "source": scene.source,
         "weight": scene.weight,
+        "unit": scene.unit,
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(assembly.interfaces),
         "contact_points": len(assembly.points),

@@ -1,5 +1,6 @@
 """Tables for the terminal (rich); a number that does not exist is a dash."""
 
+import math
 from typing import Any
 
 from rich import box
@@ -86,27 +87,39 @@ def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -
 
 def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     """One row a scene: bounds and YADE's reaction over the weight, the verdict, the time of each method."""
-    table = _table(
-        "scene", "limit analysis", "greatest", "YADE", "±", "verdict", "LA s", "YADE s", title="over the weight W of the free blocks"
-    )
+    headings = ("scene", "least", "greatest", "YADE", "verdict", "LA s", "YADE s")
+    table = _table(*headings, title="reaction over the weight W of the free blocks: limit analysis' bounds, YADE's plateau")
     for comparison in comparisons:
         answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
-
-        def over(value: float | None, weight: float = weight) -> str:
-            return number(None if value is None else value / weight, 5)
-
         if "multiplier" in answer:
-            values = [number(answer["multiplier"]), "–", "–", "–"]
+            values = [number(answer["multiplier"], 5), "–", "–"]
         else:
             shared = answer.get("shared_inset", answer)
-            values = [over(shared["reaction"]), over(shared["reaction_max"]), over(yade.get("reaction")), over(yade.get("uncertainty"))]
+            values = [_over(shared[name], weight) for name in ("reaction", "reaction_max")]
+            values.append(with_uncertainty(_ratio(yade.get("reaction"), weight), _ratio(yade.get("uncertainty"), weight)))
         if answer["status"] != "solved":
             values[0] = answer["status"]
         if yade and yade["status"] != "plateau":
             values[2] = yade["status"]
-        seconds = [number(answer["seconds"], 2), number(yade.get("seconds"), 3)]
+        seconds = [number(answer["seconds"], 2), number(yade.get("seconds"), 2)]
         table.add_row(comparison["scene"], *values, MARKS[comparison["verdict"]], *seconds)
     return table
+
+
+def _ratio(value: float | None, weight: float) -> float | None:
+    return None if value is None else value / weight
+
+
+def _over(value: float | None, weight: float) -> str:
+    return number(_ratio(value, weight), 5)
+
+
+def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
+    """A value to the last digit that its uncertainty, given to one digit, leaves meaningful."""
+    if value is None or uncertainty is None:
+        return number(value, 5)
+    digits = 6 if uncertainty <= 0.0 else min(6, max(0, -math.floor(math.log10(uncertainty))))
+    return f"{value:.{digits}f} ± {uncertainty:.{digits}f}"
 
 
 def doctor_table(findings: list[Finding]) -> Table:

@@ -126,7 +126,13 @@ def _yade(
     try:
         yade = find_yade()
         listener.stage(scene.name, "YADE", f"running {yade.version}")
-        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, report))
+        run_yade(
+            yade,
+            folder,
+            inputs,
+            time_limit,
+            lambda report: listener.progress(scene.name, {**report, "unit": "mrad" if scene.is_rotation else "mm"}),
+        )
         run = read_run(path, analysis.assembly)
         return run, yade_summary(run)
     except YadeMissingError as error:
@@ -177,12 +183,16 @@ def _judge(stored: Stored) -> list[Check]:
 
 
 def _figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
-    mechanisms = {"limit analysis (associated)": analysis.rounded[analysis.main].twists}
+    """How to draw each figure, by its name."""
+    main = analysis.rounded[analysis.main]
+    mechanisms = {"limit analysis (associated)": main.twists}
+    reasons = {} if main.status is Status.INFEASIBLE else {"limit analysis (associated)": f"limit analysis: {main.status}"}
     if run is not None:
         mechanisms["YADE"] = run.mechanism()
+        reasons["YADE"] = f"{run.status}: {run.result['message']}"
     return {
         "assembly": lambda: plots.assembly_figure(scene, analysis.assembly),
-        "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms),
+        "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
         "reaction": lambda: plots.reaction_figure(scene, analysis, run),
     }
 

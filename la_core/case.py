@@ -97,18 +97,22 @@ def _fields(scene: Scene) -> tuple[exchange.Field, ...]:
     return exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
 
 
+def _motion(scene: Scene) -> np.ndarray:
+    """The support's unit motion (6,), NaN where no support moves."""
+    return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
+
+
 def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
     """Write `case.h5`; `inputs` is the digest of what made it."""
     assembly = analysis.assembly
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
-    no_motion = np.full(6, np.nan)
     values: dict[str, Any] = {
         "scene/name": scene.name,
         "scene/title": scene.title,
         "scene/gravity": scene.gravity,
         "scene/plane": assembly.effects.plane,
         "scene/inset": assembly.inset,
-        "scene/support_twist": no_motion if scene.support_twist is None else scene.support_twist,
+        "scene/support_twist": _motion(scene),
         "scene/settings": json.dumps(scene.yade, sort_keys=True),
         "blocks/name": list(blocks.names),
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
@@ -133,8 +137,18 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     """
     data = exchange.read(path, _fields(scene))
     assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
-    if not np.array_equal(assembly.points.position, data["contacts/position"]):
-        raise exchange.ExchangeError(f"{path}: its contact points are not those of {scene.path}; run it again")
+    own = {
+        "contacts/position": assembly.points.position,
+        "contacts/friction": assembly.points.friction,
+        "blocks/role": assembly.blocks.role,
+        "blocks/mass": assembly.blocks.mass,
+        "blocks/centroid": assembly.blocks.centroid,
+        "scene/gravity": scene.gravity,
+        "scene/support_twist": _motion(scene),
+    }
+    for name, value in own.items():
+        if not np.array_equal(value, data[name], equal_nan=True):
+            raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
 
     def solutions(arrises: str) -> dict[Drive, Solution]:
         return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}

@@ -154,7 +154,7 @@ def _overlap_polygons(
         row, place = _expand(np.diff(blocks.face_start)[face])
         arm = blocks.vertices[blocks.face_vertex[blocks.face_start[face[row]] + place]] - origin[row]
         flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
-        return shapely.polygons(shapely.linearrings(flat, indices=row)) if len(face) else np.array([], dtype=object)
+        return _polygons(flat, np.diff(blocks.face_start)[face])
 
     overlap = shapely.intersection(polygons(face_a), polygons(face_b))
     wide = shapely.area(overlap) > tolerance[pair] * shapely.length(overlap) / 2.0
@@ -170,9 +170,18 @@ def _overlap_polygons(
     return kept[~far], corners[touches], (np.cumsum(~far) - 1)[owner[touches]]
 
 
+def _polygons(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Polygons (N,) from their corners (Q, 2), polygon after polygon, `counts` (N,) of them each."""
+    row, place = _expand(counts + 1)  # shapely wants the first corner again at the end
+    start = np.cumsum(counts) - counts
+    closed = flat[start[row] + place % counts[row]]
+    rings = np.concatenate([[0], np.cumsum(counts + 1)])
+    return np.asarray(shapely.from_ragged_array(shapely.GeometryType.POLYGON, closed, (rings, np.arange(len(rings)))))
+
+
 def _corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """True corners (Q, 2) of convex polygons and the polygon of each: vertices on a straight edge or doubled are dropped."""
-    flat, owner = shapely.get_coordinates(shapely.get_exterior_ring(polygons), return_index=True)
+    flat, owner = shapely.get_coordinates(polygons, return_index=True)
     closing = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
     flat, owner = flat[~closing], owner[~closing]
     before, _ = _ring_neighbours(owner)
@@ -205,16 +214,16 @@ def _polygon_areas(corners: np.ndarray, ring: np.ndarray, start: np.ndarray, nor
 def _refuse_floating(blocks: Blocks, touching: np.ndarray, size: np.ndarray) -> None:
     alone = np.setdiff1d(np.arange(len(blocks)), touching)
     if len(alone):
-        block = int(alone[0])
+        block = int(alone[np.argmax(blocks.free[alone])])  # the first free one, if any is free
         others = np.delete(np.arange(len(blocks)), block)
         between = np.maximum(blocks.low[others] - blocks.high[block], blocks.low[block] - blocks.high[others])
         gap = np.linalg.norm(np.maximum(between, 0.0), axis=1)
-        near = int(others[np.argmin(gap)]) if len(others) else block
+        near = int(others[np.argmin(gap)])  # a scene has at least a free and a held block
         names = ", ".join(f'"{blocks.names[i]}"' for i in alone[:10])
         raise SceneError(
             f"block{'s' if len(alone) > 1 else ''} {names}",
             "touches nothing: no face lies on another block's face",
-            hint=f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min(initial=0.0):.3g} m away',
+            hint=f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min():.3g} m away',
         )
 
 
@@ -248,7 +257,7 @@ def _solid_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple
     origin = interfaces.polygon[interfaces.polygon_start[:-1]]
     arm = interfaces.polygon - origin[owner]
     flat = np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1)
-    shrunk = shapely.buffer(shapely.polygons(shapely.linearrings(flat, indices=owner)), -inset, join_style="mitre")
+    shrunk = shapely.buffer(_polygons(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
     _refuse_small(blocks, interfaces, shapely.is_empty(shrunk), inset)
     flat, owner = _corners(shrunk, np.full(len(shrunk), 1e-3 * inset))
     return origin[owner] + flat[:, :1] * first[owner] + flat[:, 1:] * second[owner], owner

@@ -3,6 +3,7 @@
 import numpy as np
 
 from la_core.assembly import PLANE_FREEDOMS, Assembly, per_length
+from la_core.mechanism import block_speeds
 
 
 def reaction(assembly: Assembly, forces: np.ndarray) -> float:
@@ -35,7 +36,10 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
 
 
 def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
-    """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over the largest contact velocity."""
+    """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over the largest speed of a block.
+
+    Not over the largest relative velocity: that is zero where blocks ride along with their support.
+    """
     velocity = assembly.relative_velocity(twists)
     normal = np.sum(velocity * assembly.normal, axis=1)
     tangential = np.linalg.norm(velocity - normal[:, None] * assembly.normal, axis=1)
@@ -43,5 +47,5 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
         violation = np.maximum(tangential, -normal)
     else:
         violation = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
-    fastest = float(np.linalg.norm(velocity, axis=1).max())
+    fastest = float(block_speeds(assembly.blocks, twists).max())
     return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0

@@ -71,7 +71,7 @@ _SOLUTION = (
     ("forces", "f8", ("C", 3), "N", "contact force on b, global axes; NaN where there is none"),
     ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
     ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
-    ("mechanism_violation", "f8", (), "-", "largest violation of the flow rule over the support's speed"),
+    ("mechanism_violation", "f8", (), "-", "largest violation of the flow rule over the largest speed of a block"),
     ("duality_gap", "f8", (), "-", "value from forces less value from work, over the mean free-block weight"),
     ("seconds", "f8", (), "s", "solver time"),
     ("iterations", "i8", (), "", "solver iterations"),

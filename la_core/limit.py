@@ -22,6 +22,7 @@ from la_core.conic import Answer, Cones, Outcome, maximise
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
+LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
 class Status(enum.StrEnum):
@@ -49,7 +50,7 @@ class Solution:
     value: reaction in N (N m for a rotation) or multiplier. twists (B, 6): mechanism for the support's unit motion, or for
     unit power of the unit live load. forces (C, 3): contact forces on b in N, global axes.
     Residuals (equilibrium_residual, cone_violation, duality_gap) are relative to the mean free-block weight;
-    mechanism_violation is the flow rule's, relative to the largest contact velocity.
+    mechanism_violation is the flow rule's, relative to the largest speed of a block.
     falling: names of blocks that fall when the status is INFEASIBLE.
     """
 
@@ -106,19 +107,19 @@ def solve(assembly: Assembly, drive: Drive) -> Solution:
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
     answer = maximise(problem.power, rows, offset, cones)
     if answer.outcome is Outcome.EMPTY:
-        return _without_value(assembly, Status.UNBOUNDED, answer)
+        return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.UNBOUNDED, answer)
+    if answer.outcome is Outcome.RAY:
+        return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
     twists = np.zeros((len(assembly.blocks), 6))
     twists[assembly.blocks.free] = _twists(answer.x, assembly)
-    if answer.outcome is Outcome.RAY:
-        return _cannot_stand(assembly, twists, answer)
     multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
     local = (problem.flow_rule.T @ multipliers).reshape(len(assembly.points), -1) * assembly.weight
     forces = np.einsum("ck,ckj->cj", local, assembly.axes[:, : local.shape[1]])
     solution = _with_evidence(assembly, drive, (twists + imposed) * speed, forces, answer)
     if drive is Drive.LIVE and solution.value < -ACCEPTED:  # the live load has to hold the structure up
-        return _cannot_stand(assembly, solution.twists, answer)
+        return _cannot_stand(assembly, problem, answer) or solution
     return solution
 
 
@@ -187,13 +188,25 @@ def _without_value(assembly: Assembly, status: Status, answer: Answer, falling: 
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
 
 
-def _cannot_stand(assembly: Assembly, twists: np.ndarray, answer: Answer) -> Solution:
-    """Check the certificate: with the supports at rest, an admissible motion on which the weights do positive work."""
-    power = np.sum(assembly.dead_load * twists, axis=1)
-    if power.sum() <= 0.0 or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
-        return _without_value(assembly, Status.FAILED, answer)
-    falls = np.flatnonzero(power >= FALLING_SHARE * power.max())
-    return _without_value(assembly, Status.INFEASIBLE, answer, tuple(assembly.blocks.names[k] for k in falls))
+def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) -> Solution | None:
+    """The certificate, or None: an admissible motion with the supports at rest on which the weights do positive work.
+
+    Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
+    """
+    size, split = len(problem.power), problem.cones.equalities
+    limits = sparse.vstack([sparse.identity(size), -sparse.identity(size)])
+    rows = sparse.vstack([problem.rows[:split], limits, problem.rows[split:]]).tocsr()
+    offset = np.zeros(rows.shape[0])
+    offset[split : split + 2 * size] = 1.0
+    fall = maximise(problem.power, rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size))
+    twists, sinking = np.zeros((len(assembly.blocks), 6)), np.zeros(len(assembly.blocks))
+    twists[assembly.blocks.free] = _twists(fall.x, assembly)
+    power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
+    if not power.sum() > LEAST_FALL * assembly.weight or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
+        return None
+    np.divide(power, weight, out=sinking, where=weight > 0.0)
+    names = tuple(assembly.blocks.names[k] for k in np.flatnonzero(sinking >= FALLING_SHARE * sinking.max()))
+    return _without_value(assembly, Status.INFEASIBLE, answer, names)
 
 
 def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer) -> Solution:
@@ -203,7 +216,7 @@ def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces:
         value, from_forces, unit = from_work, evidence.multiplier(assembly, forces), 1.0
     else:
         value = from_forces = evidence.reaction(assembly, forces)
-        unit = assembly.mean_weight * (assembly.length if np.any(assembly.support_twist[:, 3:]) else 1.0)
+        unit = assembly.mean_weight * _imposed_motion(assembly, drive)[0]  # the speed turns a moment into a force
     residuals = {
         "equilibrium_residual": evidence.equilibrium_residual(assembly, forces, value if drive is Drive.LIVE else 0.0),
         "cone_violation": evidence.cone_violation(assembly, forces),

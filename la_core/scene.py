@@ -93,7 +93,8 @@ def _validate(data: dict[str, Any]) -> schema.SceneFile:
     try:
         return schema.SceneFile.model_validate(data)
     except pydantic.ValidationError as error:
-        raise _complaint(error.errors()[0], data) from error
+        # A misspelt key is also a missing one: the misspelling says more.
+        raise _complaint(min(error.errors(), key=lambda e: e["type"] != "extra_forbidden"), data) from error
 
 
 def _complaint(error: Any, data: dict[str, Any]) -> SceneError:
@@ -102,11 +103,28 @@ def _complaint(error: Any, data: dict[str, Any]) -> SceneError:
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
         return SceneError(path, "unknown key", hint=nearest(str(key), _valid_keys(parents)))
+    if error["type"] == "missing" and isinstance(error["loc"][-1], int):
+        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
     if error["type"] == "missing":
         return SceneError(path, "missing", hint="no physical quantity has a silent default")
     if error["type"] == "value_error":
-        return SceneError(path or "scene", str(error["ctx"]["error"]))
-    return SceneError(path, error["msg"][0].lower() + error["msg"][1:], value=value)
+        return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
+    rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
+    return SceneError(path, rule.format(**error.get("ctx", {})), value=value)
+
+
+_RULES = {  # in place of pydantic's words, which are about Python
+    "bool_type": "must be true or false",
+    "dict_type": "must be a table",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "model_type": "must be a table",
+    "string_type": "must be text in quotes",
+    "too_long": "has too many entries, {actual_length} where at most {max_length} belong",
+    "too_short": "has too few entries, {actual_length} where at least {min_length} belong",
+    "tuple_type": "must be an array",
+}
 
 
 def _key_path(location: tuple[Any, ...], data: Any) -> str:

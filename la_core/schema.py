@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
 
 Real = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Real, Field(gt=0.0)]
@@ -22,6 +22,12 @@ def _not_zero(vector: Vector) -> Vector:
 
 
 Direction = Annotated[Vector, AfterValidator(_not_zero)]
+
+
+def _auto_or_bool(value: object) -> object:
+    if not (isinstance(value, bool) or value == "auto"):
+        raise ValueError("must be 'auto', true or false")
+    return value
 
 
 class Table(BaseModel):
@@ -179,7 +185,7 @@ class Live(Table):
 class Effects(Table):
     """Which effects to model; "auto" decides from the scene."""
 
-    plane: Literal["auto"] | Annotated[bool, Strict()] = "auto"
+    plane: Annotated[Literal["auto"] | bool, BeforeValidator(_auto_or_bool)] = "auto"
     friction: Literal["auto", "coulomb", "associated", "none-slides"] = "auto"
 
 

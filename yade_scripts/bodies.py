@@ -26,10 +26,14 @@ from yade import (
     TranslationEngine,
     ViscElMat,
 )
-from yade.minieigenHP import Matrix3, Quaternion, Vector3
 
 from yade_scripts.case import FREE, Case
 from yade_scripts.settings import Settings
+
+try:
+    from yade.minieigenHP import Matrix3, Quaternion, Vector3
+except ImportError:  # YADE before 2022 kept them in a package of their own
+    from minieigen import Matrix3, Quaternion, Vector3
 
 # Spheres meet faces only, and nothing meets between two held blocks. YADE pairs bodies whose masks share a bit, unless the
 # masks are equal and share a bit with the collider's avoidSelfInteractionMask.

@@ -1,5 +1,6 @@
 """One case as YADE needs it: blocks, contact points and the support's unit motion, from the fields of `case.h5`."""
 
+import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -89,7 +90,7 @@ class Case:
 def from_fields(data: Mapping[str, Any]) -> Case:
     """Case from the fields of `case.h5`. Raises CaseError when it has nothing to run."""
     start, interface = data["blocks/vertex_start"], data["contacts/interface"]
-    vertices = tuple(data["blocks/vertices"][a:b] for a, b in zip(start[:-1], start[1:], strict=True))
+    vertices = tuple(data["blocks/vertices"][a:b] for a, b in itertools.pairwise(start))
     boxes = tuple(hosting.box_extents(points) for points in vertices)
     case = Case(
         name=data["scene/name"],

@@ -1,5 +1,7 @@
 """Which block carries the contact sphere of each contact point, and which one offers its face."""
 
+import itertools
+
 import numpy as np
 
 _BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
@@ -16,9 +18,7 @@ def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     return (low, high) if len(vertices) == 8 and on_corner.all() and len(corners) == 8 else None
 
 
-def hosts(
-    is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray
-) -> np.ndarray:
+def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray) -> np.ndarray:
     """Block (C,) that carries the sphere of each contact point; the other block offers its face.
 
     Prefers a box for the face (YADE's exact and cheapest target), then the block in whose face the point lies deeper:
@@ -57,7 +57,7 @@ def depth_in_faces(
 def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise from outside."""
     normals, offsets = np.empty((len(face_start) - 1, 3)), np.empty(len(face_start) - 1)
-    for face, (first, last) in enumerate(zip(face_start[:-1], face_start[1:], strict=True)):
+    for face, (first, last) in enumerate(itertools.pairwise(face_start)):
         points = vertices[face_vertex[first:last]]
         arms = points - points.mean(axis=0)
         area = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)

@@ -11,6 +11,9 @@ from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
 
+_NO_WORK = 1e-6  # of the most work the weights could do: below it nothing but the joints' elasticity works
+
+
 def fields(run: Protocol, seconds: float) -> dict[str, Any]:
     """Values of all fields of `run.h5` by path. `seconds`: wall time of the run."""
     values: dict[str, Any] = {
@@ -21,7 +24,7 @@ def fields(run: Protocol, seconds: float) -> dict[str, Any]:
         "result/asked_settlement": run.asked_settlement,
         "result/plateau_start": run.plateau.start,
         "result/slope": run.plateau.slope,
-        "result/kinetic_ratio": kinetic_ratio(run.record.rows, run.plateau.start),
+        "result/kinetic_ratio": kinetic_ratio(run),
         "result/steps": Omega().iter,
         "result/seconds": seconds,
         "result/version": config.version,
@@ -31,11 +34,15 @@ def fields(run: Protocol, seconds: float) -> dict[str, Any]:
     return values | _rows(run.record.rows) | _poses(run) | _extra(run)
 
 
-def kinetic_ratio(rows: list[Row], start: float) -> float:
-    """Largest kinetic energy on the plateau over the weights' work there; NaN without a plateau or when they do no work."""
-    fitted = [row for row in rows if row.stage == SETTLEMENT and row.settlement >= start]
-    work = fitted[-1].weight_work - fitted[0].weight_work if fitted else 0.0
-    return max(row.kinetic_energy for row in fitted) / work if work > 0.0 else float("nan")
+def kinetic_ratio(run: Protocol) -> float:
+    """Largest kinetic energy on the plateau over the size of the weights' work there; NaN without plateau or without work."""
+    fitted = [row for row in run.record.rows if row.stage == SETTLEMENT and row.settlement >= run.plateau.start]
+    if not fitted:
+        return float("nan")
+    case, travel = run.case, fitted[-1].settlement - fitted[0].settlement
+    most = case.block_weight * len(case.free) * travel * case.support_reach  # all free blocks sinking with the support
+    work = abs(fitted[-1].weight_work - fitted[0].weight_work)
+    return max(row.kinetic_energy for row in fitted) / work if work > _NO_WORK * most else float("nan")
 
 
 def _rows(rows: list[Row]) -> dict[str, Any]:

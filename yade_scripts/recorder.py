@@ -109,8 +109,7 @@ class Record:
 
     def _note_extra_contacts(self) -> None:
         expected = {
-            frozenset((sphere, self.model.face[target]))
-            for sphere, target in zip(self.model.sphere, self.case.target, strict=True)
+            frozenset((sphere, self.model.face[target])) for sphere, target in zip(self.model.sphere, self.case.target, strict=True)
         }
         block_of = {clump: block for block, clump in enumerate(self.model.clump)}
         bodies = Omega().bodies

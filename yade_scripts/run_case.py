@@ -38,8 +38,9 @@ def load_package(name: str) -> ModuleType:
 def find_yade() -> str:
     """Folder of YADE's Python modules. Raises ImportError, saying how to get it, when there is none."""
     asked = os.environ.get("YADE_MODULES")
-    folders = [Path(asked)] if asked else sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))
-    for folder in folders:
+    # Debian ships builds of several precisions side by side: double comes first.
+    installed = sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))
+    for folder in [Path(asked)] if asked else installed:
         if (folder / "yade" / "__init__.py").is_file():
             return str(folder)
     where = f"in $YADE_MODULES = {asked}" if asked else "below /usr/lib"
@@ -75,9 +76,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     sys.path[:] = [entry for entry in sys.path if Path(entry or ".").resolve() != _ROOT / "yade_scripts"]
     for package in ("la_core", "yade_scripts"):
         load_package(package)
-    from la_core import exchange
-
-    from yade_scripts import case, settings
+    from la_core import exchange  # noqa: PLC0415  loadable from here on only
+    from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
     one = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS))
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     if options.time_limit is not None:
         chosen = dataclasses.replace(chosen, time_limit=options.time_limit)
     sys.path.append(find_yade())
-    from yade_scripts import bodies, outcome, protocol, recorder
+    from yade_scripts import bodies, outcome, protocol, recorder  # noqa: PLC0415
 
     model = bodies.build(one, chosen, "watch()")
     steps = protocol.Protocol(one, chosen, model, recorder.Record(one, model), reporter.progress)

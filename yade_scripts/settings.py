@@ -18,8 +18,13 @@ RADIUS_OVER_INSET = 0.5  # a sphere stays clear of the neighbour's face across a
 ELASTIC_SHARE = 1.0 / 300.0  # elastic settlement under the weights over the travel
 PENETRATION_OVER_RADIUS = 0.05
 GRAVITY_PERIODS = 500.0  # longest gravity stage
-RAMP_SHARE = 0.1  # of the travel is covered while the support speeds up
-TRAVEL_PERIODS = 500.0  # the full travel takes this many periods of the structure sagging under its weights
+REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic settlement
+RAMP_SHARE = 0.25  # of the travel is covered while the support speeds up
+TRAVEL_PERIODS = 600.0  # the full travel takes this many periods of the structure sagging under its weights
+PLATEAU_SHARE = 0.4  # of the travel is covered before the run may stop
+
+_MAY_VANISH = frozenset(("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging"))
+_SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 
 
 @dataclass(frozen=True)
@@ -37,9 +42,11 @@ class Settings:
     max_travel: float  # m or rad
     speed: float  # m/s or rad/s
     ramp_time: float  # s, cosine ramp to full speed
+    wedging: float  # m or rad, motion of the support against its settlement before gravity acts: thrust by wedges
     gravity_damping: float  # local damping of the gravity stage, -
     gravity_time: float  # s, longest gravity stage
     rest_unbalanced: float  # unbalanced force over the mean block weight that counts as rest
+    rest_energy: float  # J, kinetic energy that counts as rest
     fall_speed: float  # m/s of a free block, beyond which it falls
     record_rows: int  # of the settlement stage over the full travel
     poses: int  # states stored with displacements and contact forces
@@ -59,9 +66,11 @@ def derive(case: Case) -> Settings:
     def settle(**values: float) -> None:
         chosen.update({name: asked.get(name, value) for name, value in values.items()})
 
-    settle(damping_ratio=0.3, time_step_share=0.9, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=40)
+    settle(damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=40)
     settle(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01, time_limit=3600.0)
     settle(sphere_radius=RADIUS_OVER_INSET * case.inset)
+    if chosen["sphere_radius"] >= case.inset:
+        raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
     travel = min(TRAVEL_OVER_SIZE * case.block_size, TRAVEL_OVER_INSET * case.inset)
     settle(max_travel=travel / case.support_reach)
     travel = chosen["max_travel"] * case.support_reach
@@ -77,25 +86,34 @@ def derive(case: Case) -> Settings:
     settle(speed=chosen["max_travel"] / (TRAVEL_PERIODS * period))
     settle(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     settle(gravity_time=GRAVITY_PERIODS * period)
+    weight = gravity * float(case.mass[case.free].sum())
+    settle(rest_energy=REST_SHARE * 0.5 * weight * sag / stiffness)
     settle(fall_speed=math.sqrt(2.0 * gravity * travel))
-    settle(plateau_travel=0.4 * chosen["max_travel"])
+    settle(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
 
 
-def _checked(overrides: dict[str, Any]) -> dict[str, Any]:
-    fields = {field.name: field.type for field in dataclasses.fields(Settings)}
+def _checked(overrides: dict[str, Any]) -> dict[str, float]:
+    kinds = {field.name: field.type for field in dataclasses.fields(Settings)}
     for name, value in overrides.items():
-        if name not in fields:
-            near = difflib.get_close_matches(name, fields, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; settings are {', '.join(fields)}"
-            raise CaseError(f"scene/settings: unknown setting {name!r}{hint}")
-        whole = isinstance(value, int) and not isinstance(value, bool)
-        if not (whole or (fields[name] is float and isinstance(value, float) and math.isfinite(value))):
-            raise CaseError(f"scene/settings: {name} is {value!r}; it must be a {'whole' if fields[name] is int else 'finite'} number")
-        may_vanish = name.endswith("damping") or name in ("damping_ratio", "ramp_time", "shear_stiffness")
-        if value < 0 or (value == 0 and not may_vanish):
-            raise CaseError(f"scene/settings: {name} is {value!r}; it must be {'at least' if may_vanish else 'greater than'} 0")
-    return {name: fields[name](value) for name, value in overrides.items()}
+        if name not in kinds:
+            near = difflib.get_close_matches(name, kinds, 1)
+            hint = f"did you mean {near[0]!r}?" if near else f"settings are {', '.join(kinds)}"
+            raise CaseError(f"scene/settings: unknown setting {name!r}; {hint}")
+        rule = _broken_rule(name, value, whole=kinds[name] is int)
+        if rule:
+            raise CaseError(f"scene/settings: {name} is {value!r}; it must be {rule}")
+    return {name: value if kinds[name] is int else float(value) for name, value in overrides.items()}
+
+
+def _broken_rule(name: str, value: Any, whole: bool) -> str:
+    """What the value of a setting must be and is not; "" when all is well."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not is_number or (whole and not isinstance(value, int)):
+        return "a whole number" if whole else "a finite number"
+    if value < 0.0 or (value == 0.0 and name not in _MAY_VANISH):
+        return "at least 0" if name in _MAY_VANISH else "greater than 0"
+    return "less than 1" if name in _SHARES and value >= 1.0 else ""
 
 
 def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:

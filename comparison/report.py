@@ -1,0 +1,292 @@
+"""The report of a run: one self-contained offline HTML page, the same as Markdown that diffs well, and as JSON."""
+
+import base64
+import json
+import math
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, TypeGuard
+from urllib.parse import quote
+
+import jinja2
+
+from comparison.workflow import write_text
+
+DASH = "–"  # what a number that does not exist is shown as
+VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
+FIGURES = {
+    "assembly": "The structure: blocks by role, interfaces with their contact points, and what drives it.",
+    "mechanisms": "Mechanisms for the same motion of the support; contact points that open and that slide are marked.",
+    "reaction": "Reaction against settlement: YADE's record, its plateau extrapolated to the undeformed geometry, and the bounds.",
+}
+EVIDENCE = {
+    "equilibrium_residual": "largest unbalanced force, of the mean block weight",
+    "cone_violation": "largest tension or excess of friction, of the mean block weight",
+    "mechanism_violation": "largest violation of the flow rule, of the fastest contact velocity",
+    "duality_gap": "reaction from forces less reaction from work, of the mean block weight",
+}
+LIMITATIONS = (
+    "Contact forces are not compared one by one. Rigid blocks on more than the fewest contacts are hyperstatic: many force states "
+    "balance the same weights, and each method picks its own. Reactions and force sums over sections are what both must share.",
+    "Where joints slide, the associated answer is a bound and not a prediction. Its flow rule dilates (u_n = mu u_t), dry stone does not; "
+    "a state without dilatancy lies between R_min and R_max, and how far above R_min depends on the history of friction.",
+    "Limit analysis speaks of rigid blocks at the undeformed geometry. YADE's joints are elastic and its support has moved: "
+    "the plateau is extrapolated to zero settlement, but what stiffness and speed leave behind is only covered by the tolerances.",
+    "Contact points are drawn in from the arrises by the inset, the same in both methods, which shortens every lever arm. "
+    "Agreement at that inset says nothing on sharp arrises; the sharp reaction stands beside it for that reason.",
+    "A mechanism need not be unique, least of all in a large wall: two that differ may both belong to the right reaction.",
+    "Compressive strength is infinite, joints carry no tension or cohesion, blocks neither crush, crack nor chip; "
+    "forces act at points, so a corner's resistance to torsion is that of the friction at its points.",
+    "Damping, time step and loading speed are YADE's own: its uncertainty is that of the fitted plateau and not of these choices.",
+)
+
+
+def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> Path:
+    """Write report.html, report.md and report.json into `folder`, from comparison.json objects; returns the page's path.
+
+    Figures are taken from `folder/<scene>/`, where they exist. Each file is whole or the one that was there before.
+    """
+    page = {
+        "scenes": [_scene_view(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)],
+        "counts": _counts(comparisons),
+        "provenance": list(_flat(provenance)),
+        "limitations": LIMITATIONS,
+    }
+    for name in ("report.md", "report.html"):
+        write_text(folder / name, _environment(name).get_template(f"{name}.j2").render(page))
+    stored = _finite({"comparisons": comparisons, "provenance": provenance})
+    write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+    return folder / "report.html"
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """A number to so many significant digits, with an exponent only beyond a million or below a thousandth; a dash for none."""
+    if not _exists(value):
+        return DASH
+    if float(value).is_integer() and abs(value) < 1e6:
+        return str(int(value)).replace("-", "−")
+    rounded = float(f"{value:.{digits - 1}e}")
+    magnitude = math.floor(math.log10(abs(rounded)))
+    if -3 <= magnitude < 6:
+        text = f"{rounded:.{max(0, digits - 1 - magnitude)}f}"
+    else:
+        mantissa, exponent = f"{rounded:.{digits - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}e{int(exponent)}"
+    return text.replace("-", "−", 1) if rounded < 0 else text
+
+
+def _exists(value: Any) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _markdown(text: Any) -> str:
+    """Text with every sign that Markdown or HTML would read escaped, in one line."""
+    return re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", " ".join(str(text).split()))
+
+
+def _environment(name: str) -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("comparison", "templates"),
+        autoescape=name.endswith(".html"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"number": number, "md": _markdown}
+    return environment
+
+
+def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[str, Any]:
+    """Everything the templates show of one scene, by name; they only lay it out."""
+    scene = str(comparison.get("scene"))
+    symbol, word = VERDICTS.get(comparison.get("verdict"), VERDICTS[None])
+    results = _results(comparison)
+    return {
+        "anchor": f"scene-{index}",
+        "name": scene,
+        "title": comparison.get("title") or scene,
+        "source": comparison.get("source") or "",
+        "symbol": symbol,
+        "word": word,
+        "sentence": _sentence(comparison),
+        "notes": comparison.get("notes") or [],
+        "checks": [_check_view(check) for check in comparison.get("checks") or []],
+        "figures": list(_figures(folder / scene, scene)),
+        "results": results,
+        "expected": list(_expected(comparison)),
+        "rounding": _rounding(comparison),
+        "costs": _costs(comparison, results),
+        "model": list(_model(comparison)),
+        "evidence": [(meaning, number(_associated(comparison).get(name), 2)) for name, meaning in EVIDENCE.items()],
+        "settings": list(_flat(comparison.get("settings") or {})),
+        "provenance": list(_flat(comparison.get("provenance") or {})),
+    }
+
+
+def _associated(comparison: dict[str, Any]) -> dict[str, Any]:
+    return (comparison.get("limit_analysis") or {}).get("associated") or {}
+
+
+def _results(comparison: dict[str, Any]) -> dict[str, Any]:
+    """Numbers of both methods at the inset they share: bounds, YADE's reaction, their difference, times. None for none."""
+    associated, yade = _associated(comparison), comparison.get("yade") or {}
+    shared = associated.get("shared_inset") or associated
+    live = "multiplier" in associated
+    least, found = shared.get("reaction"), yade.get("reaction")
+    reactions = {
+        "least": least,
+        "greatest": shared.get("reaction_max"),
+        "yade": found,
+        "uncertainty": yade.get("uncertainty"),
+        "difference": found - least if _exists(least) and _exists(found) else None,
+    }
+    weight, unit = comparison.get("weight"), comparison.get("unit", "" if live else "N")
+    ratios = {name: value / weight if _exists(value) and weight else None for name, value in reactions.items()}
+    unbounded = associated.get("reaction_max_status") == "unbounded"
+    return reactions | {
+        "ratios": ratios,
+        "unit": unit,
+        "ratio_unit": "of W" if unit == "N" else "m, over W",
+        "bounds": _range(reactions["least"], reactions["greatest"], unbounded, 5),
+        "bounds_over_weight": _range(ratios["least"], ratios["greatest"], unbounded, 4),
+        "live": live,
+        "multiplier": associated.get("multiplier"),
+        "status": associated.get("status") or DASH,
+        "yade_status": yade.get("status") or "not run",
+        "limit_analysis_seconds": associated.get("seconds"),
+        "yade_seconds": yade.get("seconds"),
+    }
+
+
+def _range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
+    if not _exists(low):
+        return DASH
+    return f"at least {number(low, digits)}" if unbounded else f"{number(low, digits)} to {number(high, digits)}"
+
+
+def _sentence(comparison: dict[str, Any]) -> str:
+    """The verdict with its reason."""
+    verdict, reason = comparison.get("verdict"), comparison.get("reason") or ""
+    agreement = "The two methods agree." if comparison.get("yade") else "Limit analysis agrees with the expected value; YADE was not run."
+    openings = {"agree": agreement, "disagree": "The comparison fails.", "inconclusive": "No verdict can be given."}
+    return f"{openings.get(str(verdict), 'Nothing was compared.')} {reason}".strip()
+
+
+def _check_view(check: dict[str, Any]) -> dict[str, Any]:
+    symbol, word = VERDICTS.get(check.get("verdict"), VERDICTS[None])
+    names = ("name", "limit_analysis", "yade", "difference", "tolerance")
+    return {name: check.get(name) for name in names} | {
+        "symbol": symbol, "word": word, "unit": check.get("unit") or "", "reason": check.get("reason") or "",
+    }  # fmt: skip
+
+
+def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
+    for name, caption in FIGURES.items():
+        path = folder / f"{name}.png"
+        if path.is_file():
+            data = base64.b64encode(path.read_bytes()).decode()
+            yield {"name": name, "caption": caption, "path": f"{quote(scene)}/{name}.png", "data": f"data:image/png;base64,{data}"}
+
+
+def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Each expected value beside what limit analysis gives for sharp arrises."""
+    expected, associated = comparison.get("expected") or {}, _associated(comparison)
+    weight = comparison.get("weight")
+    values = {name: associated.get(name) for name in ("reaction_sharp", "reaction_max_sharp")}
+    sharp = {name: value / weight if _exists(value) and weight else None for name, value in values.items()}
+    found = {
+        "reaction_over_weight": ("R_min / W", sharp["reaction_sharp"]),
+        "reaction_max_over_weight": ("R_max / W", sharp["reaction_max_sharp"]),
+        "multiplier": ("multiplier", associated.get("multiplier_sharp")),
+    }
+    for key, (name, value) in found.items():
+        if _exists(expected.get(key)):
+            yield {"name": name, "expected": expected[key], "found": value} | {k: expected.get(k) for k in ("tolerance", "kind")}
+
+
+def _rounding(comparison: dict[str, Any]) -> str:
+    """What rounding the arrises costs, as a sentence; "" where nothing was rounded."""
+    associated, results = _associated(comparison), _results(comparison)
+    shared = associated.get("shared_inset") or associated
+    quantity = "multiplier" if results["live"] else "reaction"
+    sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
+    if not (_exists(sharp) and _exists(rounded) and _exists(inset)) or inset == 0.0:
+        return ""
+    change = rounded - sharp
+    share = f" ({_signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
+    unit = f" {results['unit']}".rstrip()
+    return (
+        f"An inset of {number(1e3 * inset, 3)} mm takes the {quantity} from {number(sharp, 5)}{unit} for sharp arrises "
+        f"to {number(rounded, 5)}{unit}: {_signed(change, 3)}{unit}{share}."
+    )
+
+
+def _signed(value: float, digits: int) -> str:
+    return ("+" if value > 0.0 else "") + number(value, digits)
+
+
+def _costs(comparison: dict[str, Any], results: dict[str, Any]) -> list[dict[str, str]]:
+    """How accurate each method's answer is and what it took."""
+    associated, yade = _associated(comparison), comparison.get("yade") or {}
+    residuals = [associated[name] for name in EVIDENCE if _exists(associated.get(name))]
+    unit = f" {results['unit']}".rstrip()
+    answer = results["multiplier"] if results["live"] else results["least"]
+    limit_analysis = {
+        "method": "limit analysis",
+        "answer": f"{number(answer, 5)}{unit}" if _exists(answer) else results["status"],
+        "accuracy": f"largest residual {number(max(residuals), 2)}" if residuals else DASH,
+        "work": f"{number(associated.get('iterations'))} iterations",
+        "seconds": number(results["limit_analysis_seconds"], 2),
+    }
+    share = results["ratios"]["uncertainty"]
+    by_yade = {
+        "method": "YADE",
+        "answer": f"{number(results['yade'], 5)}{unit}" if _exists(results["yade"]) else results["yade_status"],
+        "accuracy": f"± {number(results['uncertainty'], 2)}{unit}, {number(share, 2)} {results['ratio_unit']}" if _exists(share) else DASH,
+        "work": f"{number(yade.get('steps'))} steps",
+        "seconds": number(results["yade_seconds"], 2),
+    }
+    return [limit_analysis, by_yade] if yade else [limit_analysis]
+
+
+def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What was modelled and why, as pairs of name and words."""
+    yield "weight of the free blocks, W", f"{number(comparison.get('weight'), 5)} N"
+    for name, words in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
+        yield words, number(comparison.get(name))
+    effects = comparison.get("effects") or {}
+    reasons = effects.get("reasons") or {}
+    for name, value in effects.items():
+        if name != "reasons":
+            shown = {True: "yes", False: "no"}.get(value, value) if isinstance(value, bool) else value
+            yield name, f"{shown}: {reasons[name]}" if name in reasons else str(shown)
+
+
+def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Pairs of dotted name and text, in order of the names."""
+    for key in sorted(values):
+        value = values[key]
+        if isinstance(value, dict):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", DASH if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """How many scenes came to each verdict, verdicts without scenes left out."""
+    found = [comparison.get("verdict") for comparison in comparisons]
+    return [
+        {"symbol": symbol, "word": word, "count": found.count(verdict)} for verdict, (symbol, word) in VERDICTS.items() if verdict in found
+    ]
+
+
+def _finite(value: Any) -> Any:
+    """The same structure with null for every number that is not finite."""
+    if isinstance(value, dict):
+        return {str(key): _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,48 @@
+"""The time goes into the solver: what surrounds it costs at most a tenth. Ratios measured side by side in one process."""
+
+import time
+
+import pytest
+import scenes_for_tests as scenes
+
+from la_core.assembly import assemble
+from la_core.case import analyse
+from la_core.limit import Status
+from la_core.scene import Scene
+
+LARGEST_SHARE = 0.1  # of the solver's time, for contacts, assembly, scaling, residuals and all else
+ATTEMPTS = 4  # the least of several, because other work on the machine only ever adds time
+
+
+def wall_of_a_thousand(plane: bool) -> Scene:
+    return scenes.build(*scenes.wall(32, 31, split=8.4), inset=0.001, plane=plane)
+
+
+@pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+def test_all_but_the_solver_takes_a_tenth_of_its_time(plane) -> None:
+    shares = []
+    for _ in range(ATTEMPTS if plane else 1):
+        start = time.perf_counter()
+        scene = wall_of_a_thousand(plane)
+        analysis = analyse(scene)
+        total = time.perf_counter() - start
+        solutions = [*analysis.rounded.values(), *analysis.sharp.values()]
+        assert len(scene.blocks) > 1000 and {s.status for s in solutions} == {Status.SOLVED}
+        solver = sum(s.seconds for s in solutions)
+        shares.append((total - solver) / solver)
+    assert min(shares) < LARGEST_SHARE
+
+
+def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
+    """Four times the blocks in at most six times the time; comparing all pairs would take sixteen."""
+
+    def seconds(per_course: int, courses: int) -> float:
+        scene = scenes.build(*scenes.wall(per_course, courses, split=2.0))
+        times = []
+        for _ in range(ATTEMPTS):
+            start = time.perf_counter()
+            assemble(scene)
+            times.append(time.perf_counter() - start)
+        return min(times)
+
+    assert seconds(64, 64) < 6.0 * seconds(32, 32)
