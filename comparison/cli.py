@@ -22,6 +22,7 @@ from la_core.exchange import ExchangeError
 from la_core.scene import Scene, load_scene
 
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
+INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVEST_FIRST = (TOOL, DISAGREE, INCONCLUSIVE)
 PIPE_WIDTH = 120  # columns
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(f"{error.filename or 'file'}: {error.strerror or error}", TOOL)
     except KeyboardInterrupt:
-        return _complain("stopped; what was finished is kept, the same command goes on from there", TOOL)
+        return _complain("stopped; what was finished is kept, the same command goes on from there", INTERRUPTED)
 
 
 def _complain(message: str, code: int) -> int:

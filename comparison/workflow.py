@@ -62,7 +62,7 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds."""
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "scene.toml", scene.text)
-    analysis, inputs = _limit_analysis(scene, folder, listener, with_yade)
+    analysis, inputs = _limit_analysis(scene, folder, listener)
     notes = _notes(scene, analysis)
     if scene.live is not None:
         notes.append("A live load is a matter of limit analysis alone, so YADE was not run.")
@@ -93,8 +93,9 @@ def _notes(scene: Scene, analysis: LimitAnalysis) -> list[str]:
     return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
 
 
-def _limit_analysis(scene: Scene, folder: Path, listener: Listener, for_yade: bool) -> tuple[LimitAnalysis, str]:
-    path, inputs = folder / "case.h5", case.digest(scene, for_yade)
+def _limit_analysis(scene: Scene, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
+    """Limit analysis, stored or new, and the digest of its inputs; a new one makes a run on the old one worthless."""
+    path, inputs = folder / "case.h5", case.digest(scene)
     if exchange.inputs_digest(path) == inputs:
         try:
             stored = case.read_case(path, scene)
@@ -104,7 +105,8 @@ def _limit_analysis(scene: Scene, folder: Path, listener: Listener, for_yade: bo
             listener.stage(scene.name, "limit analysis", f"done again: {error}")
     else:
         listener.stage(scene.name, "limit analysis", "running")
-    analysis = case.analyse(scene, for_yade)
+    analysis = case.analyse(scene)
+    (folder / "run.h5").unlink(missing_ok=True)
     case.write_case(path, scene, analysis, inputs)
     return analysis, inputs
 
@@ -123,16 +125,11 @@ def _yade(
         except exchange.ExchangeError as error:
             listener.stage(scene.name, "YADE", f"done again: {error}")
     path.unlink(missing_ok=True)
+    unit = "mrad" if scene.is_rotation else "mm"
     try:
         yade = find_yade()
         listener.stage(scene.name, "YADE", f"running {yade.version}")
-        run_yade(
-            yade,
-            folder,
-            inputs,
-            time_limit,
-            lambda report: listener.progress(scene.name, {**report, "unit": "mrad" if scene.is_rotation else "mm"}),
-        )
+        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": unit}))
         run = read_run(path, analysis.assembly)
         return run, yade_summary(run)
     except YadeMissingError as error:
@@ -151,8 +148,7 @@ def _digest(of: str, room: str) -> str:
 def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]:
     """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
     scene, analysis, run = stored.scene, stored.analysis, stored.run
-    of = stored.inputs + ("" if run else json.dumps([stored.yade, stored.notes]))
-    inputs = _digest(of, "comparison")
+    inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes]), "comparison")
     figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
     previous = _stored_summary(folder)
     if previous.get("inputs") == inputs and all(path.exists() for path in figures):

@@ -55,11 +55,11 @@ def shared_inset(scene: Scene, assembly: Assembly) -> float:
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * width.min()))
 
 
-def analyse(scene: Scene, for_yade: bool = False) -> LimitAnalysis:
-    """Assemble and solve a scene; `for_yade` draws contact points in where the scene has sharp arrises."""
+def analyse(scene: Scene) -> LimitAnalysis:
+    """Assemble and solve a scene, at the inset that both methods share and for sharp arrises."""
     assembly = assemble(scene)
     sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
-    if for_yade and scene.inset == 0.0 and scene.live is None:
+    if scene.inset == 0.0 and scene.live is None:
         assembly = assembly.with_inset(scene, shared_inset(scene, assembly))
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
@@ -86,9 +86,9 @@ def code_digest(folder: Path) -> str:
     return total.hexdigest()
 
 
-def digest(scene: Scene, for_yade: bool) -> str:
+def digest(scene: Scene) -> str:
     """Digest of all that decides the limit analysis: the scene's name and text and this package's code."""
-    text = "\n".join([scene.name, str(for_yade), code_digest(Path(__file__).parent), scene.text])
+    text = "\n".join([scene.name, code_digest(Path(__file__).parent), scene.text])
     return hashlib.sha256(text.encode()).hexdigest()
 
 

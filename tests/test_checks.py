@@ -19,7 +19,7 @@ TRAVEL = 1e-3  # m
 
 def _case(name: str) -> tuple[Scene, LimitAnalysis]:
     scene = load_scene(find(name))
-    return scene, analyse(scene, for_yade=True)
+    return scene, analyse(scene)
 
 
 def _perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
@@ -152,7 +152,7 @@ def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdi
     path = tmp_path / "overhang.toml"
     path.write_text(text.replace("to = [0.4, 0.2, 0.0] }", "to = [0.3, 0.2, 0.0] }", 1).split("[expected]")[0])
     scene = load_scene(path)
-    analysis = analyse(scene, for_yade=True)
+    analysis = analyse(scene)
     run = _perfect_run(analysis, status=status)
     found, reason = overall(check_run(scene, analysis, run))
     assert found is verdict

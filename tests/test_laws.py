@@ -31,7 +31,8 @@ CROSSING = scenes.text(
     settlement=(0.3, 0.2, -1.0),
 )
 LIVE = scenes.text(*scenes.wall(4, 5), live=(1.0, 0.0, 0.0))
-TEXTS = {"wall": WALL, "arch": ARCH, "crossing beams": CROSSING, "live": LIVE}
+TURNING = scenes.text(*scenes.wall(5, 6, split=1.2), settlement={"axis": (0.0, 1.0, 0.0), "point": (0.9, 0.0, -0.4)})
+TEXTS = {"wall": WALL, "arch": ARCH, "crossing beams": CROSSING, "live": LIVE, "turning base": TURNING}
 
 every_scene = pytest.mark.parametrize("name", TEXTS)
 TURNS = {
@@ -51,8 +52,13 @@ def solutions(model: Scene | Assembly) -> Iterator[tuple[Assembly, Drive, Soluti
 
 
 def values(model: Scene | Assembly) -> list[float]:
-    """Least and greatest reaction over the weight, or the multiplier."""
-    return [s.value / (1.0 if drive is Drive.LIVE else a.weight) for a, drive, s in solutions(model)]
+    """Least and greatest reaction over the weight (a moment also over the structure's size), or the multiplier."""
+
+    def unit(assembly: Assembly) -> float:
+        size = float(np.cbrt(assembly.blocks.volume.sum())) if np.any(assembly.support_twist[:, 3:]) else 1.0
+        return 1.0 if assembly.has_live_load else assembly.weight * size
+
+    return [solution.value / unit(assembly) for assembly, _, solution in solutions(model)]
 
 
 # --- one answer, checked by hand-written mechanics ---------------------------------------------------------------------------
@@ -124,13 +130,14 @@ def test_value_from_forces_is_value_from_work(name) -> None:
             assert solution.value == pytest.approx(-work / live_work, rel=ROUND_OFF)
             continue
         supports = np.flatnonzero(scene.blocks.role == SUPPORT)
-        on_structure = np.zeros(3)
+        on_structure = np.zeros(6)  # force and moment about the origin
         for point, contact in enumerate(assembly.points.interface):
+            wrench = np.concatenate([solution.forces[point], np.cross(assembly.points.position[point], solution.forces[point])])
             if assembly.interfaces.block_a[contact] in supports:
-                on_structure += solution.forces[point]
+                on_structure += wrench
             if assembly.interfaces.block_b[contact] in supports:
-                on_structure -= solution.forces[point]
-        assert solution.value == pytest.approx(-on_structure @ scene.support_twist[:3], abs=ROUND_OFF * assembly.weight)
+                on_structure -= wrench
+        assert solution.value == pytest.approx(-on_structure @ scene.support_twist, abs=ROUND_OFF * assembly.weight)
         assert solution.value == pytest.approx(work if drive is Drive.YIELDING else -work, abs=ROUND_OFF * assembly.weight)
 
 
@@ -301,7 +308,7 @@ def test_turning_pad_feels_the_moment_of_its_reaction(pivot_x, pivot_z, plane) -
 def test_far_axis_is_a_translation() -> None:
     far = 1e4
     turning = scenes.load(WALL.replace("direction = [0.0, 0.0, -1.0]", f"axis = [0.0, 1.0, 0.0]\npoint = [{-far}, 0.0, 0.0]"))
-    reaction = [moment / far for moment in values(turning)]
+    reaction = [solution.value / (assembly.weight * far) for assembly, _, solution in solutions(turning)]
     assert reaction == pytest.approx(values(scenes.load(WALL)), abs=3.0 / far)  # lever arms differ by the wall's own length
 
 

@@ -84,7 +84,7 @@ def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
 @pytest.mark.parametrize("kind", SCENES)
 def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind], title="Costs $5 and $\\\\badmacro")
-    analysis = analyse(scene, for_yade=True)
+    analysis = analyse(scene)
     solution = analysis.rounded[analysis.main]
     run = synthetic_run(analysis) if np.isfinite(solution.value) and scene.live is None else None
     mechanisms = {"limit analysis (associated)": solution.twists, "YADE": run.mechanism() if run else np.full_like(solution.twists, np.nan)}
@@ -100,7 +100,7 @@ def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
 
 def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["solid"])
-    analysis = analyse(scene, for_yade=True)
+    analysis = analyse(scene)
     for path in (tmp_path / "first.png", tmp_path / "second.png"):
         plots.save(plots.reaction_figure(scene, analysis, synthetic_run(analysis)), path)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
@@ -174,7 +174,7 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 
 def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
-    analysis = analyse(scene, for_yade=True)
+    analysis = analyse(scene)
     whole, close = plots.reaction_figure(scene, analysis, synthetic_run(analysis)).axes
     greatest, least = (analysis.rounded[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
     assert close.get_ylim()[1] < greatest
@@ -185,7 +185,7 @@ def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) ->
 
 def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
-    analysis = analyse(scene, for_yade=True)
+    analysis = analyse(scene)
     run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
     (axes,) = plots.reaction_figure(scene, analysis, run).axes
     assert "no plateau" in axes.get_title(loc="left")

@@ -10,7 +10,6 @@ from yade import Omega, config
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
-
 _NO_WORK = 1e-6  # of the most work the weights could do: below it nothing but the joints' elasticity works
 
 
