@@ -42,10 +42,8 @@ def drives(scene: Scene) -> tuple[Drive, ...]:
     return (Drive.LIVE,) if scene.live is not None else (Drive.YIELDING, Drive.PUSHING)
 
 
-def shared_inset(scene: Scene, assembly: Assembly) -> float:
-    """Inset (m) for both methods: the scene's, or for sharp arrises the smallest that YADE's contact spheres can take."""
-    if scene.inset > 0.0:
-        return scene.inset
+def smallest_inset(assembly: Assembly) -> float:
+    """Inset (m) in the place of sharp arrises: the smallest that YADE's contact spheres can take."""
     interfaces = assembly.interfaces
     owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
     following = np.arange(1, len(owner) + 1)
@@ -60,7 +58,7 @@ def analyse(scene: Scene) -> LimitAnalysis:
     assembly = assemble(scene)
     sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0 and scene.live is None:
-        assembly = assembly.with_inset(scene, shared_inset(scene, assembly))
+        assembly = assembly.with_inset(scene, smallest_inset(assembly))
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
     return LimitAnalysis(assembly, rounded, sharp)

@@ -51,9 +51,10 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)
     pairs = _near_pairs(blocks, TOUCH * size)
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
-    _refuse_overlaps(blocks, pairs, tolerance)
     pair, face_a, face_b = _opposite_faces(blocks, pairs, tolerance, size)
     overlap, corners, ring = _overlap_polygons(blocks, pair, face_a, face_b, tolerance)
+    untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # blocks on either side of a joint do not overlap
+    _refuse_overlaps(blocks, pairs[untouched], tolerance[untouched])
     _refuse_floating(blocks, pairs[pair[overlap]], size)
     keep = blocks.free[pairs[pair[overlap]]].any(axis=1)
     renumber = np.cumsum(keep) - 1

@@ -268,22 +268,26 @@ def crossed_edges(distance: float) -> tuple[Shape, Shape]:
     low = turned(box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), scenes.rotation((1.0, 0.0, 0.0), eighth))
     high = turned(box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), eighth))
     lift = np.array([0.0, 0.0, 2.0 * math.sqrt(2.0) + distance])
-    return low, Shape(high.vertices + lift, high.faces)
+    askew = scenes.rotation((0.3, -0.5, 0.8), 1.1)  # so that bounding boxes do not tell them apart
+    return turned(low, askew), turned(Shape(high.vertices + lift, high.faces), askew)
 
 
 def grounded(*shapes: Shape) -> Blocks:
-    """The shapes, each on a pad of its own, so that none of them floats."""
-    pads = []
+    """The shapes, each on a pad of its own on the side away from the others, so that none of them floats."""
+    pads, middle = [], np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
     for shape in shapes:
-        face = np.mean(shape.vertices[list(shape.faces[0])], axis=0)
-        outward = face - shape.vertices.mean(axis=0)
+        faces = [shape.vertices[list(face)] for face in shape.faces]
+        face = max(faces, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - middle)))
+        outward = face.mean(axis=0) - shape.vertices.mean(axis=0)
         outward /= np.linalg.norm(outward)
-        pads.append(polyhedron(np.concatenate([shape.vertices[list(shape.faces[0])] + s * outward for s in (0.0, 0.1)])))
+        pads.append(polyhedron(np.concatenate([face + s * outward for s in (0.0, 0.1)])))
     return gathered(*pads, *shapes, held=len(pads))
 
 
 def test_edge_to_edge_boxes_apart_are_not_an_overlap() -> None:
-    interfaces = find_interfaces(grounded(*crossed_edges(0.01)))
+    blocks = grounded(*crossed_edges(0.01))
+    assert (blocks.low[3] < blocks.high[2]).all() and (blocks.low[2] < blocks.high[3]).all()
+    interfaces = find_interfaces(blocks)
     assert list(zip(interfaces.block_a, interfaces.block_b, strict=True)) == [(0, 2), (1, 3)]
 
 

@@ -11,6 +11,7 @@ import pytest
 import scenes_for_tests as scenes
 
 from la_core.assembly import Assembly, assemble
+from la_core.case import analyse
 from la_core.limit import Drive, Status, solve
 from la_core.scene import Scene
 
@@ -115,6 +116,30 @@ def test_slab_on_four_corner_pads(xi, eta) -> None:
     scene = scenes.build(slab, *pads)
     assert value(scene) == pytest.approx(max(0.0, xi + eta - 1.0), abs=EXACT)
     assert value(scene, Drive.PUSHING) == pytest.approx(min(xi, eta), abs=EXACT)
+
+
+@pytest.mark.parametrize("inset", [0.001, 0.01])
+def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
+    """Points at f1 - inset and m1 - inset carry the block; the answer for sharp arrises stays."""
+    scene = scenes.load(two_pads.replace("friction = 0.6", f"friction = 0.6\ninset = {inset}"))
+    analysis = analyse(scene)
+    assert analysis.assembly.inset == inset
+    rounded = (0.5 - (0.4 - inset)) / (1.0 - 0.4)
+    assert analysis.rounded[Drive.YIELDING].value / scene.weight == pytest.approx(rounded, abs=EXACT)
+    assert analysis.sharp[Drive.YIELDING].value / scene.weight == pytest.approx(1.0 / 6.0, abs=EXACT)
+
+
+@pytest.mark.parametrize("width", [0.4, 0.02])
+def test_sharp_scene_is_compared_at_the_smallest_inset(width) -> None:
+    """YADE's contact spheres need an inset; limit analysis takes the same one beside its answer for sharp arrises."""
+    scene = scenes.build(*scenes.base(width, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)))
+    analysis = analyse(scene)
+    inset = analysis.assembly.inset
+    assert 0.0 < inset <= min(0.001, 0.02 * width)
+    # Edges of the two bases that carry: the fixed one's right edge, the settling one's right edge, both drawn in.
+    fixed = width - inset
+    assert analysis.rounded[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - fixed) / (1.0 - inset - fixed), abs=EXACT)
+    assert analysis.sharp[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - width) / (1.0 - width), abs=EXACT)
 
 
 # --- stack bond: the dilatant head joint -------------------------------------------------------------------------------------

@@ -186,6 +186,25 @@ def test_plane_model_of_a_3d_scene(write_scene: WriteScene, two_pads) -> None:
     assert "effects.plane = true: gravity has a component along y" in refusal(write_scene(tilted))
 
 
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({}, ""),
+        ({"settlement": (0.0, 1e-3, -1.0)}, "the support does not move in the xz plane"),
+        ({"settlement": {"axis": (1.0, 0.0, 0.0), "point": (0.0, 0.0, 0.0)}}, "the support does not move in the xz plane"),
+        ({"settlement": {"axis": (0.0, 1.0, 0.0), "point": (0.0, 0.0, 0.0)}}, ""),
+        ({"gravity": (0.0, 0.01, -9.81)}, "gravity has a component along y"),
+        ({"live": (1.0, 0.01, 0.0)}, "the live load has a component along y"),
+        ({"live": (1.0, 0.0, 0.5)}, ""),
+    ],
+)
+def test_plane_model_is_taken_where_the_scene_allows_it(options, reason) -> None:
+    scene = scenes.build(*scenes.wall(3, 3, split=None if "live" in options else 0.4), **options)
+    effects = assemble(scene).effects
+    assert effects.plane is (reason == "")
+    assert reason in effects.reasons["plane"]
+
+
 def test_file_that_is_missing(tmp_path) -> None:
     message = refusal(tmp_path / "nowhere.toml")
     assert "cannot be read: No such file" in message and "crosscheck scenes" in message

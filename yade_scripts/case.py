@@ -144,7 +144,7 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError("blocks/role: no free block, nothing to simulate")
     if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
         raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
-    if not np.any(case.support_twist):
-        raise CaseError("scene/support_twist is zero: no settlement to impose")
+    if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
+        raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")

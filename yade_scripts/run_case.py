@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Any, TextIO
 
 os.environ["OMP_NUM_THREADS"] = "1"  # before YADE loads: several threads add forces in an order that differs between runs
+os.environ.setdefault("HOME", str(Path.home()))  # YADE asks for it when it loads
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS_BETWEEN_LINES = 0.25
@@ -101,6 +102,13 @@ def _expose(watch: Callable[[], Any]) -> None:
     sys.modules["__main__"].__dict__["watch"] = watch
 
 
+def _reason(error: Exception) -> str:
+    """One line; an error that nobody here foresaw says its kind, too."""
+    text = " ".join(str(error).split())
+    foreseen = isinstance(error, ImportError) or type(error).__module__.split(".")[0] in ("la_core", "yade_scripts")
+    return text if foreseen and text else f"{type(error).__name__}: {text}"
+
+
 def main() -> int:
     """Entry point: exit code 0 when run.h5 was written, 1 when not, 2 for wrong arguments."""
     parser = argparse.ArgumentParser(description="Run one case in YADE.")
@@ -115,8 +123,7 @@ def main() -> int:
     try:
         run(options, Reporter(protocol_stream))
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        sys.stderr.write(f"error: {reason}\n")
+        sys.stderr.write(f"error: {_reason(error)}\n")
         return 1
     return 0
 
