@@ -64,7 +64,7 @@ def find_yade() -> Yade:
     python = Path(os.environ.get("CROSSCHECK_YADE_PYTHON", SYSTEM_PYTHON))
     try:
         answer = subprocess.run(
-            [python, "-c", _PROBE, modules], env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
+            [python, "-s", "-c", _PROBE, modules], env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
@@ -105,7 +105,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     script = Path(__file__).parent.parent / "yade_scripts" / "run_case.py"
     command = [
-        str(part) for part in (yade.python, "-u", script, case.resolve(), run.resolve(), "--inputs", inputs, "--time-limit", time_limit)
+        str(part)
+        for part in (yade.python, "-s", "-u", script, case.resolve(), run.resolve(), "--inputs", inputs, "--time-limit", time_limit)
     ]
     variables = {**environment(), "YADE_MODULES": str(yade.modules)}
     with log.open("w") as record:

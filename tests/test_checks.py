@@ -10,8 +10,10 @@ from comparison import checks
 from comparison.checks import Check, Verdict, check_expected, check_run, overall
 from comparison.record import Run
 from comparison.shipped import find
+from la_core import mechanism
+from la_core.assembly import Assembly
 from la_core.case import LimitAnalysis, analyse
-from la_core.limit import Drive
+from la_core.limit import Drive, solve
 from la_core.scene import Scene, load_scene
 
 TRAVEL = 1e-3  # m
@@ -113,6 +115,26 @@ def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, Li
     found = check_run(scene, analysis, run)
     assert _verdict("mechanism similarity", found) is Verdict.DISAGREE
     assert _verdict("moving blocks", found) is Verdict.DISAGREE
+
+
+def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None:
+    """Three equal voussoirs of a flat arch may hinge at either inner joint; the solver mixes both mechanisms."""
+    scene, analysis = _case("flat_arch")
+    least = analysis.rounded[Drive.YIELDING]
+    one_hinge = solve(_with_heavier_left(analysis), Drive.YIELDING).twists
+    assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < checks.SIMILAR
+    run = _perfect_run(analysis)
+    run.poses["displacement"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, :3]
+    run.poses["rotation"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, 3:]
+    check = next(c for c in check_run(scene, analysis, run) if c.name == "mechanism similarity")
+    assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+
+
+def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
+    """The assembly with its first free block a little heavier, which singles out one of several mechanisms."""
+    load = analysis.assembly.dead_load.copy()
+    load[np.flatnonzero(analysis.assembly.blocks.free)[0]] *= 1.001
+    return dataclasses.replace(analysis.assembly, dead_load=load)
 
 
 def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ def fields(run: Protocol, seconds: float) -> dict[str, Any]:
     values: dict[str, Any] = {
         "result/status": run.status.value if run.status else "failed",
         "result/reaction": run.plateau.reaction,
-        "result/uncertainty": run.plateau.uncertainty,
+        "result/uncertainty": math.hypot(run.plateau.uncertainty, run.settings.settings_uncertainty * run.plateau.reaction),
         "result/settlement": run.record.settlement(),
         "result/asked_settlement": run.asked_settlement,
         "result/plateau_start": run.plateau.start,
