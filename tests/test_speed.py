@@ -7,10 +7,12 @@ import scenes_for_tests as scenes
 
 from la_core.assembly import assemble
 from la_core.case import analyse
-from la_core.limit import Status
+from la_core.limit import Drive, Status, solve
 from la_core.scene import Scene
 
 LARGEST_SHARE = 0.1  # of the solver's time, for contacts, assembly, scaling, residuals and all else
+SAME_REACTION = 1e-6  # both models are exact; each is solved to residuals below this
+LEAST_GAIN = 3.0  # of a plane model's speed over a 3D one's, 6 on a quiet machine
 ATTEMPTS = 4  # the least of several, because other work on the machine only ever adds time
 
 
@@ -31,6 +33,12 @@ def test_all_but_the_solver_takes_a_tenth_of_its_time(plane) -> None:
         solver = sum(s.seconds for s in solutions)
         shares.append((total - solver) / solver)
     assert min(shares) < LARGEST_SHARE
+
+
+def test_a_plane_model_is_several_times_cheaper_and_gives_the_same_reaction() -> None:
+    plane, solid = (solve(assemble(wall_of_a_thousand(flat)), Drive.YIELDING) for flat in (True, False))
+    assert solid.value == pytest.approx(plane.value, rel=SAME_REACTION)
+    assert solid.seconds > LEAST_GAIN * plane.seconds
 
 
 def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
