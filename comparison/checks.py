@@ -10,6 +10,7 @@ import numpy as np
 from comparison.record import Run
 from la_core import evidence, mechanism, sections
 from la_core.case import LimitAnalysis
+from la_core.contacts import plane_axes
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
@@ -21,7 +22,7 @@ UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-st
 NO_SLIDING = 1e-3  # share of the exchanged power: below this no loaded joint slides in the mechanism
 SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
 SECTION = 1e-2  # of the weight: a sum of YADE's forces, of which each carries its own unbalanced part
-ALONG = 1e-6  # of the unit motion: a support that moves along an axis has its reaction there, which is checked by itself
+ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
 
@@ -238,12 +239,23 @@ def _check_sections(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator
     yield _within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
     tolerance = reaction_tolerance(scene, analysis, run)
     slack = SECTION * scene.weight
-    for axis, name in enumerate("xyz"):
-        direction = np.eye(3)[axis]
-        if (assembly.effects.plane and name == "y") or abs(assembly.support_twist[:, axis]).max() > ALONG:
-            continue
+    for label, direction in _transverse_directions(scene, assembly.effects.plane):
         low, high = sections.support_force_range(assembly, direction, evidence.reaction(assembly, forces), tolerance)
-        found = float(sections.support_force(assembly, forces)[axis])
+        found = float(sections.support_force(assembly, forces) @ direction)
         nearest = min(max(found, low), high)
-        reason = f"The support's force along {name} lies outside what equilibrium and friction allow, {low:.6g} to {high:.6g} N."
-        yield _within(f"support's force along {name}, in its range", nearest, found, slack, "N", reason)
+        reason = f"The support's force along {label} lies outside what equilibrium and friction allow, {low:.6g} to {high:.6g} N."
+        yield _within(f"support's force along {label}, in its range", nearest, found, slack, "N", reason)
+
+
+def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:
+    """Unit vectors across the reaction, with their names; all axes for a moment."""
+    assert scene.support_twist is not None  # only a settlement has a YADE run
+    motion = scene.support_twist[:3]
+    across = np.eye(3) if scene.is_rotation else np.concatenate(plane_axes(motion[None, :]))
+    for direction in across:
+        if plane and abs(direction[1]) > ALONG:
+            continue
+        main = int(np.argmax(np.abs(direction)))
+        unit = direction * np.sign(direction[main])
+        on_axis = abs(unit[main] - 1.0) <= ALONG
+        yield "xyz"[main] if on_axis else "({:.3g}, {:.3g}, {:.3g})".format(*unit), unit
