@@ -256,6 +256,6 @@ def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.
         if plane and abs(direction[1]) > ALONG:
             continue
         main = int(np.argmax(np.abs(direction)))
-        unit = direction * np.sign(direction[main])
+        unit = direction * np.sign(direction[main]) + 0.0  # no negative zero in a name
         on_axis = abs(unit[main] - 1.0) <= ALONG
         yield "xyz"[main] if on_axis else "({:.3g}, {:.3g}, {:.3g})".format(*unit), unit
