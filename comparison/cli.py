@@ -25,6 +25,7 @@ AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
 INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVEST_FIRST = (TOOL, DISAGREE, INCONCLUSIVE)
+FIGURE_FORMATS = (".png", ".svg", ".pdf")
 PIPE_WIDTH = 120  # columns
 RESULTS = Path("crosscheck-results")
 
@@ -70,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     add("scenes", _scenes, "list the shipped scenes: title, expected value, kind, source")
     show = add("show", _show, "draw a scene: blocks, roles, contact points; counts and weight")
     show.add_argument("scene", metavar="SCENE", help=scene_help)
-    show.add_argument("-o", "--output", type=Path, metavar="FIG", help="write the figure here (default: SCENE.png)")
+    show.add_argument("-o", "--output", type=_figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
     solve = add("solve", _solve, "limit analysis alone")
     solve.add_argument("scene", metavar="SCENE", help=scene_help)
     run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
@@ -82,6 +83,13 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
     add("doctor", _doctor, "what is installed, what is missing, the command that mends it")
     return parser
+
+
+def _figure(text: str) -> Path:
+    path = Path(text)
+    if path.suffix not in FIGURE_FORMATS:
+        raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
+    return path
 
 
 def _seconds(text: str) -> float:

@@ -36,8 +36,9 @@ SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG; the same figure gives the same bytes, no date is stored."""
-    figure.savefig(path, format="png", dpi=DPI, metadata={"Software": None})
+    """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
+    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix, {"Software": None})
+    figure.savefig(path, dpi=DPI, metadata=metadata)
 
 
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:

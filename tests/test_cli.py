@@ -111,6 +111,15 @@ def test_show_draws_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert figure.read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_figure_takes_the_format_of_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, beginning in (("f.png", b"\x89PNG"), ("f.svg", b"<?xml"), ("f.pdf", b"%PDF")):
+        assert main(["show", "two_pads", "-q", "-o", str(tmp_path / name)]) == 0
+        assert (tmp_path / name).read_bytes().startswith(beginning)
+    with pytest.raises(SystemExit) as stop:
+        main(["show", "two_pads", "-o", str(tmp_path / "figure.jpeg")])
+    assert stop.value.code == 2 and ".svg" in capsys.readouterr().err
+
+
 def test_run_without_yade_writes_every_file_and_then_finds_it_cached(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
