@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,7 +25,7 @@ from la_core.scene import Scene, load_scene
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
 INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
-GRAVEST_FIRST = (TOOL, DISAGREE, INCONCLUSIVE)
+GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 PIPE_WIDTH = 120  # columns
 RESULTS = Path("crosscheck-results")
@@ -32,6 +33,8 @@ RESULTS = Path("crosscheck-results")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code of the contract: 0 agree, 1 disagree, 2 usage or scene, 3 tool, 4 inconclusive."""
+    if arguments is None:
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a closed pipe ends the program quietly, as it ends others
     options = _parser().parse_args(arguments)
     narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
     try:
@@ -42,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(str(error), TOOL)
     except OSError as error:
         return _complain(f"{error.filename or 'file'}: {error.strerror or error}", TOOL)
+    except Exception as error:
+        return _complain(f"unexpected {type(error).__name__}: {error}; this is a fault of the program, please report it", TOOL)
     except KeyboardInterrupt:
         return _complain("stopped; what was finished is kept, the same command goes on from there", INTERRUPTED)
 
@@ -78,7 +83,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="wall seconds for each YADE run (default: 3600)")
+    run.add_argument("--time-limit", type=_seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
     report = add("report", _report, "write the report again from stored results")
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
     add("doctor", _doctor, "what is installed, what is missing, the command that mends it")
@@ -93,7 +98,10 @@ def _figure(text: str) -> Path:
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"{text}: must be a positive number of seconds")
     return value
@@ -157,8 +165,10 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
 def _run(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.workflow import run_scene
 
-    scenes = [load_scene(shipped.find(name)) for name in options.scenes]
-    _refuse_same_name(scenes)
+    scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    _refuse_names(scenes)
+    for scene in scenes:
+        assemble(scene)  # a bad scene is refused before the first one runs
     with Narration(narrator) as narration:
         comparisons = [
             run_scene(scene, options.output / scene.name, narration, not options.no_yade, options.time_limit) for scene in scenes
@@ -166,9 +176,12 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
     return _conclude(options, narrator, [(options.output, comparisons)])
 
 
-def _refuse_same_name(scenes: list[Scene]) -> None:
+def _refuse_names(scenes: list[Scene]) -> None:
+    """A scene's name is its folder's: it must be one, and its own."""
     seen: dict[str, Scene] = {}
     for scene in scenes:
+        if scene.name in (".", "..", "report.html", "report.md", "report.json"):
+            raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
@@ -177,33 +190,44 @@ def _refuse_same_name(scenes: list[Scene]) -> None:
 def _report(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.workflow import report_again
 
-    reports = []
+    reports, broken = [], AGREE
     with Narration(narrator) as narration:
         for folder in options.folders:
             cases = sorted(path.parent for path in folder.glob("*/case.h5"))
             if not cases:
                 raise SceneError(str(folder), "holds no results of `crosscheck run`")
-            reports.append((folder, [report_again(case, narration) for case in cases]))
-    return _conclude(options, narrator, reports)
+            comparisons = []
+            for case in cases:
+                try:
+                    comparisons.append(report_again(case, narration))
+                except ExchangeError as error:
+                    broken = _complain(str(error), TOOL)
+            reports.append((folder, comparisons))
+    return max(broken, _conclude(options, narrator, reports), key=_gravity)
 
 
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
     """Write each folder's report, print the verdict table, and return the gravest exit code."""
     from comparison.report import write_report
 
-    codes = []
+    codes, stored = [], []
     for folder, comparisons in reports:
         page = write_report(folder, comparisons, describe())
-        if options.json:
-            print((folder / "report.json").read_text(encoding="utf-8"), end="")
-        else:
+        stored.append(json.loads((folder / "report.json").read_text(encoding="utf-8")))
+        if not options.json:
             _stdout().print(tables.verdict_table(comparisons))
             for comparison in comparisons:
                 if comparison["reason"]:
                     _stdout().print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
             _stdout().print(f"report: {os.path.relpath(page)}", markup=False)
         codes += [_code(comparison) for comparison in comparisons]
-    return next((code for code in GRAVEST_FIRST if code in codes), AGREE)
+    if options.json:
+        _print_json(stored[0] if len(stored) == 1 else {"reports": stored})
+    return max(codes, key=_gravity, default=AGREE)
+
+
+def _gravity(code: int) -> int:
+    return GRAVITY.index(code)
 
 
 def _code(comparison: dict[str, Any]) -> int:

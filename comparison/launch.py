@@ -59,6 +59,8 @@ def find_yade() -> Yade:
     The environment variable CROSSCHECK_YADE names another module folder.
     """
     modules = _module_folder()
+    if modules is None and "CROSSCHECK_YADE" in os.environ:
+        raise YadeMissingError(f"CROSSCHECK_YADE = {os.environ['CROSSCHECK_YADE']} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
     if modules is None:
         raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
     python = Path(os.environ.get("CROSSCHECK_YADE_PYTHON", SYSTEM_PYTHON))
@@ -143,4 +145,5 @@ def _failure(code: int, log: Path) -> str:
     else:
         how = f"ended with exit code {code}" if code else "ended without writing its result"
     lines = [line for line in log.read_text(errors="replace").splitlines() if not line.startswith("progress ")]
+    how += "".join(f" ({line})" for line in lines if line.startswith("error: "))
     return f"YADE {how}; the last lines of {log}:\n" + "\n".join(f"  {line}" for line in lines[-LOG_TAIL:])

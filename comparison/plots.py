@@ -4,6 +4,7 @@ Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's
 """
 
 import textwrap
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,9 @@ SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 def save(figure: Figure, path: Path) -> None:
     """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix, {"Software": None})
-    figure.savefig(path, dpi=DPI, metadata=metadata)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
+        figure.savefig(path, dpi=DPI, metadata=metadata)
 
 
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:

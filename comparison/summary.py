@@ -8,6 +8,7 @@ from typing import Any
 from comparison.checks import Check, overall
 from comparison.record import Run
 from la_core.case import LimitAnalysis
+from la_core.exchange import RUN_FIELDS
 from la_core.limit import Drive, Solution, Status
 from la_core.scene import Scene
 
@@ -31,7 +32,7 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "expected": scene.expected.model_dump() if scene.expected else None,
         "limit_analysis": {"associated": _associated(scene, analysis), "coulomb": None},
     }
-    return _without_undefined(summary)
+    return without_undefined(summary)
 
 
 def _associated(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
@@ -74,6 +75,12 @@ def yade_summary(run: Run) -> dict[str, Any]:
     return dict(run.result)
 
 
+def without_run(status: str, message: str) -> dict[str, Any]:
+    """YADE's outcome where there is no run: why, and null for every value."""
+    names = (field.path.removeprefix("result/") for field in RUN_FIELDS if field.path.startswith("result/"))
+    return {**dict.fromkeys(names), "status": status, "message": message}
+
+
 def comparison_summary(
     scene: Scene,
     analysis: LimitAnalysis,
@@ -93,15 +100,15 @@ def comparison_summary(
         "notes": notes,
         "settings": settings,
     }
-    return _without_undefined(summary)
+    return without_undefined(summary)
 
 
-def _without_undefined(value: Any) -> Any:
+def without_undefined(value: Any) -> Any:
     """The same structure with null for every number that is not finite."""
     if isinstance(value, dict):
-        return {key: _without_undefined(item) for key, item in value.items()}
+        return {key: without_undefined(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_without_undefined(item) for item in value]
+        return [without_undefined(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -12,7 +12,7 @@ from comparison import plots, provenance
 from comparison.checks import Check, Verdict, check_expected, check_run
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.record import Run, read_run
-from comparison.summary import comparison_summary, yade_summary
+from comparison.summary import comparison_summary, without_run, yade_summary
 from la_core import case, exchange
 from la_core.case import LimitAnalysis
 from la_core.limit import Status
@@ -58,8 +58,11 @@ def write_text(path: Path, text: str) -> None:
         unwritten.unlink(missing_ok=True)
 
 
-def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float = TIME_LIMIT) -> dict[str, Any]:
-    """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds."""
+def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None = None) -> dict[str, Any]:
+    """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds.
+
+    time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     write_text(folder / "scene.toml", scene.text)
     analysis, inputs = _limit_analysis(scene, folder, listener)
@@ -69,7 +72,8 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     if scene.live is not None or not with_yade:
         return _compare(Stored(scene, analysis, None, None, notes, inputs), folder, listener)
     run_inputs = _digest(inputs, "yade_scripts")
-    run, yade = _yade(scene, analysis, run_inputs, folder, listener, time_limit)
+    limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
+    run, yade = _yade(scene, analysis, run_inputs, folder, listener, limit)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 
 
@@ -134,10 +138,10 @@ def _yade(
         return run, yade_summary(run)
     except YadeMissingError as error:
         listener.stage(scene.name, "YADE", f"missing: {error}")
-        return None, {"status": "missing", "message": str(error)}
+        return None, without_run("missing", str(error))
     except (YadeFailedError, exchange.ExchangeError) as error:
         listener.stage(scene.name, "YADE", f"failed: {error}")
-        return None, {"status": "failed", "message": str(error)}
+        return None, without_run("failed", str(error))
 
 
 def _digest(of: str, room: str) -> str:
@@ -151,7 +155,7 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
     inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes]), "comparison")
     figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
     previous = _stored_summary(folder)
-    if previous.get("inputs") == inputs and all(path.exists() for path in figures):
+    if previous.get("inputs") == inputs and all(path.is_file() for path in figures):
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +87,7 @@ def code_digest(folder: Path) -> str:
 
 def digest(scene: Scene) -> str:
     """Digest of all that decides the limit analysis: the scene's name and text and this package's code."""
-    text = "\n".join([scene.name, code_digest(Path(__file__).parent), scene.text])
+    text = "\n".join([scene.name, code_digest(Path(__file__).parent), version("clarabel"), scene.text])
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -40,12 +40,24 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
 
     Not over the largest relative velocity: that is zero where blocks ride along with their support.
     """
-    velocity = assembly.relative_velocity(twists)
-    normal = np.sum(velocity * assembly.normal, axis=1)
-    tangential = np.linalg.norm(velocity - normal[:, None] * assembly.normal, axis=1)
+    normal, tangential, fastest = _contact_speeds(assembly, twists)
     if assembly.effects.friction == "none-slides":
         violation = np.maximum(tangential, -normal)
     else:
-        violation = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
-    fastest = float(block_speeds(assembly.blocks, twists).max())
+        excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
+        violation = np.maximum(excess, -normal)  # a large mu must not hide that blocks penetrate
     return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
+
+
+def penetration(assembly: Assembly, twists: np.ndarray) -> float:
+    """Largest speed at which blocks of a mechanism penetrate each other over the largest speed of a block."""
+    normal, _, fastest = _contact_speeds(assembly, twists)
+    return float(max(0.0, -normal.min()) / fastest) if fastest > 0.0 else 0.0
+
+
+def _contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Parting speed (C,) and sliding speed (C,) at each contact point, and the largest speed of a block."""
+    velocity = assembly.relative_velocity(twists)
+    normal = np.sum(velocity * assembly.normal, axis=1)
+    tangential = np.linalg.norm(velocity - normal[:, None] * assembly.normal, axis=1)
+    return normal, tangential, float(block_speeds(assembly.blocks, twists).max())

@@ -20,6 +20,14 @@ import numpy as np
 VERSION = 1
 FREE, FIXED, SUPPORT = 0, 1, 2
 
+# Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
+SETTINGS = (
+    "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
+    "sphere_radius", "max_travel", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
+    "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
+    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit",
+)  # fmt: skip
+
 
 class ExchangeError(Exception):
     """A case or run file is missing, incomplete, foreign or broken; the message says which and what to do."""

@@ -12,7 +12,7 @@ import pydantic
 
 from la_core import generators, schema, shapes
 from la_core.errors import SceneError, nearest
-from la_core.exchange import FREE
+from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
 
 LARGEST_FILE = 50_000_000  # bytes; a scene is text
@@ -70,7 +70,7 @@ def load_scene(path: Path, name: str = "") -> Scene:
     text = _read(path)
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise SceneError(str(path), f"not valid TOML: {error}") from error
     try:
         return _build(path, name or path.stem, text, _validate(data))
@@ -82,7 +82,7 @@ def _read(path: Path) -> str:
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
     except UnicodeDecodeError as error:
@@ -163,7 +163,7 @@ def _table_of(annotation: Any) -> Any:
 
 def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
     named = list(_named_shapes(file))
-    _require_blocks(named, file)
+    _require_sense(named, file)
     blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
     return Scene(
         name=name,
@@ -204,7 +204,7 @@ def _shape(block: schema.Block) -> shapes.Shape:
     return shapes.polyhedron(block.polyhedron.vertices)
 
 
-def _require_blocks(named: list[NamedShape], file: schema.SceneFile) -> None:
+def _require_sense(named: list[NamedShape], file: schema.SceneFile) -> None:
     twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
     if twice:
         raise SceneError(f'block "{twice[0]}"', "the name is used twice; every block needs its own")
@@ -215,6 +215,12 @@ def _require_blocks(named: list[NamedShape], file: schema.SceneFile) -> None:
         raise SceneError("settlement", "no block has the role of support", hint='give a [[block]] role = "support"')
     if file.live and "support" in roles:
         raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
+    if file.expected and (file.expected.multiplier is None) != (file.live is None):
+        wanted = "multiplier" if file.live else "reaction_over_weight"
+        raise SceneError("expected", f"a [{'live' if file.live else 'settlement'}] scene expects a `{wanted}`")
+    for name in file.yade:
+        if name not in SETTINGS:
+            raise SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS))
 
 
 def _densities(named: list[NamedShape], file: schema.SceneFile) -> list[float]:

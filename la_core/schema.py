@@ -1,16 +1,26 @@
 """The scene file as a schema: every table and key, its type and its limits (pydantic)."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
 
-Real = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Positive = Annotated[Real, Field(gt=0.0)]
+LARGEST, SMALLEST = 1e12, 1e-12  # of any number in SI units: beyond these a slip of the pen, and round-off, not a structure
+Real = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+
+
+def _not_tiny(value: float) -> float:
+    if value < SMALLEST:
+        raise ValueError(f"must be at least {SMALLEST:g}")
+    return value
+
+
+Positive = Annotated[Real, Field(gt=0.0), AfterValidator(_not_tiny)]
 NotNegative = Annotated[Real, Field(ge=0.0)]
 Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
 Pair = tuple[Real, Real]
 Vector = tuple[Real, Real, Real]
-Name = Annotated[str, Strict(), Field(min_length=1, max_length=200)]
+Text = Annotated[str, Strict(), Field(max_length=10_000, pattern=r"^[^\x00]*$")]  # HDF5 ends a text at its first NUL
+Name = Annotated[Text, Field(min_length=1, max_length=200)]
 MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
 Role = Literal["free", "fixed", "support"]
 
@@ -21,7 +31,14 @@ def _not_zero(vector: Vector) -> Vector:
     return vector
 
 
-Direction = Annotated[Vector, AfterValidator(_not_zero)]
+def _not_weightless(vector: Vector) -> Vector:
+    _not_tiny(max(abs(entry) for entry in vector))
+    return vector
+
+
+Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(_not_zero)]  # made unit, so of any length
+Gravity = Annotated[Vector, AfterValidator(_not_zero), AfterValidator(_not_weightless)]
 
 
 def _auto_or_bool(value: object) -> object:
@@ -45,7 +62,7 @@ class Stone(Table):
 class Joint(Table):
     """The dry joint: friction is tan(phi); inset in m draws contact points in from the edges of an interface."""
 
-    friction: NotNegative
+    friction: Annotated[NotNegative, Field(le=1e3)]  # 1e3 is a slope of 89.9 degrees
     inset: NotNegative = 0.001
 
 
@@ -126,6 +143,12 @@ class Wall(Table):
     opening: tuple[Opening, ...] = ()
 
     @model_validator(mode="after")
+    def _starts_half_in_running_bond(self) -> Self:
+        if self.first == "half" and self.bond == "stack":
+            raise ValueError('`first = "half"` goes with a running bond; in stack bond all courses are alike')
+        return self
+
+    @model_validator(mode="after")
     def _is_bounded(self) -> Self:
         if self.per_course * self.courses > MOST_BLOCKS:
             raise ValueError(f"`per_course` times `courses` may be at most {MOST_BLOCKS}")
@@ -198,13 +221,19 @@ class Expected(Table):
     tolerance: Positive = 1e-4
     kind: Literal["exact", "published", "computed"]
 
+    @model_validator(mode="after")
+    def _expects_something(self) -> Self:
+        if self.reaction_over_weight is None and self.reaction_max_over_weight is None and self.multiplier is None:
+            raise ValueError("needs a value: `reaction_over_weight`, `reaction_max_over_weight` or `multiplier`")
+        return self
+
 
 class SceneFile(Table):
     """The whole file."""
 
-    title: Annotated[str, Strict()] = ""
-    source: Annotated[str, Strict()] = ""
-    gravity: Direction = (0.0, 0.0, -9.81)
+    title: Text = ""
+    source: Text = ""
+    gravity: Gravity = (0.0, 0.0, -9.81)
     stone: Stone | None = None
     joint: Joint
     block: tuple[Block, ...] = ()
@@ -214,7 +243,7 @@ class SceneFile(Table):
     live: Live | None = None
     effects: Effects = Effects()
     expected: Expected | None = None
-    yade: dict[str, Any] = {}  # settings for YADE in place of derived ones; YADE's side checks them
+    yade: dict[str, NotNegative] = {}  # settings for YADE in place of derived ones
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:

@@ -1,5 +1,7 @@
 """Force sums over sections: what two methods can share although single contact forces are not unique."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy import sparse
 
@@ -38,7 +40,7 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     cones = problem.cones
     split = cones.equalities
     rows = sparse.vstack([cone_rows.tocsr()[:split], positive, cone_rows.tocsr()[split:]]).tocsr()
-    cones = type(cones)(cones.equalities, cones.inequalities + 2, cones.second_order)
+    cones = replace(cones, inequalities=cones.inequalities + 2)
     ends = []
     for sign in (1.0, -1.0):
         offset = np.concatenate([sign * apart[:split], [0.0, 0.0], sign * apart[split:]])

@@ -9,7 +9,8 @@ import scipy.spatial
 from la_core.exchange import FIXED, FREE, SUPPORT
 
 ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
-FLATNESS = 1e-9  # of the block's size: vertices closer than this to a plane or line lie on it
+FLATNESS = 1e-9  # of the block's size: vertices closer than this to a line lie on it
+FACE_FLATNESS = 1e-4  # of the size: corners closer than this to a plane lie on it; typed ones are seldom exact, faces must not split
 
 
 @dataclass(frozen=True)
@@ -71,11 +72,13 @@ def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:
         hull = scipy.spatial.ConvexHull((points - centre) / size)
     except scipy.spatial.QhullError as error:
         raise ValueError("the polyhedron has no volume") from error
-    faces, remaining = [], list(range(len(hull.equations)))
+    edges = hull.points[hull.simplices[:, 1:]] - hull.points[hull.simplices[:, :1]]
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face knows its plane best
     while remaining:
         plane = hull.equations[remaining[0]]
         distance = np.abs(hull.points[hull.vertices] @ plane[:3] + plane[3])
-        corners = hull.vertices[distance <= 10.0 * FLATNESS]
+        corners = hull.vertices[distance <= FACE_FLATNESS]
         faces.append(_ordered(hull.points, corners, plane[:3]))
         members = set(corners.tolist())
         remaining = [k for k in remaining if not members.issuperset(hull.simplices[k].tolist())]

@@ -13,7 +13,7 @@ from comparison.shipped import find
 from la_core import mechanism
 from la_core.assembly import Assembly
 from la_core.case import LimitAnalysis, analyse
-from la_core.limit import Drive, solve
+from la_core.limit import Drive, Status, solve
 from la_core.scene import Scene, load_scene
 
 TRAVEL = 1e-3  # m
@@ -199,3 +199,21 @@ def test_the_gravest_check_decides_and_gives_the_reason() -> None:
 def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     for name in ("REACTION", "LEAST_REACTION", "SETTLEMENT", "UNBALANCED", "NO_SLIDING", "SECTION", "SAME_MASS"):
         assert 0.0 < getattr(checks, name) <= 0.05
+
+
+def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
+    """Limit analysis proves the fall, YADE ran out of time: nobody disagrees."""
+    text = find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    path = tmp_path / "overhang.toml"
+    path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
+    scene = load_scene(path)
+    analysis = analyse(scene)
+    for status in ("timeout", "failed"):
+        assert overall(check_run(scene, analysis, _perfect_run(analysis, status=status)))[0] is Verdict.INCONCLUSIVE
+
+
+def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> None:
+    scene, analysis = _case("two_pads")
+    doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.items()}
+    verdicts = {check.verdict for check in check_expected(scene, dataclasses.replace(analysis, sharp=doubtful))}
+    assert verdicts == {Verdict.INCONCLUSIVE}

@@ -208,3 +208,59 @@ def test_every_shipped_scene_reproduces_its_expected_value() -> None:
     for name in shipped.names():
         assert load_scene(shipped.find(name)).expected is not None
         assert main(["solve", name, "-q"]) == 0, name
+
+
+def test_an_expected_value_of_the_wrong_kind_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "wrong.toml"
+    for line in ("multiplier = 3.0", ""):
+        path.write_text(shipped.find("two_pads").read_text().split("[expected]")[0] + f'[expected]\nkind = "exact"\n{line}\n')
+        assert main(["solve", str(path)]) == 2
+        assert "reaction_over_weight" in capsys.readouterr().err
+
+
+def test_a_bad_scene_is_refused_before_the_first_one_runs(tmp_path: Path) -> None:
+    path = tmp_path / "floating.toml"
+    lifted = ("from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5]", "from = [0.0, 0.0, 3.0], to = [1.0, 0.2, 3.5]")
+    path.write_text(shipped.find("two_pads").read_text().replace(*lifted))
+    assert main(["run", "two_pads", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "trilith", "-o", str(out), "--no-yade", "-q"]) == 0
+    (out / "trilith" / "case.h5").write_bytes(b"not HDF5")
+    capsys.readouterr()
+    assert main(["report", str(out), "--json"]) == 3
+    captured = capsys.readouterr()
+    assert [c["scene"] for c in json.loads(captured.out)["comparisons"]] == ["two_pads"]
+    assert "trilith" in captured.err
+
+
+def test_a_fault_of_the_program_is_never_taken_for_a_disagreement(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("comparison.cli.analyse", lambda scene: 1 / 0)
+    assert main(["solve", "two_pads"]) == 3
+    assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ('title   = "', 'title   = "\\u0000', "title"),
+        ("friction = 0.6", "friction = 1e300", "friction"),
+        ("density = 2000.0", "density = 1e-300", "density"),
+        ("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 0.0, -1e-200]", "gravity"),
+        ("[settlement]", "deep = " + "[" * 20_000 + "\n[settlement]", "TOML"),
+    ],
+)
+def test_absurd_values_are_refused_with_a_sentence(
+    old: str, new: str, word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "absurd.toml"
+    text = shipped.find("two_pads").read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert word in capsys.readouterr().err

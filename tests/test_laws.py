@@ -10,6 +10,7 @@ import scenes_for_tests as scenes
 from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 
+from la_core import evidence
 from la_core.assembly import Assembly, assemble
 from la_core.exchange import FREE, SUPPORT
 from la_core.limit import Drive, Solution, Status, solve
@@ -434,3 +435,12 @@ def test_highs_agrees_on_live_loads() -> None:
     for courses in (4, 7):
         scene = scenes.build(*scenes.wall(5, courses, first="half"), live=(1.0, 0.0, 0.0))
         assert values(scene) == pytest.approx([static_form(scene)], abs=INDEPENDENT)
+
+
+def test_great_friction_does_not_hide_a_penetration() -> None:
+    """The flow rule divides by sqrt(1 + mu^2); blocks that penetrate violate it by their full speed all the same."""
+    scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), friction=1e3)
+    assembly = assemble(scene)
+    sinking = np.zeros((len(scene.blocks), 6))
+    sinking[scene.blocks.free, 2] = -1.0
+    assert evidence.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)

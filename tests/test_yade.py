@@ -1,5 +1,6 @@
 """Real YADE runs against exact values, each other, and the promises about the process."""
 
+import ast
 import json
 import shutil
 import subprocess
@@ -16,7 +17,7 @@ from conftest import CrossChecked
 from comparison import launch, shipped, workflow
 from comparison.cli import main
 from la_core import case
-from la_core.exchange import RUN_FIELDS
+from la_core.exchange import RUN_FIELDS, SETTINGS
 from la_core.limit import Drive
 from la_core.scene import load_scene
 
@@ -172,8 +173,25 @@ def test_a_time_limit_ends_in_a_timeout_that_is_tried_again(tmp_path: Path) -> N
     assert json.loads((out / "wall_third" / "comparison.json").read_text())["yade"]["status"] == "timeout"
 
 
-def test_a_misspelt_yade_setting_is_a_failed_run_with_its_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_misspelt_yade_setting_is_a_scene_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "typo.toml"
     path.write_text(shipped.find("two_pads").read_text() + "\n[yade]\nspeeed = 1.0\n")
-    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 3
-    assert "speeed" in capsys.readouterr().err
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "yade.speeed" in said and '"speed"' in said
+
+
+def test_the_settings_a_scene_may_name_are_those_yade_knows() -> None:
+    text = (Path(launch.__file__).parent.parent / "yade_scripts" / "settings.py").read_text()
+    (settings,) = [node for node in ast.parse(text).body if isinstance(node, ast.ClassDef) and node.name == "Settings"]
+    assert tuple(field.target.id for field in settings.body if isinstance(field, ast.AnnAssign)) == SETTINGS
+
+
+@pytest.mark.parametrize("friction", [1.5, 5.0, 1e3])
+def test_a_slide_that_the_associated_mechanism_lacks_makes_it_a_bound_too(friction: float, tmp_path: Path) -> None:
+    path = tmp_path / "rough.toml"
+    path.write_text(shipped.find("two_blocks").read_text().split("[expected]")[0].replace("friction = 0.6", f"friction = {friction}"))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 4
+    summary = json.loads((tmp_path / "out" / "rough" / "comparison.json").read_text())
+    assert summary["yade"]["reaction"] == pytest.approx(0.5 * summary["weight"], rel=HALF_PER_CENT)
+    assert summary["verdict"] == "inconclusive" and "bound" in summary["reason"]
