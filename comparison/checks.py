@@ -54,12 +54,12 @@ class Check:
 
 
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
-    """The gravest verdict of all checks and its reasons; None when nothing was judged."""
-    for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE, Verdict.AGREE):
+    """The gravest verdict of all checks, with its reasons unless it is agree; None when nothing was judged."""
+    for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
         reasons = [check.reason for check in checks if check.verdict is verdict]
         if reasons:
-            return verdict, " ".join(dict.fromkeys(reason for reason in reasons if reason))
-    return None, ""
+            return verdict, " ".join(dict.fromkeys(reasons))
+    return (Verdict.AGREE, "") if checks else (None, "")
 
 
 def _within(name: str, expected: float, found: float, tolerance: float, unit: str, reason: str) -> Check:
@@ -70,6 +70,19 @@ def _within(name: str, expected: float, found: float, tolerance: float, unit: st
         return Check(name, Verdict.INCONCLUSIVE, _number(expected), _number(found), None, tolerance, unit, missing)
     verdict = Verdict.AGREE if abs(difference) <= tolerance else Verdict.DISAGREE
     return Check(name, verdict, expected, found, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
+
+
+def _inside(name: str, bounds: tuple[float, float], found: float, tolerance: float, unit: str, reason: str) -> Check:
+    """Compare a number with a range: the check shows the nearer bound, and the range in its reason."""
+    low, high = bounds
+    if math.isnan(low) or math.isnan(high) or not math.isfinite(found):
+        return _within(name, math.nan, found, tolerance, unit, reason)
+    inside = low - tolerance <= found <= high + tolerance
+    nearer = low if found - low <= high - found else high
+    span = f"Range: {low:.6g} to {high:.6g} {unit}." if math.isfinite(high) else f"Range: {low:.6g} {unit} and more."
+    shown = span if inside else f"{reason} {span}"
+    verdict = Verdict.AGREE if inside else Verdict.DISAGREE
+    return Check(name, verdict, _number(nearer), found, _number(found - nearer), tolerance, unit, shown)
 
 
 def _number(value: float) -> float | None:
@@ -189,9 +202,8 @@ def _check_bounds(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check:
     reaction, tolerance = run.result["reaction"], reaction_tolerance(scene, analysis, run)
     least, greatest = analysis.rounded[Drive.YIELDING].value, analysis.rounded[Drive.PUSHING]
     above = greatest.value if greatest.status is Status.SOLVED else math.inf
-    nearest = min(max(reaction, least), above)
     reason = "YADE's reaction lies outside what equilibrium and friction allow on these contact points: one of the two models is wrong."
-    return _within("reaction within bounds", nearest, reaction, tolerance, scene.unit, reason)
+    return _inside("reaction within bounds", (least, above), reaction, tolerance, scene.unit, reason)
 
 
 def _check_prediction(scene: Scene, analysis: LimitAnalysis, run: Run, slides: bool) -> Check:
@@ -255,9 +267,8 @@ def _check_sections(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator
     for label, direction in _transverse_directions(scene, assembly.effects.plane):
         low, high = sections.support_force_range(assembly, direction, evidence.reaction(assembly, forces), tolerance)
         found = float(sections.support_force(assembly, forces) @ direction)
-        nearest = min(max(found, low), high)
-        reason = f"The support's force along {label} lies outside what equilibrium and friction allow, {low:.6g} to {high:.6g} N."
-        yield _within(f"support's force along {label}, in its range", nearest, found, slack, "N", reason)
+        reason = f"The support's force along {label} lies outside what equilibrium and friction allow."
+        yield _inside(f"support's force along {label}, in its range", (low, high), found, slack, "N", reason)
 
 
 def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:

@@ -1,6 +1,7 @@
 """The command line: reads words, calls the rooms, prints; results on stdout, narration on stderr. No mechanics here."""
 
 import argparse
+import io
 import json
 import os
 import signal
@@ -35,6 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code of the contract: 0 agree, 1 disagree, 2 usage or scene, 3 tool, 4 inconclusive."""
     if arguments is None:
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a closed pipe ends the program quietly, as it ends others
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
     options = _parser().parse_args(arguments)
     narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
     try:
@@ -146,7 +150,7 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
 def _solve(options: argparse.Namespace, narrator: Console) -> int:
 
     scene = load_scene(shipped.find(options.scene))
-    narrator.print(f"{scene.name}: limit analysis of {int(scene.blocks.free.sum())} free blocks", markup=False)
+    narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     analysis = analyse(scene)
     summary = limit_analysis_summary(scene, analysis)
     checks = list(check_expected(scene, analysis))

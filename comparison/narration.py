@@ -43,7 +43,7 @@ class Narration:
             self._bars.update(self._tasks[scene], completed=fraction, state=state)
         elif time.monotonic() - self._spoke >= LINE_EVERY:
             self._spoke = time.monotonic()
-            self._console.print(f"{scene}: YADE: {fraction:.0%} {state}", markup=False)
+            self._console.print(f"{scene}: YADE: {state}", markup=False)
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -16,10 +16,10 @@ def names() -> list[str]:
 def find(scene: str) -> Path:
     """Path of a scene given by path or by a shipped scene's name; raises SceneError when there is neither."""
     path = Path(scene)
-    if path.suffix == ".toml" or path.exists():
-        if path.is_dir():
-            raise SceneError(scene, "is a folder, not a scene file")
+    if path.suffix == ".toml" or path.is_file():
         return path
     if scene not in names():
-        raise SceneError(scene, "neither a file nor a shipped scene", hint=nearest(scene, names()))
+        if path.is_dir():
+            raise SceneError(scene, "is a folder, not a scene file")
+        raise SceneError(scene, "neither a file nor a shipped scene", hint=nearest(scene, names()) + "; `crosscheck scenes` lists them")
     return FOLDER / f"{scene}.toml"

@@ -174,7 +174,7 @@ def _judge(stored: Stored) -> list[Check]:
     if stored.run is not None:
         return check_run(stored.scene, stored.analysis, stored.run)
     if stored.yade is not None:
-        reason = f"YADE is {stored.yade['status']}: {stored.yade['message'].splitlines()[0]}"
+        reason = str(stored.yade["message"]).splitlines()[0]
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason)]
     status = stored.analysis.rounded[stored.analysis.main].status
     if status in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):

@@ -207,7 +207,7 @@ def test_gap_within_and_beyond_tolerance(gap, touches) -> None:
     if touches:
         assert len(find_interfaces(blocks)) == 1
     else:
-        with pytest.raises(SceneError, match="touches nothing|overlap"):
+        with pytest.raises(SceneError, match="touches nothing"):
             find_interfaces(blocks)
 
 
@@ -219,14 +219,14 @@ def test_tilt_within_and_beyond_tolerance(angle, touches) -> None:
     if touches:
         assert len(find_interfaces(blocks).polygon) == 4
     else:
-        with pytest.raises(SceneError, match="touches nothing|overlap"):
+        with pytest.raises(SceneError, match="touches nothing"):
             find_interfaces(blocks)
 
 
 @pytest.mark.parametrize("shift", [(1.0, 1.0, 0.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0)], ids=["edge", "other edge", "corner"])
 def test_edges_and_corners_are_no_interface(shift) -> None:
     low = np.array(shift)
-    with pytest.raises(SceneError, match="touches nothing|overlap"):
+    with pytest.raises(SceneError, match="touches nothing"):
         find_interfaces(gathered(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box(low, low + 1.0)))
 
 
@@ -239,7 +239,7 @@ def test_diagonal_neighbours_in_a_stack_do_not_touch() -> None:
 def test_edge_on_a_face_is_no_interface() -> None:
     """A block that balances on its edge touches along a line only."""
     roof = turned(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), -math.pi / 4.0))
-    with pytest.raises(SceneError, match="touches nothing|overlap"):
+    with pytest.raises(SceneError, match="touches nothing"):
         find_interfaces(gathered(box((-1.0, 0.0, -1.0), (1.0, 1.0, 0.0)), roof))
 
 
@@ -363,7 +363,7 @@ def test_boxes_typed_with_few_digits_share_the_interfaces_they_were_meant_to(dig
     pads = [typed("left", (0, 0, -0.1), (0.4, 0.2, 0), "fixed"), typed("right", (0.5, 0, -0.1), (1, 0.2, 0), "support")]
     scene = scenes.build(*pads, typed("block", (0, 0, 0), (1, 0.2, 0.5)), settlement=turn.apply([0, 0, -1]).tolist())
     if digits < ENOUGH_DIGITS:  # the faces no longer meet; that is said, and never half of an interface kept
-        with pytest.raises(SceneError, match="touches nothing|overlap"):
+        with pytest.raises(SceneError, match="overlap"):
             find_interfaces(scene.blocks)
         return
     interfaces = find_interfaces(scene.blocks)
