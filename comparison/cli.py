@@ -148,7 +148,6 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
 
 
 def _solve(options: argparse.Namespace, narrator: Console) -> int:
-
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     analysis = analyse(scene)

@@ -158,11 +158,6 @@ class Blocks:
         """Upper corner (B, 3) of each bounding box, m."""
         return np.maximum.reduceat(self.vertices, self.vertex_start[:-1])
 
-    def faces_of(self, block: int) -> list[np.ndarray]:
-        """Face polygons of one block, each (n, 3) in m."""
-        faces = np.flatnonzero(self.face_block == block)
-        return [self.vertices[self.face_vertex[self.face_start[f] : self.face_start[f + 1]]] for f in faces]
-
 
 def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Fan triangulation of every face: vertex indices (T, 3) and the face of each triangle (T,)."""

@@ -217,3 +217,18 @@ def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> Non
     doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.items()}
     verdicts = {check.verdict for check in check_expected(scene, dataclasses.replace(analysis, sharp=doubtful))}
     assert verdicts == {Verdict.INCONCLUSIVE}
+
+
+def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene, LimitAnalysis]) -> None:
+    """Taking an inaccurate upper bound for none would let any great reaction pass."""
+    scene, analysis = arch
+    for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
+        greatest = dataclasses.replace(analysis.rounded[Drive.PUSHING], status=status)
+        doubtful = dataclasses.replace(analysis, rounded={**analysis.rounded, Drive.PUSHING: greatest})
+        assert _verdict("reaction within bounds", check_run(scene, doubtful, _perfect_run(analysis))) is verdict
+
+
+def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(*arch, _perfect_run(arch[1], uncertainty=math.nan))
+    assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
+    assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE
