@@ -12,8 +12,10 @@ import numpy as np
 
 from la_core import exchange
 from la_core.assembly import Assembly, assemble
+from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, solve
 from la_core.scene import Scene
+from la_core.stiffness import JointStiffness, joint_stiffness
 
 SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the narrowest interface
 SMALLEST_INSET_SHARE = 0.02
@@ -25,12 +27,13 @@ class LimitAnalysis:
     """Solutions of a scene at the inset the methods share and for sharp arrises.
 
     assembly: contact points at the shared inset: the scene's, or the smallest that YADE can take where the scene has none.
-    rounded, sharp: solution by drive at that inset and at inset 0.
+    rounded, sharp: solution by drive at that inset and at inset 0. stiffness: of the joints, at the shared inset.
     """
 
     assembly: Assembly
     rounded: dict[Drive, Solution]
     sharp: dict[Drive, Solution]
+    stiffness: JointStiffness
 
     @property
     def main(self) -> Drive:
@@ -60,9 +63,17 @@ def analyse(scene: Scene) -> LimitAnalysis:
     sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0 and scene.live is None:
         assembly = assembly.with_inset(scene, smallest_inset(assembly))
+    stiffness = _stiffness(scene, assembly)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
-    return LimitAnalysis(assembly, rounded, sharp)
+    return LimitAnalysis(assembly, rounded, sharp, stiffness)
+
+
+def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:
+    try:
+        return joint_stiffness(assembly, assembly.inset, scene.yade)
+    except SceneError as error:
+        raise SceneError(str(scene.path), str(error)) from error
 
 
 def _solve_all(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
@@ -117,6 +128,7 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
         **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
         **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
+        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
     }
     for arrises, solutions in (("associated", analysis.rounded), ("associated_sharp", analysis.sharp)):
         for drive, solution in solutions.items():
@@ -126,6 +138,7 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
 
 
 _BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_start", "face_vertex", "face_start", "face_block")
+_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
 _SOLUTION_VALUES = tuple(Solution.__dataclass_fields__)
 
 
@@ -152,7 +165,8 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     def solutions(arrises: str) -> dict[Drive, Solution]:
         return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
 
-    return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"))
+    stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
+    return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"), stiffness)
 
 
 def _solution(data: dict[str, Any], group: str) -> Solution:

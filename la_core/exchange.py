@@ -19,6 +19,7 @@ import numpy as np
 
 VERSION = 1
 FREE, FIXED, SUPPORT = 0, 1, 2
+RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
 
 # Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
 SETTINGS = (
@@ -70,6 +71,10 @@ CASE_FIELDS = (
     Field("contacts/interface", "i8", ("C",), "", "interface of the contact point"),
     Field("contacts/position", "f8", ("C", 3), "m", "contact point, inset"),
     Field("contacts/friction", "f8", ("C",), "-", "friction coefficient tan(phi)"),
+    Field("joints/normal_stiffness", "f8", (), "N/m", "stiffness of one contact point along its normal"),
+    Field("joints/shear_stiffness", "f8", (), "N/m", "stiffness of one contact point across its normal"),
+    Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
+    Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
 )
 
 _SOLUTION = (

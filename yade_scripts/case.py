@@ -11,6 +11,7 @@ import numpy as np
 from yade_scripts import hosting
 
 FREE, FIXED, SUPPORT = 0, 1, 2
+_JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag")
 
 
 class CaseError(Exception):
@@ -27,6 +28,8 @@ class Case:
     mass (B,) kg; centroid (B, 3) m; inertia (B, 3, 3) kg m2, global axes.
     vertices: one (n, 3) array per block, m. block_a, block_b (C,); normal (C, 3); position (C, 3) m; friction (C,).
     support_twist (6,): velocity of the global origin and angular velocity per unit settlement.
+    normal_stiffness, shear_stiffness: of one contact point, N/m. travel: largest settlement, m or rad. sag: largest displacement
+    of a centroid under the weights with joints glued at the normal stiffness, m.
     """
 
     name: str
@@ -45,6 +48,10 @@ class Case:
     normal: np.ndarray
     position: np.ndarray
     friction: np.ndarray
+    normal_stiffness: float
+    shear_stiffness: float
+    travel: float
+    sag: float
     boxes: tuple[tuple[np.ndarray, np.ndarray] | None, ...]
     host: np.ndarray
 
@@ -67,12 +74,6 @@ class Case:
     def block_weight(self) -> float:
         """Mean weight of a free block, N: the unit of force in every tolerance."""
         return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
-
-    @property
-    def block_size(self) -> float:
-        """Median over the free blocks of their largest extent (in the xz plane for plane cases), m."""
-        axes = [0, 2] if self.plane else [0, 1, 2]
-        return float(np.median([np.ptp(self.vertices[block][:, axes], axis=0).max() for block in self.free]))
 
     @property
     def is_rotation(self) -> bool:
@@ -109,6 +110,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         normal=data["interfaces/normal"][interface],
         position=data["contacts/position"],
         friction=data["contacts/friction"],
+        **{name: float(data[f"joints/{name}"]) for name in _JOINT_NUMBERS},
         boxes=boxes,
         host=_hosts(data, np.array([box is not None for box in boxes])),
     )
@@ -148,3 +150,7 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
+    for name in _JOINT_NUMBERS:
+        value, may_vanish = getattr(case, name), name == "shear_stiffness"
+        if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not may_vanish):
+            raise CaseError(f"joints/{name} is {value}; it must be a finite number {'at least' if may_vanish else 'greater than'} 0")

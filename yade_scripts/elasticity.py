@@ -1,4 +1,4 @@
-"""The assembly as elastic springs at its contact points: highest frequency, elastic settlement, stable time step.
+"""The assembly as elastic springs at its contact points: highest frequency, stable time step.
 
 Matrix-free over contact arrays: a vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
 """
@@ -11,8 +11,6 @@ from yade_scripts.case import Case
 
 _PLANE_FREEDOMS = np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0])
 _POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highest eigenvalue, below it
-_SOLVER_ITERATIONS = 1000
-_SOLVER_TOLERANCE = 1e-3  # only a scale is wanted
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ def springs(case: Case, normal: float, shear: float) -> Springs:
 def highest_frequency(system: Springs) -> float:
     """Highest natural frequency (rad/s) by power iteration on M^-1 K with a fixed starting vector."""
     twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
-    twists[:, 3:] /= system.case.block_size
+    twists[:, 3:] /= np.median(np.linalg.norm(np.concatenate([system.arm_a, system.arm_b]), axis=1))
     twists *= system.freedoms
     eigenvalue = 0.0
     for _ in range(_POWER_ITERATIONS):
@@ -89,27 +87,3 @@ def stable_time_step(frequency: float, damping_time: float) -> float:
     """
     ratio = 0.5 * damping_time * frequency
     return float(2.0 / frequency * (np.hypot(1.0, ratio) - ratio))
-
-
-def elastic_settlement(system: Springs) -> tuple[float, float]:
-    """Largest displacement of a centroid (m) and largest contact force (N) under the weights, joints glued.
-
-    Conjugate gradients preconditioned by M. Glued joints are stiffer than open ones: a scale, not a prediction.
-    """
-    case = system.case
-    residual = np.hstack([case.mass[:, None] * case.gravity, np.zeros((len(case.mass), 3))]) * system.freedoms
-    twists = np.zeros_like(residual)
-    direction = scaled = system.compliance_of_mass(residual)
-    power = start = float(np.vdot(residual, scaled))
-    for _ in range(_SOLVER_ITERATIONS):
-        forces = system.stiffness(direction)
-        curvature = float(np.vdot(direction, forces))
-        if power <= _SOLVER_TOLERANCE**2 * start or curvature <= 0.0:
-            break
-        twists = twists + power / curvature * direction
-        residual = residual - power / curvature * forces
-        scaled = system.compliance_of_mass(residual)
-        power, before = float(np.vdot(residual, scaled)), power
-        direction = scaled + power / before * direction
-    largest_force = np.linalg.norm(system.contact_forces(twists), axis=1).max()
-    return float(np.linalg.norm(twists[:, :3], axis=1).max()), float(largest_force)

@@ -1,4 +1,4 @@
-"""Every setting of a run: derived from the case so that any size and weight of block runs alike, or asked for by name."""
+"""Every setting of a run: read or derived from the case so that any size and weight of block runs alike, or asked for by name."""
 
 import dataclasses
 import difflib
@@ -8,17 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from la_core.exchange import RADIUS_OVER_INSET
 from yade_scripts import elasticity
 from yade_scripts.case import Case, CaseError
 
 # Ratios that hold for every case; README.md says where they come from.
-TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
-TRAVEL_OVER_INSET = 0.8  # a contact sphere that slips by its inset leaves the face
-RADIUS_OVER_INSET = 0.5  # a sphere stays clear of the neighbour's face across a joint
-ELASTIC_SHARE = 1.0 / 300.0  # elastic settlement under the weights over the travel
-PENETRATION_OVER_RADIUS = 0.05
 GRAVITY_PERIODS = 500.0  # longest gravity stage
-REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic settlement
+REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 RAMP_SHARE = 0.25  # of the travel is covered while the support speeds up
 TRAVEL_PERIODS = 600.0  # the full travel takes this many periods of the structure sagging under its weights
 PLATEAU_SHARE = 0.4  # of the travel is covered before the run may stop
@@ -73,24 +69,19 @@ def derive(case: Case) -> Settings:
     settle(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
-    travel = min(TRAVEL_OVER_SIZE * case.block_size, TRAVEL_OVER_INSET * case.inset)
-    settle(max_travel=travel / case.support_reach)
-    travel = chosen["max_travel"] * case.support_reach
-    sag, force = elasticity.elastic_settlement(elasticity.springs(case, 1.0, 1.0))  # m and N at 1 N/m
-    settle(normal_stiffness=max(sag / (ELASTIC_SHARE * travel), force / (PENETRATION_OVER_RADIUS * chosen["sphere_radius"])))
-    stiffness = chosen["normal_stiffness"]
-    settle(shear_stiffness=stiffness)
+    # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
+    settle(normal_stiffness=case.normal_stiffness, shear_stiffness=case.shear_stiffness, max_travel=case.travel)
     settle(**_damping(case, chosen))
     settle(time_step=chosen["time_step_share"] * _stable_time_step(case, chosen))
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
-    period = 2.0 * math.pi * math.sqrt(sag / stiffness / gravity)
+    period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
     settle(speed=chosen["max_travel"] / (TRAVEL_PERIODS * period))
     settle(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     settle(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
-    settle(rest_energy=REST_SHARE * 0.5 * weight * sag / stiffness)
-    settle(fall_speed=math.sqrt(2.0 * gravity * travel))
+    settle(rest_energy=REST_SHARE * 0.5 * weight * case.sag)
+    settle(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_reach))
     settle(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
 
