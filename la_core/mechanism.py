@@ -8,11 +8,22 @@ from la_core.shapes import Blocks
 MOVING_SHARE = 0.05  # of the fastest block's speed: blocks below this stand still; elastic strain is far below it
 
 
+def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Velocity (N, 3) of the material points at `position` (N, 3) of the blocks `block` (N,), for twists (B, 6)."""
+    return twists[block, :3] + np.cross(twists[block, 3:], position - blocks.centroid[block])
+
+
+def contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parting speed (C,), positive where a joint opens, and sliding speed (C,) at each contact point."""
+    velocity, normal = assembly.relative_velocity(twists), assembly.normal
+    parting = np.sum(velocity * normal, axis=1)
+    return parting, np.linalg.norm(velocity - parting[:, None] * normal, axis=1)
+
+
 def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
     """Largest speed (B,) over the vertices of each block, for twists (B, 6) about the centroids; in the twists' unit."""
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
-    arm = blocks.vertices - blocks.centroid[owner]
-    velocity = twists[owner, :3] + np.cross(twists[owner, 3:], arm)
+    velocity = point_velocity(blocks, twists, blocks.vertices, owner)
     return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
 
 
@@ -49,9 +60,8 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
 
     Zero when no loaded joint slides: then the flow rule's dilatancy plays no part and the associated answer is Coulomb's too.
     """
-    velocity, normal = assembly.relative_velocity(twists), assembly.normal
-    compression = np.maximum(np.sum(forces * normal, axis=1), 0.0)
-    sliding = np.linalg.norm(velocity - np.sum(velocity * normal, axis=1)[:, None] * normal, axis=1)
+    _, sliding = contact_speeds(assembly, twists)
+    compression = np.maximum(np.sum(forces * assembly.normal, axis=1), 0.0)
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
     if exchanged == 0.0:
         return 0.0
