@@ -2,7 +2,7 @@
 
 import enum
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import clarabel
 import numpy as np
@@ -51,24 +51,41 @@ _OUTCOMES = {
 }
 
 
-def maximise(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> Answer:
-    """Maximise power . x subject to matrix x + offset in the product of `cones`.
+class Programme:
+    """A programme set up once and solved for one power and offset after another: rows, cones and quadratic term stay.
 
+    Maximise power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The solver keeps the
+    ordering and symbolic factorisation of the first solve; there is no warm start.
     The caller scales the problem: entries of order one, `power` relative to the total weight.
     """
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_iter = MOST_ITERATIONS
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    settings.direct_solve_method = "qdldl"  # "auto" picks one that is 2-3 times slower on these problems
-    settings.max_threads = 1
-    kinds = [clarabel.ZeroConeT(cones.equalities)] if cones.equalities else []
-    kinds += [clarabel.NonnegativeConeT(cones.inequalities)] if cones.inequalities else []
-    kinds += [clarabel.SecondOrderConeT(3)] * cones.second_order
-    size = len(power)
+
+    def __init__(self, matrix: sparse.csr_matrix, cones: Cones, quadratic: np.ndarray | None = None, tolerance: float = TOLERANCE) -> None:
+        rows, size = matrix.shape
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        settings.max_iter = MOST_ITERATIONS
+        settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
+        settings.direct_solve_method = "qdldl"  # "auto" picks one that is 2-3 times slower on these problems
+        settings.max_threads = 1
+        settings.presolve_enable = False  # else a programme cannot be updated; there is nothing to remove
+        kinds = [clarabel.ZeroConeT(cones.equalities)] if cones.equalities else []
+        kinds += [clarabel.NonnegativeConeT(cones.inequalities)] if cones.inequalities else []
+        kinds += [clarabel.SecondOrderConeT(3)] * cones.second_order
+        square = sparse.csc_matrix((size, size)) if quadratic is None else sparse.diags(quadratic).tocsc()
+        self._solver = clarabel.DefaultSolver(square, np.zeros(size), sparse.csc_matrix(-matrix), np.zeros(rows), kinds, settings)
+
+    def solve(self, power: np.ndarray, offset: np.ndarray) -> Answer:
+        """Solve for this power (n,) and offset (rows,)."""
+        start = time.perf_counter()
+        self._solver.update(q=-power, b=offset)
+        solution = self._solver.solve()
+        seconds = time.perf_counter() - start
+        outcome = _OUTCOMES.get(solution.status, Outcome.STALLED)
+        return Answer(outcome, np.array(solution.x), np.array(solution.z), int(solution.iterations), seconds)
+
+
+def maximise(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> Answer:
+    """Maximise power . x subject to matrix x + offset in the product of `cones`, once."""
     start = time.perf_counter()
-    solver = clarabel.DefaultSolver(sparse.csc_matrix((size, size)), -power, sparse.csc_matrix(-matrix), offset, kinds, settings)
-    solution = solver.solve()
-    seconds = time.perf_counter() - start
-    outcome = _OUTCOMES.get(solution.status, Outcome.STALLED)
-    return Answer(outcome, np.array(solution.x), np.array(solution.z), int(solution.iterations), seconds)
+    answer = Programme(matrix, cones).solve(power, offset)
+    return replace(answer, seconds=time.perf_counter() - start)

@@ -17,8 +17,9 @@ import numpy as np
 from scipy import sparse
 
 from la_core import evidence
-from la_core.assembly import PLANE_FREEDOMS, Assembly, per_length
+from la_core.assembly import PLANE_FREEDOMS, Assembly
 from la_core.conic import Answer, Cones, Outcome, maximise
+from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
@@ -88,19 +89,18 @@ def scaled_problem(assembly: Assembly) -> ScaledProblem:
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
     free = np.repeat(assembly.blocks.free, freedoms)
     imposed_rows = (flow_rule @ assembly.kinematic_matrix(assembly.length)).tocsr()
-    power = _scaled_load(assembly, assembly.dead_load)[free]
+    power = scaled_load(assembly, assembly.dead_load)
     return ScaledProblem(power, imposed_rows[:, free], imposed_rows, flow_rule, cones)
 
 
 def solve(assembly: Assembly, drive: Drive) -> Solution:
     """Solve one limit analysis; never raises for a structure that cannot stand, the status says so."""
     problem = scaled_problem(assembly)
-    speed, imposed = _imposed_motion(assembly, drive)
+    speed, imposed = support_motion(assembly, drive.value)
     rows, cones = problem.rows, problem.cones
     offset = problem.imposed_rows @ columns(assembly, imposed)
     if drive is Drive.LIVE:
-        free = np.repeat(assembly.blocks.free, rows.shape[1] // int(assembly.blocks.free.sum()))
-        live = _scaled_load(assembly, assembly.live_load)[free]
+        live = scaled_load(assembly, assembly.live_load)
         rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
         offset = np.concatenate([[-1.0], offset])
         cones = replace(cones, equalities=cones.equalities + 1)
@@ -112,43 +112,12 @@ def solve(assembly: Assembly, drive: Drive) -> Solution:
         return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
-    twists = np.zeros((len(assembly.blocks), 6))
-    twists[assembly.blocks.free] = _twists(answer.x, assembly)
     multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
-    local = (problem.flow_rule.T @ multipliers).reshape(len(assembly.points), -1) * assembly.weight
-    forces = np.einsum("ck,ckj->cj", local, assembly.axes[:, : local.shape[1]])
-    solution = _with_evidence(assembly, drive, (twists + imposed) * speed, forces, answer)
+    forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
+    solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
     if drive is Drive.LIVE and solution.value < -ACCEPTED:  # the live load has to hold the structure up
         return _cannot_stand(assembly, problem, answer) or solution
     return solution
-
-
-def _imposed_motion(assembly: Assembly, drive: Drive) -> tuple[float, np.ndarray]:
-    """Speed of the fastest support point and the supports' twists (B, 6) divided by it."""
-    if drive is Drive.LIVE:
-        return 1.0, np.zeros((len(assembly.blocks), 6))
-    speed = float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
-    return speed, drive.value * assembly.support_twist / speed
-
-
-def columns(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
-    """Twists (B, 6) as the vector the scaled matrix acts on: rotations times the length, plane freedoms picked."""
-    scaled = twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3])
-    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
-
-
-def _scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
-    """Wrenches (B, 6) as powers per scaled column: forces over the weight, moments over weight and length."""
-    scaled = per_length(wrenches, assembly.length) / assembly.weight
-    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
-
-
-def _twists(x: np.ndarray, assembly: Assembly) -> np.ndarray:
-    """Twists (free blocks, 6) from the unknowns of the scaled problem."""
-    count = int(assembly.blocks.free.sum())
-    twists = np.zeros((count, 6))
-    twists[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)
-    return per_length(twists, assembly.length)
 
 
 def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
@@ -199,8 +168,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
     offset = np.zeros(rows.shape[0])
     offset[split : split + 2 * size] = 1.0
     fall = maximise(problem.power, rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size))
-    twists, sinking = np.zeros((len(assembly.blocks), 6)), np.zeros(len(assembly.blocks))
-    twists[assembly.blocks.free] = _twists(fall.x, assembly)
+    twists, sinking = twists_of(assembly, fall.x), np.zeros(len(assembly.blocks))
     power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
     if not power.sum() > LEAST_FALL * assembly.weight or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
         return None
@@ -216,7 +184,7 @@ def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces:
         value, from_forces, unit = from_work, evidence.multiplier(assembly, forces), 1.0
     else:
         value = from_forces = evidence.reaction(assembly, forces)
-        unit = assembly.mean_weight * _imposed_motion(assembly, drive)[0]  # the speed turns a moment into a force
+        unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
     residuals = {
         "equilibrium_residual": evidence.equilibrium_residual(assembly, forces, value if drive is Drive.LIVE else 0.0),
         "cone_violation": evidence.cone_violation(assembly, forces),

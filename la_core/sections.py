@@ -8,7 +8,8 @@ from scipy import sparse
 from la_core.assembly import Assembly
 from la_core.conic import Outcome, maximise
 from la_core.exchange import SUPPORT
-from la_core.limit import columns, scaled_problem
+from la_core.limit import scaled_problem
+from la_core.scaling import columns
 
 LEVELS = (0.25, 0.5, 0.75)  # of the structure's height: where it is cut
 

@@ -14,10 +14,11 @@ import numpy as np
 from scipy import sparse
 
 from la_core import evidence
-from la_core.assembly import PLANE_FREEDOMS, Assembly, per_length
+from la_core.assembly import Assembly
 from la_core.conic import Answer, Cones, Outcome, maximise
-from la_core.limit import ACCEPTED, Drive, Status, columns
+from la_core.limit import ACCEPTED, Drive, Status
 from la_core.mechanism import block_speeds
+from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 USABLE = 1e-3  # an answer with a larger residual is no answer: the solver broke off, as it may where hardly any equilibrium exists
 _WITHOUT_VALUE = {Outcome.EMPTY: Status.INFEASIBLE, Outcome.RAY: Status.UNBOUNDED}
@@ -51,12 +52,12 @@ def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.
     An infinite intercept limits no tangential force. INFEASIBLE: no equilibrium within these limits.
     """
     kinematics = assembly.kinematic_matrix(assembly.length)
-    speed, driven = _support_motion(assembly, drive)
+    speed, driven = support_motion(assembly, drive.value)
     equilibrium, load = _equilibrium(assembly, kinematics)
     limits, limits_offset, cones = _limits(assembly, intercept / assembly.weight, slope)
     power = -(kinematics @ columns(assembly, driven))
     if drive is Drive.LIVE:
-        live = _scaled_load(assembly, assembly.live_load)
+        live = scaled_load(assembly, assembly.live_load)
         equilibrium = sparse.hstack([equilibrium, sparse.csr_matrix(live).T]).tocsr()
         limits.resize(limits.shape[0], limits.shape[1] + 1)
         power, speed = np.append(np.zeros_like(power), 1.0), 1.0 / assembly.weight
@@ -68,9 +69,8 @@ def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
     width = 2 if assembly.effects.plane else 3
-    local = answer.x[: len(assembly.points) * width].reshape(-1, width) * assembly.weight
-    forces = np.einsum("ck,ckj->cj", local, assembly.axes[:, :width])
-    twists = (_twists(assembly, -answer.multipliers[:count]) + driven) * speed
+    forces = global_forces(assembly, answer.x[: len(assembly.points) * width])
+    twists = (twists_of(assembly, -answer.multipliers[:count]) + driven) * speed
     with np.errstate(over="ignore", invalid="ignore"):  # where the solver broke off, numbers may be anything
         return _with_evidence(assembly, drive, forces, twists, (intercept, slope), answer)
 
@@ -99,33 +99,10 @@ def normal_and_tangential(assembly: Assembly, vectors: np.ndarray) -> tuple[np.n
     return normal, np.linalg.norm(vectors - normal[:, None] * assembly.normal, axis=1)
 
 
-def _support_motion(assembly: Assembly, drive: Drive) -> tuple[float, np.ndarray]:
-    """Speed of the fastest support point and the supports' twists (B, 6) divided by it; at rest under a live load."""
-    if drive is Drive.LIVE:
-        return 1.0, np.zeros((len(assembly.blocks), 6))
-    speed = float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
-    return speed, drive.value * assembly.support_twist / speed
-
-
 def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:
     """Rows that sum local contact forces on each free block, and its weight; forces over the weight, moments also over the length."""
     freedoms = kinematics.shape[1] // len(assembly.blocks)
-    return kinematics[:, np.repeat(assembly.blocks.free, freedoms)].T.tocsr(), _scaled_load(assembly, assembly.dead_load)
-
-
-def _scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
-    """Wrenches (B, 6) of the free blocks over the total weight, as a vector in the order of the equilibrium rows."""
-    scaled = per_length(wrenches[assembly.blocks.free], assembly.length) / assembly.weight
-    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
-
-
-def _twists(assembly: Assembly, velocities: np.ndarray) -> np.ndarray:
-    """Twists (B, 6) from scaled velocities of the free blocks; the others rest."""
-    count = int(assembly.blocks.free.sum())
-    free, twists = np.zeros((count, 6)), np.zeros((len(assembly.blocks), 6))
-    free[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = velocities.reshape(count, -1)
-    twists[assembly.blocks.free] = per_length(free, assembly.length)
-    return twists
+    return kinematics[:, np.repeat(assembly.blocks.free, freedoms)].T.tocsr(), scaled_load(assembly, assembly.dead_load)
 
 
 def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
@@ -169,7 +146,7 @@ def _with_evidence(
     """Solution with residuals recomputed from its forces and twists; one above ACCEPTED makes it inaccurate, above USABLE failed."""
     live = drive is Drive.LIVE
     value = evidence.multiplier(assembly, forces) if live else evidence.reaction(assembly, forces)
-    unit = assembly.mean_weight * _support_motion(assembly, drive)[0]  # the speed turns a moment into a force
+    unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
     residuals = {
         "equilibrium_residual": evidence.equilibrium_residual(assembly, forces, value if live else 0.0),
         "limit_violation": _limit_violation(assembly, forces, limits) / assembly.mean_weight,
