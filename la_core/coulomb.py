@@ -1,0 +1,139 @@
+"""Coulomb limit analysis: the reaction at collapse, or the collapse multiplier, with friction that does not dilate.
+
+The rigid plateau of such friction is not unique; the elasticity of the joints, however stiff, selects the physical one
+(mechanics behind it: `la_core.elastic`). From rest under gravity the support moves, or the live load grows, in a few steps of
+geometric progression, from the first strain of the joints to a travel of many times that, where the mechanism carries on with no
+further change in force.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core import evidence
+from la_core.assembly import Assembly
+from la_core.elastic import ElasticJoints
+from la_core.friction import Step, advance
+from la_core.interval import reaction_interval
+from la_core.limit import Drive, Solution, Status
+from la_core.scaling import global_forces, support_motion, twists_of
+from la_core.stiffness import JointStiffness
+
+STEPS = 4  # to the plateau; tests/benchmark_friction.py shows what fewer and more cost and bring
+FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
+DILATANCY = 1e-3  # largest dilatancy residual of an answer called solved
+ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
+
+
+@dataclass(frozen=True)
+class CoulombSolution:
+    """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
+
+    value: reaction in N (N m for a rotation) or multiplier. interval: least and greatest value that the mechanism allows.
+    twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): on b, N, global.
+    at_rest: reaction before the support moves, 0 for a live load. drift: relative change of the value over the last step.
+    dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work of the weights that settle (or of
+    the live load) in the last step. strain_residual: the same work over the elastic energy of the joints.
+    equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved.
+    """
+
+    status: Status
+    value: float
+    interval: tuple[float, float]
+    twists: np.ndarray
+    forces: np.ndarray
+    at_rest: float
+    drift: float
+    dilatancy_residual: float
+    strain_residual: float
+    equilibrium_residual: float
+    cone_violation: float
+    seconds: float
+    iterations: int
+
+
+def predict(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> CoulombSolution:
+    """Follow the structure from rest to its plateau; where the associated answer has no value, neither has this.
+
+    wedging: m or rad, a motion of the support against its settlement before gravity acts.
+    """
+    if associated.status is not Status.SOLVED:
+        return _without_value(assembly, associated.status)
+    joints = ElasticJoints(assembly, stiffness)
+    first = min(0.5, FIRST_SAGS * stiffness.sag / joints.unit)
+    steps = list(follow(joints, np.geomspace(first, 1.0, STEPS), stiffness, wedging))
+    if not (steps[-1].trial.solved and len(steps) > STEPS):
+        return _without_value(assembly, Status.FAILED, joints)
+    return _with_evidence(joints, steps)
+
+
+def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0) -> Iterator[Step]:
+    """Rest under gravity, then one step to each of the `stations` (rising, over the travel); ends early where a step fails.
+
+    The shift of a step is foretold by that of the one before, as if the mechanism went on.
+    """
+    wedged = -wedging / stiffness.travel
+    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, np.zeros(len(joints.assembly.points)))
+    yield step
+    start = joints.live_displacement(step.trial.blocks)
+    rate = np.zeros_like(step.shift)
+    for station in stations:
+        if not step.trial.solved:
+            return
+        stride = station - step.progress
+        motion, live = (wedged + station) * joints.motion, start + station if joints.live else None
+        step = advance(joints, step.joints, motion, live, station, rate * stride)
+        rate = step.shift / stride
+        yield step
+
+
+def value_of(joints: ElasticJoints, step: Step) -> float:
+    """Reaction (N or N m) or multiplier at the end of a step."""
+    if joints.live:
+        return joints.value(step.trial)
+    return joints.value(step.trial) * joints.assembly.weight * support_motion(joints.assembly, 1.0)[0]
+
+
+def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
+    assembly, (before, last) = joints.assembly, steps[-2:]
+    drive = Drive.LIVE if joints.live else Drive.YIELDING
+    stride = last.progress - before.progress
+    speed, motion = support_motion(assembly, drive.value)
+    twists = twists_of(assembly, (last.trial.blocks - before.trial.blocks) / stride) + motion
+    value = value_of(joints, last)
+    work = float(np.maximum(np.sum(assembly.dead_load * twists, axis=1), 0.0).sum()) / assembly.weight
+    if joints.live:
+        work += abs(value)
+    forces = global_forces(assembly, last.joints.force)
+    twists = twists * (1.0 / assembly.weight if joints.live else speed)
+    dilatancy = last.dilation / (work * stride) if work > 0.0 else float("nan")
+    residuals = (
+        evidence.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
+        evidence.cone_violation(assembly, forces),
+    )
+    converged = last.converged and dilatancy <= DILATANCY and max(residuals) <= ACCEPTED
+    interval, seconds = reaction_interval(joints, before, last)
+    unit = max(abs(value), 1e-6 * assembly.weight * speed if not joints.live else 1e-6)
+    return CoulombSolution(
+        Status.SOLVED if converged else Status.INACCURATE,
+        value,
+        interval,
+        twists,
+        forces,
+        at_rest=value_of(joints, steps[0]),
+        drift=(value - value_of(joints, before)) / unit,
+        dilatancy_residual=dilatancy,
+        strain_residual=last.strain_residual,
+        equilibrium_residual=residuals[0],
+        cone_violation=residuals[1],
+        seconds=joints.seconds + seconds,
+        iterations=joints.solves,
+    )
+
+
+def _without_value(assembly: Assembly, status: Status, joints: ElasticJoints | None = None) -> CoulombSolution:
+    nan = float("nan")
+    twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
+    seconds, solves = (joints.seconds, joints.solves) if joints else (0.0, 0)
+    return CoulombSolution(status, nan, (nan, nan), twists, forces, nan, nan, nan, nan, nan, nan, seconds, solves)
