@@ -100,12 +100,11 @@ class ElasticJoints:
         history = before.force.copy()
         history[:, 0] = 0.0
         bound = self._flow_rule @ offset.ravel()
-        driven = live is not None
-        answer = self._programme(driven).solve(
-            np.concatenate([self.weights, history.ravel()]), np.concatenate([[-live], bound]) if driven else bound
-        )
+        if live is not None:
+            bound = np.concatenate([[-live], bound])
+        answer = self._programme(live is not None).solve(np.concatenate([self.weights, history.ravel()]), bound)
         self.solves, self.seconds = self.solves + 1, self.seconds + answer.seconds
-        return self._trial(answer, before, motion, driven)
+        return self._trial(answer, before, motion, driven=live is not None)
 
     def _trial(self, answer: Answer, before: JointState, motion: np.ndarray, driven: bool) -> Trial:
         count = len(self.weights)
@@ -133,9 +132,7 @@ class ElasticJoints:
                 rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
                 cones = replace(cones, equalities=cones.equalities + 1)
             quadratic = np.concatenate([np.zeros(len(self.weights)), self._stiffness.ravel()])
-            self._programmes[driven] = Programme(
-                rows, Cones(cones.equalities, cones.inequalities, cones.second_order), quadratic, TOLERANCE
-            )
+            self._programmes[driven] = Programme(rows, cones, quadratic, TOLERANCE)
         return self._programmes[driven]
 
     def _local(self, values: np.ndarray) -> np.ndarray:
