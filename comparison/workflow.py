@@ -13,7 +13,7 @@ from comparison.checks import Check, Verdict, check_expected, check_run
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
-from la_core import case, exchange
+from la_core import case, case_file, exchange
 from la_core.case import LimitAnalysis
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
@@ -81,7 +81,7 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
     """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing."""
     scene = load_scene(folder / "scene.toml", name=folder.name)
     case_path, run_path = folder / "case.h5", folder / "run.h5"
-    analysis = case.read_case(case_path, scene)
+    analysis = case_file.read_case(case_path, scene)
     previous = _stored_summary(folder)
     run = read_run(run_path, analysis.assembly) if run_path.exists() else None
     yade = yade_summary(run) if run else previous.get("yade")
@@ -102,7 +102,7 @@ def _limit_analysis(scene: Scene, folder: Path, listener: Listener) -> tuple[Lim
     path, inputs = folder / "case.h5", case.digest(scene)
     if exchange.inputs_digest(path) == inputs:
         try:
-            stored = case.read_case(path, scene)
+            stored = case_file.read_case(path, scene)
             listener.stage(scene.name, "limit analysis", "cached")
             return stored, inputs
         except exchange.ExchangeError as error:
@@ -111,7 +111,7 @@ def _limit_analysis(scene: Scene, folder: Path, listener: Listener) -> tuple[Lim
         listener.stage(scene.name, "limit analysis", "running")
     analysis = case.analyse(scene)
     (folder / "run.h5").unlink(missing_ok=True)
-    case.write_case(path, scene, analysis, inputs)
+    case_file.write_case(path, scene, analysis, inputs)
     return analysis, inputs
 
 

@@ -1,25 +1,25 @@
-"""The limit-analysis stage: from a scene to its solutions, and `case.h5` that carries them to YADE and to the comparison."""
+"""The limit-analysis stage: from a scene to all its solutions."""
 
 import hashlib
-import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from la_core import exchange
 from la_core.assembly import Assembly, assemble
+from la_core.coulomb import CoulombSolution, predict
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, solve
+from la_core.path import Path as FollowedPath
+from la_core.path import follow_path
 from la_core.scene import Scene
+from la_core.schema import Path as PathAsked
 from la_core.stiffness import JointStiffness, joint_stiffness
 
 SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the narrowest interface
 SMALLEST_INSET_SHARE = 0.02
-GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
 
 
 @dataclass(frozen=True)
@@ -28,12 +28,17 @@ class LimitAnalysis:
 
     assembly: contact points at the shared inset: the scene's, or the smallest that YADE can take where the scene has none.
     rounded, sharp: solution by drive at that inset and at inset 0. stiffness: of the joints, at the shared inset.
+    coulomb, coulomb_sharp: the same with friction that does not dilate, None where the scene does not call for it.
+    path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
     """
 
     assembly: Assembly
     rounded: dict[Drive, Solution]
     sharp: dict[Drive, Solution]
     stiffness: JointStiffness
+    coulomb: CoulombSolution | None = None
+    coulomb_sharp: CoulombSolution | None = None
+    path: FollowedPath | None = None
 
     @property
     def main(self) -> Drive:
@@ -57,8 +62,11 @@ def smallest_inset(assembly: Assembly) -> float:
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * width.min()))
 
 
-def analyse(scene: Scene) -> LimitAnalysis:
-    """Assemble and solve a scene, at the inset that both methods share and for sharp arrises."""
+def analyse(scene: Scene, with_path: bool = False) -> LimitAnalysis:
+    """Assemble and solve a scene, at the inset that both methods share and for sharp arrises.
+
+    The path is followed where the scene asks for it, or with_path does.
+    """
     assembly = assemble(scene)
     sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0 and scene.live is None:
@@ -66,7 +74,17 @@ def analyse(scene: Scene) -> LimitAnalysis:
     stiffness = _stiffness(scene, assembly)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
-    return LimitAnalysis(assembly, rounded, sharp, stiffness)
+    analysis = LimitAnalysis(assembly, rounded, sharp, stiffness)
+    if assembly.effects.friction != "coulomb":
+        return analysis
+    wedging, main = scene.yade.get("wedging", 0.0), analysis.main
+    coulomb = predict(assembly, stiffness, rounded[main], wedging)
+    coulomb_sharp = coulomb if sharp is rounded else predict(sharp_assembly, stiffness, sharp[main], wedging)
+    path = None
+    if (scene.path_asked or with_path) and rounded[main].status is Status.SOLVED:
+        asked = scene.path_asked or PathAsked()
+        path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, wedging)
+    return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp, path=path)
 
 
 def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:
@@ -100,76 +118,3 @@ def digest(scene: Scene) -> str:
     """Digest of all that decides the limit analysis: the scene's name and text and this package's code."""
     text = "\n".join([scene.name, code_digest(Path(__file__).parent), version("clarabel"), scene.text])
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def _fields(scene: Scene) -> tuple[exchange.Field, ...]:
-    groups = [f"{arrises}/{GROUPS[drive]}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
-    return exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
-
-
-def _motion(scene: Scene) -> np.ndarray:
-    """The support's unit motion (6,), NaN where no support moves."""
-    return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
-
-
-def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
-    """Write `case.h5`; `inputs` is the digest of what made it."""
-    assembly = analysis.assembly
-    blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
-    values: dict[str, Any] = {
-        "scene/name": scene.name,
-        "scene/title": scene.title,
-        "scene/gravity": scene.gravity,
-        "scene/plane": assembly.effects.plane,
-        "scene/inset": assembly.inset,
-        "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps(scene.yade, sort_keys=True),
-        "blocks/name": list(blocks.names),
-        **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
-        **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
-        **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
-        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
-    }
-    for arrises, solutions in (("associated", analysis.rounded), ("associated_sharp", analysis.sharp)):
-        for drive, solution in solutions.items():
-            for name in _SOLUTION_VALUES:
-                values[f"limit_analysis/{arrises}/{GROUPS[drive]}/{name}"] = getattr(solution, name)
-    exchange.write(path, _fields(scene), values, inputs)
-
-
-_BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_start", "face_vertex", "face_start", "face_block")
-_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
-_SOLUTION_VALUES = tuple(Solution.__dataclass_fields__)
-
-
-def read_case(path: Path, scene: Scene) -> LimitAnalysis:
-    """Read the solutions of `case.h5` back; the assembly is built again from the scene, and must be the one in the file.
-
-    Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
-    """
-    data = exchange.read(path, _fields(scene))
-    assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
-    own = {
-        "contacts/position": assembly.points.position,
-        "contacts/friction": assembly.points.friction,
-        "blocks/role": assembly.blocks.role,
-        "blocks/mass": assembly.blocks.mass,
-        "blocks/centroid": assembly.blocks.centroid,
-        "scene/gravity": scene.gravity,
-        "scene/support_twist": _motion(scene),
-    }
-    for name, value in own.items():
-        if not np.array_equal(value, data[name], equal_nan=True):
-            raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
-
-    def solutions(arrises: str) -> dict[Drive, Solution]:
-        return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
-
-    stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
-    return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"), stiffness)
-
-
-def _solution(data: dict[str, Any], group: str) -> Solution:
-    values = {name: data[f"{group}/{name}"] for name in _SOLUTION_VALUES}
-    numbers = {name: value.item() for name, value in values.items() if isinstance(value, np.generic)}
-    return Solution(**{**values, **numbers, "status": Status(values["status"]), "falling": tuple(values["falling"])})

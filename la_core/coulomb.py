@@ -53,19 +53,22 @@ class CoulombSolution:
     iterations: int
 
 
-def predict(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> CoulombSolution:
+def predict(
+    assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0, steps: int = STEPS
+) -> CoulombSolution:
     """Follow the structure from rest to its plateau; where the associated answer has no value, neither has this.
 
-    wedging: m or rad, a motion of the support against its settlement before gravity acts.
+    wedging: m or rad, a motion of the support against its settlement before gravity acts. steps: from rest to the whole travel.
     """
     if associated.status is not Status.SOLVED:
         return _without_value(assembly, associated.status)
     joints = ElasticJoints(assembly, stiffness)
     first = min(0.5, FIRST_SAGS * stiffness.sag / joints.unit)
-    steps = list(follow(joints, np.geomspace(first, 1.0, STEPS), stiffness, wedging))
-    if not (steps[-1].trial.solved and len(steps) > STEPS):
+    stations = np.geomspace(1.0, first, steps)[::-1]  # a single step goes the whole way
+    followed = list(follow(joints, stations, stiffness, wedging))
+    if not (followed[-1].trial.solved and len(followed) > steps):
         return _without_value(assembly, Status.FAILED, joints)
-    return _with_evidence(joints, steps)
+    return _with_evidence(joints, followed)
 
 
 def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0) -> Iterator[Step]:

@@ -92,12 +92,48 @@ _SOLUTION = (
 )
 
 
+_COULOMB = (
+    ("status", "str", (), "", "solved, inaccurate, failed, or why the associated answer has no value"),
+    ("value", "f8", (), "N, N m or -", "reaction or multiplier with friction that does not dilate"),
+    ("interval", "f8", (2,), "N, N m or -", "least and greatest value that the mechanism allows"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("forces", "f8", ("C", 3), "N", "contact force on b on the plateau, global axes; NaN where there is none"),
+    ("at_rest", "f8", (), "N, N m or -", "value before the support moves"),
+    ("drift", "f8", (), "-", "relative change of the value over the last step"),
+    ("dilatancy_residual", "f8", (), "-", "work of spurious dilation over the work of the settling weights"),
+    ("strain_residual", "f8", (), "-", "work of spurious dilation over the elastic energy of the joints"),
+    ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
+    ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
+    ("seconds", "f8", (), "s", "solver time"),
+    ("iterations", "i8", (), "", "associated programmes solved"),
+)
+
+# Dimension P of a path: rest, then one entry an increment.
+PATH_FIELDS = (
+    Field("path/settlement", "f8", ("P",), "m or rad", "motion of the support, or mean displacement along the live load"),
+    Field("path/value", "f8", ("P",), "N, N m or -", "reaction or multiplier"),
+    Field("path/strain_residual", "f8", ("P",), "-", "work of spurious dilation over the elastic energy of the joints"),
+    Field("path/converged", "u1", ("P",), "", "1: the increment converged"),
+    Field("path/solves", "i8", ("P",), "", "associated programmes solved"),
+    Field("path/seconds", "f8", (), "s", "solver time of all"),
+)
+
+
 def solution_fields(group: str) -> tuple[Field, ...]:
-    """Fields of one limit-analysis solution below `limit_analysis/<group>`; its contact points may be its own."""
+    """Fields of one associated solution below `limit_analysis/<group>`; its contact points may be its own."""
+    return _below(group, _SOLUTION)
+
+
+def coulomb_fields(group: str) -> tuple[Field, ...]:
+    """Fields of one Coulomb solution below `limit_analysis/<group>`; its contact points may be its own."""
+    return _below(group, _COULOMB)
+
+
+def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, str], ...]) -> tuple[Field, ...]:
     own = {"C": f"C of {group}", "K": f"K of {group}"}
     return tuple(
         Field(f"limit_analysis/{group}/{name}", dtype, tuple(own.get(str(n), n) for n in shape), unit, meaning)
-        for name, dtype, shape, unit, meaning in _SOLUTION
+        for name, dtype, shape, unit, meaning in rows
     )
 
 
@@ -164,6 +200,15 @@ def inputs_digest(path: Path) -> str:
             return str(file.attrs.get("inputs", "")) if whole else ""
     except OSError:
         return ""
+
+
+def holds(path: Path, group: str) -> bool:
+    """Whether the file can be read and has this group."""
+    try:
+        with h5py.File(path, "r") as file:
+            return group in file
+    except OSError:
+        return False
 
 
 def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:

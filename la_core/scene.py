@@ -38,6 +38,7 @@ class Scene:
     support_twist: np.ndarray | None
     live: np.ndarray | None
     effects: schema.Effects
+    path_asked: schema.Path | None
     expected: schema.Expected | None
     yade: dict[str, Any]
 
@@ -178,6 +179,7 @@ def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
         support_twist=_support_twist(file.settlement),
         live=_unit(file.live.direction) if file.live else None,
         effects=file.effects,
+        path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
     )

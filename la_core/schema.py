@@ -205,6 +205,13 @@ class Live(Table):
     direction: Direction
 
 
+class Path(Table):
+    """The curve from rest to the plateau: how far, m or rad (default: the joints' travel), and in how many increments."""
+
+    settlement: Positive | None = None
+    increments: Annotated[Count, Field(le=10_000)] = 25
+
+
 class Effects(Table):
     """Which effects to model; "auto" decides from the scene."""
 
@@ -213,17 +220,22 @@ class Effects(Table):
 
 
 class Expected(Table):
-    """What the scene is known to yield for sharp arrises, and how it is known."""
+    """What the scene is known to yield for sharp arrises, and how it is known.
+
+    The reaction and the multiplier are those of the scene's own friction; `associated_` says what the associated flow rule yields.
+    """
 
     reaction_over_weight: Real | None = None
     reaction_max_over_weight: Real | None = None
     multiplier: Real | None = None
+    associated_reaction_over_weight: Real | None = None
+    associated_multiplier: Real | None = None
     tolerance: Positive = 1e-4
     kind: Literal["exact", "published", "computed"]
 
     @model_validator(mode="after")
     def _expects_something(self) -> Self:
-        if self.reaction_over_weight is None and self.reaction_max_over_weight is None and self.multiplier is None:
+        if all(value is None for name, value in self if name not in ("tolerance", "kind")):
             raise ValueError("needs a value: `reaction_over_weight`, `reaction_max_over_weight` or `multiplier`")
         return self
 
@@ -241,12 +253,19 @@ class SceneFile(Table):
     arch: tuple[Arch, ...] = ()
     settlement: Settlement | None = None
     live: Live | None = None
+    path: Path | None = None
     effects: Effects = Effects()
     expected: Expected | None = None
-    yade: dict[str, NotNegative] = {}  # settings for YADE in place of derived ones
+    yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = {}  # settings for YADE in place of derived ones
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
         if (self.settlement is None) == (self.live is None):
             raise ValueError("needs either a [settlement] or a [live] table")
+        return self
+
+    @model_validator(mode="after")
+    def _follows_coulomb_friction(self) -> Self:
+        if self.path is not None and self.effects.friction not in ("auto", "coulomb"):
+            raise ValueError('a [path] is followed with friction = "coulomb" only')
         return self

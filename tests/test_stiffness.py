@@ -9,7 +9,8 @@ import scenes_for_tests as scenes
 
 from la_core import exchange
 from la_core.assembly import assemble
-from la_core.case import analyse, read_case, write_case
+from la_core.case import analyse
+from la_core.case_file import read_case, write_case
 from la_core.errors import SceneError
 from la_core.limit import Status
 from la_core.scene import Scene

@@ -16,7 +16,7 @@ from conftest import CrossChecked
 
 from comparison import launch, shipped, workflow
 from comparison.cli import main
-from la_core import case
+from la_core import case, case_file
 from la_core.exchange import RUN_FIELDS, SETTINGS
 from la_core.limit import Drive
 from la_core.scene import load_scene
@@ -92,7 +92,7 @@ def test_two_identical_runs_give_identical_bits(yade: launch.Yade, cross_checked
 
 def test_nothing_listens_while_yade_runs(yade: launch.Yade, tmp_path: Path) -> None:
     scene = load_scene(shipped.find("wall_third"))
-    case.write_case(tmp_path / "case.h5", scene, case.analyse(scene), "test")
+    case_file.write_case(tmp_path / "case.h5", scene, case.analyse(scene), "test")
     script = Path(launch.__file__).parent.parent / "yade_scripts" / "run_case.py"
     environment = {**launch.environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(yade.python), str(script), str(tmp_path / "case.h5"), str(tmp_path / "run.h5")]

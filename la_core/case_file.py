@@ -1,0 +1,118 @@
+"""`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from la_core import exchange
+from la_core.assembly import assemble
+from la_core.case import LimitAnalysis, drives
+from la_core.coulomb import CoulombSolution
+from la_core.effects import decide
+from la_core.limit import Drive, Solution, Status
+from la_core.path import Path as FollowedPath
+from la_core.scene import Scene
+from la_core.stiffness import JointStiffness
+
+GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
+
+
+def has_coulomb(scene: Scene) -> bool:
+    """Whether the scene is solved with friction that does not dilate."""
+    return decide(scene).friction == "coulomb"
+
+
+def _fields(scene: Scene, has_path: bool) -> tuple[exchange.Field, ...]:
+    groups = [f"{arrises}/{GROUPS[drive]}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
+    fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
+    if has_coulomb(scene):
+        fields += exchange.coulomb_fields("coulomb") + exchange.coulomb_fields("coulomb_sharp")
+    return fields + exchange.PATH_FIELDS if has_path else fields
+
+
+def _motion(scene: Scene) -> np.ndarray:
+    """The support's unit motion (6,), NaN where no support moves."""
+    return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
+
+
+def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
+    """Write `case.h5`; `inputs` is the digest of what made it."""
+    assembly = analysis.assembly
+    blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
+    values: dict[str, Any] = {
+        "scene/name": scene.name,
+        "scene/title": scene.title,
+        "scene/gravity": scene.gravity,
+        "scene/plane": assembly.effects.plane,
+        "scene/inset": assembly.inset,
+        "scene/support_twist": _motion(scene),
+        "scene/settings": json.dumps(scene.yade, sort_keys=True),
+        "blocks/name": list(blocks.names),
+        **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
+        **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
+        **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
+        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
+    }
+    for arrises, solutions in (("associated", analysis.rounded), ("associated_sharp", analysis.sharp)):
+        for drive, solution in solutions.items():
+            values |= _below(f"limit_analysis/{arrises}/{GROUPS[drive]}", solution)
+    for group in ("coulomb", "coulomb_sharp"):
+        values |= _below(f"limit_analysis/{group}", getattr(analysis, group))
+    values |= _below("path", analysis.path)
+    exchange.write(path, _fields(scene, analysis.path is not None), values, inputs)
+
+
+def _below(group: str, solution: Any) -> dict[str, Any]:
+    """Every value of a result by its path in the file; nothing for no result."""
+    return {} if solution is None else {f"{group}/{name}": getattr(solution, name) for name in solution.__dataclass_fields__}
+
+
+_BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_start", "face_vertex", "face_start", "face_block")
+_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
+
+
+def read_case(path: Path, scene: Scene) -> LimitAnalysis:
+    """Read the solutions of `case.h5` back; the assembly is built again from the scene, and must be the one in the file.
+
+    Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
+    """
+    data = exchange.read(path, _fields(scene, exchange.holds(path, "path")))
+    assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    own = {
+        "contacts/position": assembly.points.position,
+        "contacts/friction": assembly.points.friction,
+        "blocks/role": assembly.blocks.role,
+        "blocks/mass": assembly.blocks.mass,
+        "blocks/centroid": assembly.blocks.centroid,
+        "scene/gravity": scene.gravity,
+        "scene/support_twist": _motion(scene),
+    }
+    for name, value in own.items():
+        if not np.array_equal(value, data[name], equal_nan=True):
+            raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
+
+    def solutions(arrises: str) -> dict[Drive, Solution]:
+        return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
+
+    stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
+    coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb(scene) else {}
+    path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
+    return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"), stiffness, path=path_followed, **coulomb)
+
+
+def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:
+    """The values of one result, scalars as plain numbers."""
+    values = {name: data[f"{group}/{name}"] for name in kind.__dataclass_fields__}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
+
+
+def _solution(data: dict[str, Any], group: str) -> Solution:
+    values = _values(data, group, Solution)
+    return Solution(**{**values, "status": Status(values["status"]), "falling": tuple(values["falling"])})
+
+
+def _coulomb(data: dict[str, Any], group: str) -> CoulombSolution:
+    values = _values(data, f"limit_analysis/{group}", CoulombSolution)
+    return CoulombSolution(**{**values, "status": Status(values["status"]), "interval": tuple(values["interval"].tolist())})
