@@ -13,7 +13,8 @@ from typing import Any
 from rich.console import Console
 
 from comparison import doctor, shipped, tables
-from comparison.checks import check_expected, overall
+from comparison.check import overall
+from comparison.checks import check_expected
 from comparison.narration import Narration
 from comparison.provenance import describe, version
 from comparison.summary import limit_analysis_summary
@@ -21,6 +22,7 @@ from la_core.assembly import assemble
 from la_core.case import analyse
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
+from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
@@ -83,6 +85,11 @@ def _parser() -> argparse.ArgumentParser:
     show.add_argument("-o", "--output", type=_figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
     solve = add("solve", _solve, "limit analysis alone")
     solve.add_argument("scene", metavar="SCENE", help=scene_help)
+    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
+    solve.add_argument("-o", "--output", type=_figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
+    study = add("sensitivity", _sensitivity, "how the classic iteration for friction depends on its own parameters")
+    study.add_argument("scene", metavar="SCENE", help=scene_help)
+    study.add_argument("-o", "--output", type=_figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
     run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
@@ -150,19 +157,55 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
 def _solve(options: argparse.Namespace, narrator: Console) -> int:
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
-    analysis = analyse(scene)
+    if options.path and scene.effects.friction not in ("auto", "coulomb"):
+        raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
+    analysis = analyse(scene, with_path=options.path)
     summary = limit_analysis_summary(scene, analysis)
     checks = list(check_expected(scene, analysis))
     if options.json:
         _print_json(summary)
     else:
         _stdout().print(tables.solution_table(scene, summary, checks))
+        if analysis.path is not None:
+            _stdout().print(tables.path_table(scene, summary["limit_analysis"]["path"]))
+    if options.output is not None:
+        from comparison import plots
+
+        plots.save(plots.reaction_figure(scene, analysis, None), options.output)
+        narrator.print(f"drawn in {options.output}", markup=False)
     verdict, reason = overall(checks)
     if reason:
         narrator.print(reason, markup=False)
-    if analysis.rounded[analysis.main].status in ("inaccurate", "failed"):
-        return INCONCLUSIVE
+    statuses = {analysis.rounded[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
+    if statuses & {Status.INACCURATE, Status.FAILED}:
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=_gravity)
     return EXIT_OF_VERDICT[verdict]
+
+
+def _sensitivity(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison import plots, sensitivity
+    from comparison.plot_sensitivity import sensitivity_figure
+
+    scene = load_scene(shipped.find(options.scene))
+    analysis = analyse(scene)
+    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
+    if main.status is not Status.SOLVED:
+        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so there is nothing to iterate on")
+    references = {"associated": (main.value, 1)}
+    if coulomb is not None:
+        references["Coulomb, elastic joints"] = (coulomb.value, coulomb.iterations)
+    figure = options.output or Path(f"{scene.name}-sensitivity.png")
+    with Narration(narrator) as narration:
+        result = sensitivity.study(
+            scene, analysis.assembly, progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}")
+        )
+    plots.save(sensitivity_figure(result, references), figure)
+    if options.json:
+        _print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
+    else:
+        _stdout().print(sensitivity.sensitivity_table(result, references))
+        narrator.print(f"drawn in {figure}", markup=False)
+    return AGREE
 
 
 def _run(options: argparse.Namespace, narrator: Console) -> int:

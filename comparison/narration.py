@@ -35,15 +35,17 @@ class Narration:
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Move the bar of a running YADE case, or say a line where bars do not show."""
-        state = _state(report)
-        fraction = float(report.get("fraction") or 0.0)
+        self.fraction(scene, float(report.get("fraction") or 0.0), f"YADE: {_state(report)}")
+
+    def fraction(self, scene: str, fraction: float, state: str) -> None:
+        """Move the bar of a scene's long work, or say a line now and then where bars do not show."""
         if self._console.is_terminal:
             if scene not in self._tasks:
                 self._tasks[scene] = self._bars.add_task(scene, total=1.0, state="")
             self._bars.update(self._tasks[scene], completed=fraction, state=state)
         elif time.monotonic() - self._spoke >= LINE_EVERY:
             self._spoke = time.monotonic()
-            self._console.print(f"{scene}: YADE: {state}", markup=False)
+            self._console.print(f"{scene}: {state}", markup=False)
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -38,6 +38,15 @@ class Run:
         """Indices of the stored states on the plateau; a comparison with an undefined start finds none."""
         return np.flatnonzero(self.poses["settlement"] >= self.result["plateau_start"])
 
+    def scatter(self) -> float:
+        """Standard deviation of the reaction about the plateau's line, over the reaction; NaN where there is no plateau."""
+        if not self.record or self.status != "plateau" or not self.result["reaction"]:
+            return float("nan")
+        settlement, reaction = self.settling("settlement"), self.settling("reaction")
+        kept = settlement >= self.result["plateau_start"]
+        line = self.result["reaction"] + self.result["slope"] * settlement
+        return float(np.std((reaction - line)[kept]) / abs(self.result["reaction"])) if kept.any() else float("nan")
+
     def plateau_forces(self) -> np.ndarray:
         """Mean contact forces (C, 3) over the plateau, N: a mean of admissible states is one, and inertia averages out of it."""
         stored = self._on_plateau()

@@ -2,16 +2,18 @@
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
-from comparison.checks import Check, overall
+from comparison.check import Check, overall
 from comparison.record import Run
 from la_core.case import LimitAnalysis
+from la_core.dissipation import measure
 from la_core.exchange import RUN_FIELDS
 from la_core.limit import Drive, Solution, Status
 from la_core.scene import Scene
 
+COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "equilibrium_residual", "cone_violation")
 EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
 
 
@@ -30,7 +32,13 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "contact_points": len(assembly.points),
         "effects": {"plane": effects.plane, "friction": effects.friction, "reasons": effects.reasons},
         "expected": scene.expected.model_dump() if scene.expected else None,
-        "limit_analysis": {"associated": _associated(scene, analysis), "coulomb": None},
+        "joints": dataclasses.asdict(analysis.stiffness),
+        "limit_analysis": {
+            "associated": _associated(scene, analysis),
+            "coulomb": _coulomb(scene, analysis),
+            "path": _path(scene, analysis),
+        },
+        "mechanism_measures": dict(_measures(analysis)),
     }
     return without_undefined(summary)
 
@@ -55,6 +63,44 @@ def _associated(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
     if solution.status is Status.INFEASIBLE:
         values["falling"] = list(solution.falling)
     return values
+
+
+def _coulomb(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """The Coulomb answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    rounded, sharp, name = analysis.coulomb, analysis.coulomb_sharp, scene.quantity
+    if rounded is None or sharp is None:
+        return None
+    shown = sharp if scene.inset == 0.0 else rounded
+    values: dict[str, Any] = {"status": shown.status.value, name: shown.value, f"{name}_interval": list(shown.interval)}
+    values |= {f"{name}_sharp": sharp.value, f"{name}_interval_sharp": list(sharp.interval)}
+    if analysis.assembly.inset != scene.inset:
+        values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+    values |= {f"{name}_at_rest": shown.at_rest} | {evidence: getattr(shown, evidence) for evidence in COULOMB_EVIDENCE}
+    return values | {"iterations": shown.iterations, "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values())}
+
+
+def _path(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """The curve from rest to the plateau, point by point."""
+    path = analysis.path
+    if path is None:
+        return None
+    names = {"settlement": "settlement", "value": scene.quantity, "strain_residual": "strain_residual", "converged": "converged"}
+    values = {shown: getattr(path, name).tolist() for name, shown in names.items()}
+    values["converged"] = [bool(converged) for converged in values["converged"]]
+    return values | {"solves": path.solves.tolist(), "seconds": path.seconds}
+
+
+def _measures(analysis: LimitAnalysis, run: Run | None = None) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Measures of each method's mechanism, without its arrays."""
+    assembly, main = analysis.assembly, analysis.rounded[analysis.main]
+    found = {"associated": (main.twists, main.forces)}
+    if analysis.coulomb is not None:
+        found["coulomb"] = (analysis.coulomb.twists, analysis.coulomb.forces)
+    if run is not None:
+        found["yade"] = (run.mechanism(), run.plateau_forces())
+    for method, (twists, forces) in found.items():
+        measures = vars(measure(assembly, twists, forces))
+        yield method, {name: value for name, value in measures.items() if isinstance(value, float)}
 
 
 _NAMES = {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE: "multiplier"}
@@ -85,20 +131,21 @@ def comparison_summary(
     scene: Scene,
     analysis: LimitAnalysis,
     yade: dict[str, Any] | None,
+    run: Run | None,
     checks: list[Check],
-    settings: dict[str, Any] | None,
     notes: list[str],
 ) -> dict[str, Any]:
     """The whole comparison: limit analysis, YADE, every check, the verdict and its reason."""
     verdict, reason = overall(checks)
     summary = limit_analysis_summary(scene, analysis)
     summary |= {
+        "mechanism_measures": dict(_measures(analysis, run)),
         "yade": yade,
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,
         "reason": reason,
         "notes": notes,
-        "settings": settings,
+        "settings": run.settings if run else None,
     }
     return without_undefined(summary)
 

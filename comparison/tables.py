@@ -6,7 +6,7 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
-from comparison.checks import Check
+from comparison.check import Check
 from comparison.doctor import Finding
 from la_core.assembly import Assembly
 from la_core.scene import Scene
@@ -80,28 +80,63 @@ def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -
         table.add_row("blocks that fall", _plain(", ".join(answer["falling"])), "")
     for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
         table.add_row(name.replace("_", " "), number(answer[name], 2), "")
+    if summary["limit_analysis"]["coulomb"]:
+        _add_coulomb(table, scene, summary)
     for check in checks:
         table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])
     return table
 
 
+def _add_coulomb(table: Table, scene: Scene, summary: dict[str, Any]) -> None:
+    """Rows of the Coulomb answer: value, interval, value for sharp arrises, evidence, and what it took."""
+    answer, divisor = summary["limit_analysis"]["coulomb"], scene.weight if scene.live is None else None
+
+    def over(value: float | None) -> str:
+        return "" if divisor is None else number(_ratio(value, divisor))
+
+    table.add_row("Coulomb: status", answer["status"], "")
+    low, high = answer[f"{scene.quantity}_interval"]
+    for name, value in ((scene.quantity, answer[scene.quantity]), ("least by its mechanism", low), ("greatest by its mechanism", high)):
+        table.add_row(f"Coulomb: {name}", number(value), over(value))
+    sharp = answer[f"{scene.quantity}_sharp"]
+    table.add_row(f"Coulomb: {scene.quantity} sharp", number(sharp), over(sharp))
+    for name in ("dilatancy_residual", "drift", "seconds"):
+        table.add_row(f"Coulomb: {name.replace('_', ' ')}", number(answer[name], 2), "")
+    table.add_row("Coulomb: associated solves", str(answer["iterations"]), "")
+
+
+def path_table(scene: Scene, path: dict[str, Any]) -> Table:
+    """The curve from rest to the plateau, a row a point."""
+    drive = "displacement, m" if scene.live is not None else "settlement, rad" if scene.is_rotation else "settlement, m"
+    table = _table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
+    columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
+    for settlement, value, residual, converged, solves in zip(*columns, strict=True):
+        ratio = number(_ratio(value, scene.weight)) if scene.live is None else ""
+        shown = number(residual, 2) + ("" if converged else " not converged")
+        table.add_row(number(settlement, 4), number(value), ratio, shown, str(solves))
+    return table
+
+
 def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
-    """One row a scene: bounds and YADE's reaction over the weight, the verdict, the time of each method."""
-    headings = ("scene", "least", "greatest", "YADE", "verdict", "LA s", "YADE s")
-    table = _table(*headings, title="reaction over the weight W of the free blocks: limit analysis' bounds, YADE's plateau")
+    """One row a scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
+    headings = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
+    table = _table(*headings, title="reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau")
     for comparison in comparisons:
         answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
+        coulomb = comparison["limit_analysis"]["coulomb"] or {}
         if "multiplier" in answer:
-            values = [number(answer["multiplier"], 5), "–", "–"]
+            values = [number(answer["multiplier"], 5), number(coulomb.get("multiplier"), 5), "–", "–"]
         else:
-            shared = answer.get("shared_inset", answer)
-            values = [_over(shared[name], weight) for name in ("reaction", "reaction_max")]
+            shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb).get("reaction")
+            values = [_over(value, weight) for value in (shared["reaction"], predicted, shared["reaction_max"])]
             values.append(with_uncertainty(_ratio(yade.get("reaction"), weight), _ratio(yade.get("uncertainty"), weight)))
         if answer["status"] != "solved":
             values[0] = answer["status"]
+        elif coulomb and coulomb["status"] != "solved":
+            values[1] = f"{values[1]} {coulomb['status']}"
         if yade and yade["status"] != "plateau":
-            values[2] = yade["status"]
-        seconds = [number(answer["seconds"], 2), number(yade.get("seconds"), 2)]
+            values[3] = yade["status"]
+        seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
         table.add_row(comparison["scene"], *values, MARKS[comparison["verdict"]], *seconds)
     return table
 

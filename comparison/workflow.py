@@ -8,13 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
+
 from comparison import plots, provenance
-from comparison.checks import Check, Verdict, check_expected, check_run
+from comparison.check import Check, Verdict
+from comparison.checks import check_expected, check_run
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
+from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
 from la_core import case, case_file, exchange
 from la_core.case import LimitAnalysis
+from la_core.dissipation import measure
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
@@ -159,9 +164,8 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
-    settings = run.settings if run else None
     checks = list(check_expected(scene, analysis)) + _judge(stored)
-    summary = comparison_summary(scene, analysis, stored.yade, checks, settings, stored.notes)
+    summary = comparison_summary(scene, analysis, stored.yade, run, checks, stored.notes)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in figures.items():
         plots.save(draw(), path)
@@ -176,24 +180,31 @@ def _judge(stored: Stored) -> list[Check]:
     if stored.yade is not None:
         reason = str(stored.yade["message"]).splitlines()[0]
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason)]
-    status = stored.analysis.rounded[stored.analysis.main].status
-    if status in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
-        return []
-    return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {status}.")]
+    associated, coulomb = stored.analysis.rounded[stored.analysis.main], stored.analysis.coulomb
+    if associated.status not in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {associated.status}.")]
+    if coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
+        reason = f"Coulomb limit analysis ended as {coulomb.status} (strain residual {coulomb.strain_residual:.1e})."
+        return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
+    return []
 
 
 def _figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
-    """How to draw each figure, by its name."""
-    main = analysis.rounded[analysis.main]
-    mechanisms = {"limit analysis (associated)": main.twists}
-    reasons = {} if main.status is Status.INFEASIBLE else {"limit analysis (associated)": f"limit analysis: {main.status}"}
+    """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
+    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
+    best, friction = (coulomb, "Coulomb") if coulomb and np.isfinite(coulomb.value) else (main, "associated")
+    method = f"limit analysis ({friction})"
+    mechanisms = {method: best.twists}
+    reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
     if run is not None:
         mechanisms["YADE"] = run.mechanism()
         reasons["YADE"] = f"{run.status}: {run.result['message']}"
+    measures = measure(analysis.assembly, best.twists, best.forces)
     return {
         "assembly": lambda: plots.assembly_figure(scene, analysis.assembly),
         "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
         "reaction": lambda: plots.reaction_figure(scene, analysis, run),
+        "dissipation": lambda: dissipation_figure(analysis.assembly, best.twists, measures, f"{scene.title}: {method}"),
     }
 
 

@@ -1,0 +1,64 @@
+"""One judgement: what was compared, how far apart, how far it may be, and why."""
+
+import enum
+import math
+from dataclasses import dataclass
+
+
+class Verdict(enum.StrEnum):
+    """What a check, or a whole comparison, comes to."""
+
+    AGREE = "agree"
+    DISAGREE = "disagree"
+    INCONCLUSIVE = "inconclusive"
+
+
+@dataclass(frozen=True)
+class Check:
+    """One judgement. Numbers are None where they do not exist; `reason` is a sentence whenever the verdict is not agree."""
+
+    name: str
+    verdict: Verdict
+    limit_analysis: float | None = None
+    yade: float | None = None
+    difference: float | None = None
+    tolerance: float | None = None
+    unit: str = ""
+    reason: str = ""
+
+
+def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
+    """The gravest verdict of all checks, with its reasons unless it is agree; None when nothing was judged."""
+    for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
+        reasons = [check.reason for check in checks if check.verdict is verdict]
+        if reasons:
+            return verdict, " ".join(dict.fromkeys(reasons))
+    return (Verdict.AGREE, "") if checks else (None, "")
+
+
+def within(name: str, expected: float, found: float, tolerance: float, unit: str, reason: str) -> Check:
+    """Compare two numbers; an undefined one makes the check inconclusive, never agree."""
+    difference = found - expected
+    if not (math.isfinite(difference) and math.isfinite(tolerance)):
+        missing = f"{name}: a value does not exist."
+        return Check(name, Verdict.INCONCLUSIVE, number(expected), number(found), None, tolerance, unit, missing)
+    verdict = Verdict.AGREE if abs(difference) <= tolerance else Verdict.DISAGREE
+    return Check(name, verdict, expected, found, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
+
+
+def inside(name: str, bounds: tuple[float, float], found: float, tolerance: float, unit: str, reason: str) -> Check:
+    """Compare a number with a range: the check shows the nearer bound, and the range in its reason."""
+    low, high = bounds
+    if any(math.isnan(bound) for bound in (low, high, tolerance)) or not math.isfinite(found):
+        return within(name, math.nan, found, tolerance, unit, reason)
+    fits = low - tolerance <= found <= high + tolerance
+    nearer = low if found - low <= high - found else high
+    span = f"Range: {low:.6g} to {high:.6g} {unit}." if math.isfinite(high) else f"Range: {low:.6g} {unit} and more."
+    shown = span if fits else f"{reason} {span}"
+    verdict = Verdict.AGREE if fits else Verdict.DISAGREE
+    return Check(name, verdict, number(nearer), found, number(found - nearer), tolerance, unit, shown)
+
+
+def number(value: float) -> float | None:
+    """The value, None where it is not finite."""
+    return value if math.isfinite(value) else None
