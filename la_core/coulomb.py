@@ -7,7 +7,7 @@ further change in force.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from la_core.stiffness import JointStiffness
 STEPS = 4  # to the plateau; tests/benchmark_friction.py shows what fewer and more cost and bring
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
 DILATANCY = 1e-3  # largest dilatancy residual of an answer called solved
+LEAST_WORK = 1e-3  # of the weight's over the support's motion: a mechanism that takes less work is judged by this
 ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
 
 
@@ -33,8 +34,8 @@ class CoulombSolution:
     value: reaction in N (N m for a rotation) or multiplier. interval: least and greatest value that the mechanism allows.
     twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): on b, N, global.
     at_rest: reaction before the support moves, 0 for a live load. drift: relative change of the value over the last step.
-    dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work of the weights that settle (or of
-    the live load) in the last step. strain_residual: the same work over the elastic energy of the joints.
+    dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work put in by the weights that settle
+    and by the support that has to be pulled, or the live load, in the last step. strain_residual: the same work over the elastic energy of the joints.
     equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved.
     """
 
@@ -64,11 +65,19 @@ def predict(
         return _without_value(assembly, associated.status)
     joints = ElasticJoints(assembly, stiffness)
     first = min(0.5, FIRST_SAGS * stiffness.sag / joints.unit)
-    stations = np.geomspace(1.0, first, steps)[::-1]  # a single step goes the whole way
-    followed = list(follow(joints, stations, stiffness, wedging))
-    if not (followed[-1].trial.solved and len(followed) > steps):
+    best: CoulombSolution | None = None
+    for count in (steps, 2 * steps):  # shorter steps where the iteration does not converge: each foretells more of the next
+        stations = np.geomspace(1.0, first, count)[::-1]  # a single step goes the whole way
+        followed = list(follow(joints, stations, stiffness, wedging))
+        if followed[-1].trial.solved and len(followed) > count:
+            solution = _with_evidence(joints, followed)
+            if best is None or solution.status is Status.SOLVED or solution.strain_residual < best.strain_residual:
+                best = solution
+        if best is not None and best.status is Status.SOLVED:
+            break
+    if best is None:
         return _without_value(assembly, Status.FAILED, joints)
-    return _with_evidence(joints, followed)
+    return replace(best, seconds=joints.seconds, iterations=joints.solves)
 
 
 def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0) -> Iterator[Step]:
@@ -106,17 +115,16 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
     twists = twists_of(assembly, (last.trial.blocks - before.trial.blocks) / stride) + motion
     value = value_of(joints, last)
     work = float(np.maximum(np.sum(assembly.dead_load * twists, axis=1), 0.0).sum()) / assembly.weight
-    if joints.live:
-        work += abs(value)
+    work = max(work + (abs(value) if joints.live else max(-joints.value(last.trial), 0.0)), LEAST_WORK)
     forces = global_forces(assembly, last.joints.force)
     twists = twists * (1.0 / assembly.weight if joints.live else speed)
-    dilatancy = last.dilation / (work * stride) if work > 0.0 else float("nan")
+    dilatancy = last.dilation / (work * stride)
     residuals = (
         evidence.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
         evidence.cone_violation(assembly, forces),
     )
     converged = last.converged and dilatancy <= DILATANCY and max(residuals) <= ACCEPTED
-    interval, seconds = reaction_interval(joints, before, last)
+    interval = reaction_interval(joints, before, last)
     unit = max(abs(value), 1e-6 * assembly.weight * speed if not joints.live else 1e-6)
     return CoulombSolution(
         Status.SOLVED if converged else Status.INACCURATE,
@@ -130,7 +138,7 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
         strain_residual=last.strain_residual,
         equilibrium_residual=residuals[0],
         cone_violation=residuals[1],
-        seconds=joints.seconds + seconds,
+        seconds=joints.seconds,
         iterations=joints.solves,
     )
 

@@ -11,11 +11,12 @@ import numpy as np
 
 from la_core.elastic import ElasticJoints, JointState, Trial
 
-FIRST, LEAST, MOST = 1.0, 0.1, 2.5  # relaxation factor of a contact point
-GROW, CUT = 1.3, 0.5
+FIRST, LEAST, MOST = 1.0, 0.05, 2.0  # relaxation factor of a contact point
+GROW, CUT = 1.2, 0.6
 CONVERGED = 1e-3  # strain residual: the forces of such a state are history for the next step, so it has to be small
 SETTLED, SETTLED_RESIDUAL, SETTLED_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
-STALLED_SOLVES, MOST_SOLVES = 12, 40  # solves without a tenth less residual; of one step
+LEAST_ENERGY = 1e-12  # of the weight's work over the travel: joints that carry nothing have no energy to compare with
+STALLED_SOLVES, MOST_SOLVES = 20, 60  # solves without a tenth less residual; of one step
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def advance(joints: ElasticJoints, before: JointState, motion: np.ndarray, live:
             break
         change = friction * np.linalg.norm(trial.slip, axis=1) - shift
         dilation = float(np.sum(np.maximum(trial.joints.force[:, 0], 0.0) * np.abs(change)))
-        residual = dilation / trial.energy if trial.energy > 0.0 else 0.0
+        residual = dilation / max(trial.energy, LEAST_ENERGY)
         values.append(joints.value(trial))
         converged = residual <= CONVERGED or (residual <= SETTLED_RESIDUAL and _settled(values))
         if best is None or residual < 0.9 * best.strain_residual:

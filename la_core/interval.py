@@ -21,8 +21,8 @@ from la_core.scaling import columns, scaled_load, support_motion
 THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
 
 
-def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold: float = THRESHOLD) -> tuple[tuple[float, float], float]:
-    """Least and greatest reaction (N, N m) or multiplier that the mechanism of the last step allows, and the solver's seconds.
+def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold: float = THRESHOLD) -> tuple[float, float]:
+    """Least and greatest reaction (N, N m) or multiplier that the mechanism of the last step allows.
 
     An end is infinite where nothing limits it, NaN where no state of force fits the mechanism.
     """
@@ -32,7 +32,9 @@ def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold
     parting = (last.trial.gap - before.trial.gap) / stride > threshold
     sliding = ~parting & (speed > threshold)
     direction = slip / np.where(speed > 0.0, speed, 1.0)[:, None]
-    return _ends(joints.assembly, parting, sliding, direction)
+    ends, seconds = _ends(joints.assembly, parting, sliding, direction)
+    joints.seconds += seconds
+    return ends
 
 
 def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[tuple[float, float], float]:

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from comparison import checks
-from comparison.checks import Check, Verdict, check_expected, check_run, overall
+from comparison import check_prediction, check_sections, checks, tolerances
+from comparison.check import Check, Verdict, overall
+from comparison.checks import check_expected, check_run
 from comparison.record import Run
 from comparison.shipped import find
 from la_core import mechanism
@@ -122,7 +123,7 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
     scene, analysis = _case("flat_arch")
     least = analysis.rounded[Drive.YIELDING]
     one_hinge = solve(_with_heavier_left(analysis), Drive.YIELDING).twists
-    assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < checks.SIMILAR
+    assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < check_prediction.SIMILAR
     run = _perfect_run(analysis)
     run.poses["displacement"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, :3]
     run.poses["rotation"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, 3:]
@@ -149,6 +150,7 @@ def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, Limit
 
 def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
     scene, analysis = _case("two_blocks")
+    analysis = dataclasses.replace(analysis, coulomb=None, coulomb_sharp=None)
     run = _perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
     check = next(c for c in check_run(scene, analysis, run) if c.name == "reaction against prediction")
     assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
@@ -197,8 +199,93 @@ def test_the_gravest_check_decides_and_gives_the_reason() -> None:
 
 
 def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
-    for name in ("REACTION", "LEAST_REACTION", "SETTLEMENT", "UNBALANCED", "NO_SLIDING", "SECTION", "SAME_MASS"):
-        assert 0.0 < getattr(checks, name) <= 0.05
+    rooms = {
+        tolerances: ("REACTION", "HISTORY", "LEAST_REACTION", "BROAD"),
+        checks: ("SETTLEMENT", "UNBALANCED"),
+        check_prediction: ("NO_SLIDING", "SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE"),
+        check_sections: ("SECTION", "ALONG"),
+    }
+    for module, names in rooms.items():
+        assert all(0.0 < getattr(module, name) <= 0.05 for name in names)
+
+
+@pytest.fixture(scope="module")
+def wall() -> tuple[Scene, LimitAnalysis]:
+    """A wall whose joints slide, in which friction's history decides within an interval."""
+    return _case("wall_third")
+
+
+def _coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object) -> Run:
+    """The run of a YADE that follows the Coulomb prediction, its reaction scattered by this share of it."""
+    assert analysis.coulomb is not None
+    coulomb = analysis.coulomb
+    stand_in = dataclasses.replace(analysis.rounded[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
+    run = _perfect_run(dataclasses.replace(analysis, rounded={**analysis.rounded, Drive.YIELDING: stand_in}), **result)
+    settlement = np.linspace(0.0, TRAVEL, 400)
+    reaction = run.result["reaction"] * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
+    return dataclasses.replace(run, record={"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction})
+
+
+def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(*wall, _coulomb_run(wall[1]))
+    assert {check.verdict for check in found} == {Verdict.AGREE}, [check for check in found if check.reason]
+    assert {"reaction within the mechanism's interval", "YADE's friction state", "steadiness of the plateau"} <= {c.name for c in found}
+
+
+@pytest.mark.parametrize(
+    ("factor", "prediction", "interval"),
+    [
+        (1.008, Verdict.AGREE, Verdict.AGREE),
+        (0.992, Verdict.AGREE, Verdict.AGREE),
+        (1.10, Verdict.INCONCLUSIVE, Verdict.AGREE),
+        (0.93, Verdict.INCONCLUSIVE, Verdict.AGREE),
+        (1.30, Verdict.DISAGREE, Verdict.DISAGREE),
+    ],
+)
+def test_within_its_interval_friction_s_history_decides_and_outside_nothing_excuses(
+    wall: tuple[Scene, LimitAnalysis], factor: float, prediction: Verdict, interval: Verdict
+) -> None:
+    scene, analysis = wall
+    assert analysis.coulomb is not None
+    found = check_run(scene, analysis, _coulomb_run(analysis, reaction=factor * analysis.coulomb.value))
+    assert _verdict("reaction against prediction", found) is prediction
+    assert _verdict("reaction within the mechanism's interval", found) is interval
+
+
+def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = wall
+    assert analysis.coulomb is not None
+    run = _coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
+    run.poses["displacement"][:] = 0.0
+    run.poses["displacement"][:, 3, 0] = run.poses["settlement"]
+    found = check_run(scene, analysis, run)
+    assert _verdict("reaction within the mechanism's interval", found) is Verdict.INCONCLUSIVE
+    assert _verdict("mechanism similarity", found) is Verdict.INCONCLUSIVE
+
+
+def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, LimitAnalysis]) -> None:
+    for scatter, named in ((0.001, False), (0.02, True)):
+        found = check_run(*wall, _coulomb_run(wall[1], scatter=scatter))
+        check = next(c for c in found if c.name == "steadiness of the plateau")
+        assert check.yade == pytest.approx(scatter, rel=0.05)
+        assert ("Stick-slip" in check.reason) is named
+        assert check.verdict is Verdict.AGREE
+
+
+def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple[Scene, LimitAnalysis]) -> None:
+    """The state that carries the most by friction is in equilibrium and within its cones, but its joints do not slide down."""
+    scene, analysis = wall
+    run = _coulomb_run(analysis)
+    run.poses["forces"][:] = analysis.rounded[Drive.PUSHING].forces
+    assert _verdict("YADE's friction state", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+
+
+def test_an_iteration_that_did_not_converge_predicts_nothing(wall: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = wall
+    assert analysis.coulomb is not None
+    doubtful = dataclasses.replace(analysis, coulomb=dataclasses.replace(analysis.coulomb, status=Status.INACCURATE))
+    check = next(c for c in check_run(scene, doubtful, _coulomb_run(analysis)) if c.name == "reaction against prediction")
+    assert check.verdict is Verdict.INCONCLUSIVE and "not converged" in check.reason
 
 
 def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
@@ -215,7 +302,9 @@ def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
 def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> None:
     scene, analysis = _case("two_pads")
     doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.items()}
-    verdicts = {check.verdict for check in check_expected(scene, dataclasses.replace(analysis, sharp=doubtful))}
+    assert analysis.coulomb_sharp is not None
+    coulomb = dataclasses.replace(analysis.coulomb_sharp, status=Status.INACCURATE)
+    verdicts = {check.verdict for check in check_expected(scene, dataclasses.replace(analysis, sharp=doubtful, coulomb_sharp=coulomb))}
     assert verdicts == {Verdict.INCONCLUSIVE}
 
 

@@ -39,7 +39,11 @@ def test_solve_prints_one_json_object_and_nothing_else(capsys: pytest.CaptureFix
     assert associated["status"] == "solved"
     assert associated["reaction"] == pytest.approx(363.297, abs=1e-3)  # the inset moves every lever arm: 0.101 / 0.6 of W
     assert associated["reaction_sharp"] == pytest.approx(359.7, abs=1e-3)
-    assert answer["limit_analysis"]["coulomb"] is None
+    coulomb = answer["limit_analysis"]["coulomb"]
+    assert coulomb["status"] == "solved"
+    assert coulomb["reaction"] == pytest.approx(associated["reaction"], rel=1e-6)  # no joint slides
+    assert coulomb["reaction_interval"] == pytest.approx([associated["reaction"]] * 2, rel=1e-6)
+    assert coulomb["dilatancy_residual"] <= 1e-3 and coulomb["iterations"] > 0 and coulomb["seconds"] > 0.0
     assert not {"yade", "checks", "verdict"} & answer.keys()
 
 
@@ -190,9 +194,10 @@ box = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 0.5] }
 direction = [1.0, 0.0, 0.0]
 """)
     assert main(["solve", str(path), "--json"]) == 0
-    answer = json.loads(capsys.readouterr().out)["limit_analysis"]["associated"]
-    assert answer["multiplier"] == pytest.approx(0.4, abs=1e-8)
-    assert "reaction" not in answer
+    answer = json.loads(capsys.readouterr().out)["limit_analysis"]
+    assert answer["associated"]["multiplier"] == pytest.approx(0.4, abs=1e-8)
+    assert answer["coulomb"]["multiplier"] == pytest.approx(0.4, abs=1e-6)
+    assert "reaction" not in answer["associated"] and "reaction" not in answer["coulomb"]
     assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
 
 
@@ -240,7 +245,7 @@ def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, 
 def test_a_fault_of_the_program_is_never_taken_for_a_disagreement(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("comparison.cli.analyse", lambda scene: 1 / 0)
+    monkeypatch.setattr("comparison.cli.analyse", lambda scene, with_path: 1 / 0)
     assert main(["solve", "two_pads"]) == 3
     assert "ZeroDivisionError" in capsys.readouterr().err
 
@@ -264,3 +269,30 @@ def test_absurd_values_are_refused_with_a_sentence(
     path.write_text(text.replace(old, new))
     assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
     assert word in capsys.readouterr().err
+
+
+def test_a_path_is_followed_where_it_is_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "--path", "--json", "-o", str(tmp_path / "path.svg")]) == 0
+    path = json.loads(capsys.readouterr().out)["limit_analysis"]["path"]
+    assert len(path["settlement"]) == len(path["reaction"]) == 26 and path["settlement"][0] == 0.0
+    assert path["reaction"][-1] == pytest.approx(363.297, rel=1e-3)
+    assert (tmp_path / "path.svg").is_file()
+    assert main(["solve", "two_pads", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["limit_analysis"]["path"] is None
+
+
+def test_a_path_needs_friction_that_does_not_dilate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "scene.toml"
+    text = shipped.find("two_pads").read_text() + '\n[effects]\nfriction = "associated"\n'
+    scene.write_text(text)
+    assert main(["solve", str(scene), "--path"]) == 2
+    scene.write_text(text + "[path]\nincrements = 5\n")
+    assert main(["solve", str(scene)]) == 2
+    assert "[path]" in capsys.readouterr().err
+
+
+def test_the_classic_iteration_s_sensitivity_is_tabled_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "sensitivity.png"
+    assert main(["sensitivity", "two_blocks", "-o", str(figure), "--json"]) == 0
+    study = json.loads(capsys.readouterr().out)
+    assert len(study["trials"]) == 25 and figure.stat().st_size > 10_000
