@@ -35,7 +35,8 @@ class CoulombSolution:
     twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): on b, N, global.
     at_rest: reaction before the support moves, 0 for a live load. drift: relative change of the value over the last step.
     dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work put in by the weights that settle
-    and by the support that has to be pulled, or the live load, in the last step. strain_residual: the same work over the elastic energy of the joints.
+    and by a support that has to be pulled, or the live load, in the last step. strain_residual: the same work over the elastic
+    energy of the joints.
     equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved.
     """
 

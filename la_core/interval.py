@@ -19,6 +19,7 @@ from la_core.limit import scaled_problem
 from la_core.scaling import columns, scaled_load, support_motion
 
 THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
+FAN = 0.01  # rad: slip's direction is known no better, and exact ones, far more than equilibrium needs in 3D, would contradict it
 
 
 def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold: float = THRESHOLD) -> tuple[float, float]:
@@ -40,15 +41,10 @@ def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold
 def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[tuple[float, float], float]:
     sticking = replace(assembly, points=_subset(assembly.points, ~parting & ~sliding))
     problem = scaled_problem(sticking)
-    width = direction.shape[1] + 1
-    count = len(assembly.points)
-    local = np.concatenate([np.ones((count, 1)), -assembly.points.friction[:, None] * direction], axis=1)
-    rows = np.repeat(np.arange(count), width)
-    pick = sparse.csr_matrix((local.ravel(), (rows, np.arange(count * width))), shape=(count, count * width))
-    guided = (pick @ assembly.kinematic_matrix(assembly.length)).tocsr()[sliding]
+    guided = sparse.vstack([_guide(assembly, edge)[sliding] for edge in _fan(direction)]).tocsr()
     split = problem.cones.equalities
     imposed = sparse.vstack([problem.imposed_rows[:split], guided, problem.imposed_rows[split:]]).tocsr()
-    cones = replace(problem.cones, inequalities=problem.cones.inequalities + int(sliding.sum()))
+    cones = replace(problem.cones, inequalities=problem.cones.inequalities + guided.shape[0])
     free = np.repeat(assembly.blocks.free, imposed.shape[1] // len(assembly.blocks))
     speed, ends, seconds = 1.0, [], 0.0
     for sign in (1.0, -1.0):
@@ -63,6 +59,23 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
         ends.append(sign * _value(answer, problem.power) * (1.0 if assembly.has_live_load else assembly.weight * speed))
         seconds += answer.seconds
     return (ends[0], ends[1]), seconds
+
+
+def _fan(direction: np.ndarray) -> list[np.ndarray]:
+    """Directions (C, 1 or 2) that friction at a sliding point may oppose; in 3D a fan, for no more is known of it."""
+    if direction.shape[1] == 1:
+        return [direction]
+    across = direction[:, ::-1] * [-1.0, 1.0]
+    return [np.cos(turn) * direction + np.sin(turn) * across for turn in (-FAN, 0.0, FAN)]
+
+
+def _guide(assembly: Assembly, direction: np.ndarray) -> sparse.csr_matrix:
+    """Rows (C,) from all blocks' columns to (n - mu tau) . u at every contact point."""
+    count, width = len(direction), direction.shape[1] + 1
+    local = np.concatenate([np.ones((count, 1)), -assembly.points.friction[:, None] * direction], axis=1)
+    rows = np.repeat(np.arange(count), width)
+    pick = sparse.csr_matrix((local.ravel(), (rows, np.arange(count * width))), shape=(count, count * width))
+    return (pick @ assembly.kinematic_matrix(assembly.length)).tocsr()
 
 
 def _value(answer: Answer, power: np.ndarray) -> float:

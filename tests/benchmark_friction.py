@@ -126,36 +126,39 @@ def run_all(todo: list[Case], workers: int, console: Console) -> list[Result]:
 
 def summary(results: list[Result]) -> Table:
     """One row per number of steps."""
-    table = Table(title=f"{len(results)} walls; reference: {REFERENCE} steps", caption=settling_caption(results))
-    names = ("steps", "solves: median", "90 %", "max", f"within {NEAR:.0%}", f"within {FAR:.0%}", "largest deviation",
-             "largest dilatancy residual", "not solved", "seconds")  # fmt: skip
+    title = (
+        f"{len(results)} walls. Solves: median, 90 %, max. Cases within {NEAR:.0%} and {FAR:.0%} of the reaction of {REFERENCE} steps, "
+        "the worst, the largest dilatancy residual, cases not solved, seconds of all."
+    )
+    table = Table(title=title, caption=settling_caption(results))
+    names = ("steps", "solves", f"in {NEAR:.0%}", f"in {FAR:.0%}", "worst", "dilatancy", "not solved", "s")
     for name in names:
         table.add_column(name, justify="right")
     for steps in (*COUNTS, REFERENCE):
         runs = [result.runs[steps] for result in results]
         solves, off = np.array([r.solves for r in runs]), np.array([result.deviation(steps) for result in results])
         row = [
-            *(f"{number:.0f}" for number in (np.median(solves), np.quantile(solves, 0.9), solves.max())),
+            f"{np.median(solves):.0f}, {np.quantile(solves, 0.9):.0f}, {solves.max()}",
             *(f"{np.sum(off <= limit)}" for limit in (NEAR, FAR)),
             f"{off.max():.1%}",
             f"{np.nanmax([r.dilatancy for r in runs]):.1e}",
             f"{sum(r.status is not Status.SOLVED for r in runs)}",
             f"{sum(r.seconds for r in runs):.1f}",
         ]
-        table.add_row(f"{steps}{' (default)' if steps == STEPS else ''}", *row)
+        table.add_row(f"{steps}{' *' if steps == STEPS else ''}", *row)
     return table
 
 
 def settling_caption(results: list[Result]) -> str:
     after = np.array([result.settled_after for result in results])
     numbers = f"median {np.median(after):.0f}, 90 % {np.quantile(after, 0.9):.0f}, max {after.max()}"
-    return f"Solves of a single step after which its value stays within {NEAR:.0%} of its end value: {numbers}"
+    return f"* default. Solves of a single step after which its value stays within {NEAR:.0%} of its end value: {numbers}"
 
 
 def listing(results: list[Result]) -> Table:
     """One row per wall: the reference and, for every number of steps, deviation and solves."""
-    table = Table("wall", title="R/W of the reference; deviation, solves and, where not solved, status of fewer steps")
-    for name in ("reference", *(f"{steps} steps" for steps in COUNTS), "settled after"):
+    table = Table("wall", title="R/W of the reference; deviation and solves of fewer steps; solves after which a single step has settled")
+    for name in ("reference", *(f"{steps}" for steps in COUNTS), "settled"):
         table.add_column(name, justify="right")
 
     def cell(result: Result, steps: int) -> str:

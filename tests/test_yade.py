@@ -44,27 +44,11 @@ def test_the_reaction_is_exact_to_half_a_per_cent_and_its_own_uncertainty(name: 
     assert found.summary["verdict"] == "agree", found.summary["reason"]
 
 
-def test_friction_without_dilatancy_holds_nothing_between_two_columns(cross_checked: CrossCheck) -> None:
-    found = cross_checked("two_blocks")
-    assert found.run.result["reaction"] == pytest.approx(0.5 * found.scene.weight, rel=HALF_PER_CENT)
-    assert _verdicts(found)["reaction within bounds"] == "agree"
-    assert _verdicts(found)["reaction against prediction"] == "inconclusive"
-
-
-@pytest.mark.parametrize(("name", "low", "high"), [("wall_third", 0.0690, 0.0745), ("wall_half", 0.1290, 0.1375)])
-def test_a_frictional_wall_lies_between_the_bounds(name: str, low: float, high: float, cross_checked: CrossCheck) -> None:
-    found = cross_checked(name)
-    assert _verdicts(found)["reaction within bounds"] == "agree"
-    assert _verdicts(found)["reaction against prediction"] == "inconclusive"
-    assert "bound" in found.summary["reason"]
-    assert low <= found.run.result["reaction"] / found.scene.weight <= high  # the range of independent runs on the same wall
-
-
 def test_a_facade_goes_through_both_methods(cross_checked: CrossCheck) -> None:
     found = cross_checked("facade")
     assert found.summary["free_blocks"] >= 150
     assert found.run.status == "plateau"
-    assert _verdicts(found)["reaction within bounds"] == "agree"
+    assert _verdicts(found)["reaction against prediction"] == "agree"
 
 
 def test_blocks_laid_without_thrust_may_fall_although_thrust_could_hold_them(tmp_path: Path) -> None:

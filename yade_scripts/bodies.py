@@ -98,11 +98,12 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
 
 
 def _material(settings: Settings, friction_angle: float) -> ViscElMat:
+    """Sphere and face act in series, so that the contact has half of what each material is given."""
     material = ViscElMat(
-        kn=settings.normal_stiffness,
-        ks=settings.shear_stiffness,
-        cn=settings.normal_damping,
-        cs=settings.shear_damping,
+        kn=2.0 * settings.normal_stiffness,
+        ks=2.0 * settings.shear_stiffness,
+        cn=2.0 * settings.normal_damping,
+        cs=2.0 * settings.shear_damping,
         frictionAngle=friction_angle,
         density=_MASSLESS,
     )
