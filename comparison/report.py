@@ -2,24 +2,26 @@
 
 import base64
 import json
-import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 from urllib.parse import quote
 
 import jinja2
 
+from comparison.report_costs import costs, measures
+from comparison.report_numbers import DASH, exists, number, signed, value_range
 from comparison.summary import without_undefined
 from comparison.workflow import write_text
 
-DASH = "–"  # what a number that does not exist is shown as
 VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
 FIGURES = {
     "assembly": "The structure: blocks by role, interfaces with their contact points, and what drives it.",
     "mechanisms": "Mechanisms for the same motion of the support; contact points that open and that slide are marked.",
-    "reaction": "Reaction against settlement: YADE's record, its plateau extrapolated to the undeformed geometry, and the bounds.",
+    "reaction": "Reaction against settlement from rest: YADE's record and plateau, extrapolated to the undeformed geometry; limit "
+    "analysis' bounds (associated), its Coulomb prediction, the interval its mechanism leaves open, and the path on equal joints.",
+    "dissipation": "Where friction dissipates in limit analysis' mechanism, and what every contact point does.",
 }
 EVIDENCE = {
     "equilibrium_residual": "largest unbalanced force, of the mean block weight",
@@ -27,11 +29,20 @@ EVIDENCE = {
     "mechanism_violation": "largest violation of the flow rule, of the fastest block's speed",
     "duality_gap": "reaction from forces less reaction from work, of the mean block weight",
 }
+COULOMB_EVIDENCE = {
+    "equilibrium_residual": EVIDENCE["equilibrium_residual"],
+    "cone_violation": EVIDENCE["cone_violation"],
+    "dilatancy_residual": "work of the dilation left, over the work of the settling weights",
+    "strain_residual": "work of the dilation left, over the elastic energy of the joints",
+    "drift": "relative change of the reaction over the last step",
+}
 LIMITATIONS = (
     "Contact forces are not compared one by one. Rigid blocks on more than the fewest contacts are hyperstatic: many force states "
     "balance the same weights, and each method picks its own. Reactions and force sums over sections are what both must share.",
-    "Where joints slide, the associated answer is a bound and not a prediction. Its flow rule dilates (u_n = mu u_t), dry stone does not; "
-    "a state without dilatancy lies between R_min and R_max, and how far above R_min depends on the history of friction.",
+    "Where joints slide, the associated answer is a bound and not a prediction: its flow rule dilates (u_n = mu u_t), dry stone does "
+    "not. The Coulomb prediction does not dilate, but what its mechanism carries may depend on friction's history: the interval says how "
+    "far, and elastic joints under one steady settlement select within it. Another history, such as repeated settlement, may end "
+    "elsewhere.",
     "Limit analysis speaks of rigid blocks at the undeformed geometry. YADE's joints are elastic and its support has moved: "
     "the plateau is extrapolated to zero settlement, but what stiffness and speed leave behind is only covered by the tolerances.",
     "Contact points are drawn in from the arrises by the inset, the same in both methods, which shortens every lever arm. "
@@ -59,27 +70,6 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
     stored = without_undefined({"comparisons": comparisons, "provenance": provenance})
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
-
-
-def number(value: Any, digits: int = 4) -> str:
-    """A number to so many significant digits, with an exponent only beyond a million or below a thousandth; a dash for none."""
-    if not _exists(value):
-        return DASH
-    if float(value).is_integer() and abs(value) < 1e6:
-        return str(int(value)).replace("-", "−")
-    rounded = float(f"{value:.{digits - 1}e}")
-    magnitude = math.floor(math.log10(abs(rounded)))
-    if -3 <= magnitude < 6:
-        text = f"{rounded:.{max(0, digits - 1 - magnitude)}f}"
-    else:
-        mantissa, exponent = f"{rounded:.{digits - 1}e}".split("e")
-        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-        text = f"{mantissa}e{int(exponent)}"
-    return text.replace("-", "−", 1) if rounded < 0 else text
-
-
-def _exists(value: Any) -> TypeGuard[float]:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _markdown(text: Any) -> str:
@@ -119,9 +109,10 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "results": results,
         "expected": list(_expected(comparison)),
         "rounding": _rounding(comparison),
-        "costs": _costs(comparison, results),
+        "costs": list(costs(comparison, results, EVIDENCE)),
+        "measures": list(measures(comparison)),
         "model": list(_model(comparison)),
-        "evidence": [(meaning, number(_associated(comparison).get(name), 2)) for name, meaning in EVIDENCE.items()],
+        "evidence": list(_evidence(comparison)),
         "settings": list(_flat(comparison.get("settings") or {})),
         "provenance": list(_flat(comparison.get("provenance") or {})),
     }
@@ -136,36 +127,43 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
     associated, yade = _associated(comparison), comparison.get("yade") or {}
     shared = associated.get("shared_inset") or associated
     live = "multiplier" in associated
+    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
+    quantity = "multiplier" if live else "reaction"
+    shared_coulomb = coulomb.get("shared_inset") or coulomb
+    predicted, (low, high) = shared_coulomb.get(quantity), shared_coulomb.get(f"{quantity}_interval") or (None, None)
     least, found = shared.get("reaction"), yade.get("reaction")
+    nearest = predicted if exists(predicted) else least
     reactions = {
         "least": least,
         "greatest": shared.get("reaction_max"),
         "yade": found,
         "uncertainty": yade.get("uncertainty"),
-        "difference": found - least if _exists(least) and _exists(found) else None,
+        "coulomb": predicted,
+        "difference": found - nearest if exists(nearest) and exists(found) else None,
     }
     weight, unit = comparison.get("weight"), comparison.get("unit", "" if live else "N")
-    ratios = {name: value / weight if _exists(value) and weight else None for name, value in reactions.items()}
+    ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
     unbounded = associated.get("reaction_max_status") == "unbounded"
     return reactions | {
         "ratios": ratios,
         "unit": unit,
         "ratio_unit": "of W" if unit == "N" else "m, over W",
-        "bounds": _range(reactions["least"], reactions["greatest"], unbounded, 5),
-        "bounds_over_weight": _range(ratios["least"], ratios["greatest"], unbounded, 4),
+        "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
+        "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
+        "interval": value_range(low, high, False, 5) if exists(high) else DASH,
+        "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
         "multiplier": associated.get("multiplier"),
         "status": associated.get("status") or DASH,
         "yade_status": yade.get("status") or "not run",
-        "limit_analysis_seconds": associated.get("seconds"),
+        "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
         "yade_seconds": yade.get("seconds"),
     }
 
 
-def _range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
-    if not _exists(low):
-        return DASH
-    return f"at least {number(low, digits)}" if unbounded else f"{number(low, digits)} to {number(high, digits)}"
+def _sum(*values: Any) -> float | None:
+    found = [value for value in values if exists(value)]
+    return sum(found) if found else None
 
 
 def _sentence(comparison: dict[str, Any]) -> str:
@@ -197,14 +195,14 @@ def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
     expected, associated = comparison.get("expected") or {}, _associated(comparison)
     weight = comparison.get("weight")
     values = {name: associated.get(name) for name in ("reaction_sharp", "reaction_max_sharp")}
-    sharp = {name: value / weight if _exists(value) and weight else None for name, value in values.items()}
+    sharp = {name: value / weight if exists(value) and weight else None for name, value in values.items()}
     found = {
         "reaction_over_weight": ("R_min / W", sharp["reaction_sharp"]),
         "reaction_max_over_weight": ("R_max / W", sharp["reaction_max_sharp"]),
         "multiplier": ("multiplier", associated.get("multiplier_sharp")),
     }
     for key, (name, value) in found.items():
-        if _exists(expected.get(key)):
+        if exists(expected.get(key)):
             yield {"name": name, "expected": expected[key], "found": value} | {k: expected.get(k) for k in ("tolerance", "kind")}
 
 
@@ -214,43 +212,15 @@ def _rounding(comparison: dict[str, Any]) -> str:
     shared = associated.get("shared_inset") or associated
     quantity = "multiplier" if results["live"] else "reaction"
     sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
-    if not (_exists(sharp) and _exists(rounded) and _exists(inset)) or inset == 0.0:
+    if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
         return ""
     change = rounded - sharp
-    share = f" ({_signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
+    share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     unit = f" {results['unit']}".rstrip()
     return (
         f"An inset of {number(1e3 * inset, 3)} mm takes the {quantity} from {number(sharp, 5)}{unit} for sharp arrises "
-        f"to {number(rounded, 5)}{unit}: {_signed(change, 3)}{unit}{share}."
+        f"to {number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
     )
-
-
-def _signed(value: float, digits: int) -> str:
-    return ("+" if value > 0.0 else "") + number(value, digits)
-
-
-def _costs(comparison: dict[str, Any], results: dict[str, Any]) -> list[dict[str, str]]:
-    """How accurate each method's answer is and what it took."""
-    associated, yade = _associated(comparison), comparison.get("yade") or {}
-    residuals = [associated[name] for name in EVIDENCE if _exists(associated.get(name))]
-    unit = f" {results['unit']}".rstrip()
-    answer = results["multiplier"] if results["live"] else results["least"]
-    limit_analysis = {
-        "method": "limit analysis",
-        "answer": f"{number(answer, 5)}{unit}" if _exists(answer) else results["status"],
-        "accuracy": f"largest residual {number(max(residuals), 2)}" if residuals else DASH,
-        "work": f"{number(associated.get('iterations'))} iterations",
-        "seconds": number(results["limit_analysis_seconds"], 2),
-    }
-    share = results["ratios"]["uncertainty"]
-    by_yade = {
-        "method": "YADE",
-        "answer": f"{number(results['yade'], 5)}{unit}" if _exists(results["yade"]) else results["yade_status"],
-        "accuracy": f"± {number(results['uncertainty'], 2)}{unit}, {number(share, 2)} {results['ratio_unit']}" if _exists(share) else DASH,
-        "work": f"{number(yade.get('steps'))} steps",
-        "seconds": number(results["yade_seconds"], 2),
-    }
-    return [limit_analysis, by_yade] if yade else [limit_analysis]
 
 
 def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -274,6 +244,15 @@ def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]
             yield from _flat(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", DASH if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _evidence(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Residuals of the associated and of the Coulomb answer, with their meanings."""
+    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
+    for method, answer, meanings in (("associated", _associated(comparison), EVIDENCE), ("Coulomb", coulomb, COULOMB_EVIDENCE)):
+        for name, meaning in meanings.items():
+            if name in answer:
+                yield f"{method}: {meaning}", number(answer[name], 2)
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -1,0 +1,40 @@
+"""Numbers as the report shows them: so many significant digits, a dash for one that does not exist."""
+
+import math
+from typing import Any, TypeGuard
+
+DASH = "–"  # what a number that does not exist is shown as
+
+
+def number(value: Any, digits: int = 4) -> str:
+    """A number to so many significant digits, with an exponent only beyond a million or below a thousandth; a dash for none."""
+    if not exists(value):
+        return DASH
+    if float(value).is_integer() and abs(value) < 1e6:
+        return str(int(value)).replace("-", "−")
+    rounded = float(f"{value:.{digits - 1}e}")
+    magnitude = math.floor(math.log10(abs(rounded)))
+    if -3 <= magnitude < 6:
+        text = f"{rounded:.{max(0, digits - 1 - magnitude)}f}"
+    else:
+        mantissa, exponent = f"{rounded:.{digits - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        text = f"{mantissa}e{int(exponent)}"
+    return text.replace("-", "−", 1) if rounded < 0 else text
+
+
+def exists(value: Any) -> TypeGuard[float]:
+    """Whether a value is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
+    """Two bounds in words; `unbounded` is the greater one."""
+    if not exists(low):
+        return DASH
+    return f"at least {number(low, digits)}" if unbounded else f"{number(low, digits)} to {number(high, digits)}"
+
+
+def signed(value: float, digits: int) -> str:
+    """A number that shows its plus, too."""
+    return ("+" if value > 0.0 else "") + number(value, digits)
