@@ -20,8 +20,10 @@ from la_core.limit import Drive, Solution, Status
 from la_core.scaling import global_forces, support_motion, twists_of
 from la_core.stiffness import JointStiffness
 
-STEPS = 4  # to the plateau; tests/benchmark_friction.py shows what fewer and more cost and bring
+STEPS = 8  # to the plateau; tests/benchmark_friction.py shows what fewer and more cost and bring
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
+SOFTEST = 0.05  # sag over the travel: the strain of softer joints passes for a mechanism
+DRIFT = 0.1  # largest change of the value over the last step: what changes more has no plateau within the travel
 DILATANCY = 1e-3  # largest dilatancy residual of an answer called solved
 LEAST_WORK = 1e-3  # of the weight's over the support's motion: a mechanism that takes less work is judged by this
 ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
@@ -78,7 +80,8 @@ def predict(
             break
     if best is None:
         return _without_value(assembly, Status.FAILED, joints)
-    return replace(best, seconds=joints.seconds, iterations=joints.solves)
+    soft = stiffness.sag > SOFTEST * joints.unit and best.status is Status.SOLVED
+    return replace(best, status=Status.INACCURATE if soft else best.status, seconds=joints.seconds, iterations=joints.solves)
 
 
 def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0) -> Iterator[Step]:
@@ -124,9 +127,10 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
         evidence.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
         evidence.cone_violation(assembly, forces),
     )
-    converged = last.converged and dilatancy <= DILATANCY and max(residuals) <= ACCEPTED
+    unit = max(abs(value), 1e-6 if joints.live else 1e-6 * assembly.weight * speed)
+    drift = (value - value_of(joints, before)) / unit
+    converged = last.converged and dilatancy <= DILATANCY and max(residuals) <= ACCEPTED and abs(drift) <= DRIFT
     interval = reaction_interval(joints, before, last)
-    unit = max(abs(value), 1e-6 * assembly.weight * speed if not joints.live else 1e-6)
     return CoulombSolution(
         Status.SOLVED if converged else Status.INACCURATE,
         value,
@@ -134,7 +138,7 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
         twists,
         forces,
         at_rest=value_of(joints, steps[0]),
-        drift=(value - value_of(joints, before)) / unit,
+        drift=drift,
         dilatancy_residual=dilatancy,
         strain_residual=last.strain_residual,
         equilibrium_residual=residuals[0],

@@ -19,6 +19,7 @@ from la_core.stiffness import JointStiffness, joint_stiffness
 STRAIN = 2e-3  # relative: elastic joints leave a sag of 1/300 of the travel
 UNSLIDING = 1e-3  # relative: where nothing slides, only solver tolerance and that strain separate the two answers
 PLATEAU = 1e-2  # relative: what friction's history leaves open between ways to the same plateau
+HALF = 3e-2  # relative: under the right half more joints slide, and soft joints slide later
 PUBLISHED = 5e-3  # relative: other iterations to the same state, printed to five digits
 SAME = 1e-3  # relative: the same problem in another order of blocks or another frame; the iteration amplifies round-off
 DIGIT = 2e-4  # of the weight: two units of the last printed digit
@@ -335,7 +336,7 @@ def test_plateau_does_not_depend_on_the_stiffness(split, factor) -> None:
     scene = great_wall(0.6, split)
     stiffness = problem(scene)[1]
     changed = {"normal_stiffness": factor * stiffness.normal, "max_travel": stiffness.travel}
-    assert value(scene, **changed) == pytest.approx(value(scene), rel=PLATEAU)
+    assert value(scene, **changed) == pytest.approx(value(scene), rel=PLATEAU if split == 1.6 else HALF)
     assert bounds(scene, **changed) == pytest.approx(bounds(scene), abs=DIGIT)
 
 
