@@ -26,9 +26,8 @@ system-packages:
 		{ echo 'Installing yade and python3-h5py by apt: about 0.4 GB to fetch, 2.2 GB on disk.' >&2 && $(APT_INSTALL) yade python3-h5py; } || \
 		$(call ask,yade python3-h5py, Without YADE: $(BIN)/crosscheck run two_pads --no-yade)
 
-# Exit code 4 (inconclusive) is an answer: the wall's joints slide, so limit analysis gives it a bound only.
 demo: setup
-	$(BIN)/crosscheck run two_pads arch_spreading wall_third || [ $$? -eq 4 ]
+	$(BIN)/crosscheck run two_pads arch_spreading wall_third
 
 test: setup
 	$(BIN)/python -m pytest

@@ -3,7 +3,7 @@
 Under a live load the same for its multiplier against the displacement along it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,26 +11,34 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from comparison.drawing import FAINT, INK, LIMIT_ANALYSIS, YADE
+from comparison.plot_reaction_lines import (
+    Scales,
+    has_plateau,
+    has_sharp,
+    interval_of,
+    is_joint,
+    levels,
+    plateau_limits,
+    reached,
+    scales_of,
+    whole_limits,
+)
+from comparison.plot_words import Word, write_words
 from comparison.record import Run
+from comparison.report_numbers import number
 from la_core.case import LimitAnalysis
-from la_core.limit import Drive, Solution, Status
+from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
-NEAR = 2.5  # times the range of all other values: a greatest reaction farther than this is only pointed at
-PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
 BAND = 0.16  # opacity
-POINT = 1e-4  # of the value: an interval narrower than this is a point
-PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
-
-
-@dataclass(frozen=True)
-class _Scales:
-    """Divisors from SI to the axes' units, and the units' names."""
-
-    settlement: float
-    settlement_unit: str
-    reaction: float
-    reaction_unit: str
+INTERVAL = 0.14  # opacity of the Coulomb interval: over the admissible band, and darker than it in greyscale
+ADMISSIBLE = "admissible (associated)"
+LEAST = r"limit analysis, $R_{\min}$"
+GREATEST = r"limit analysis, $R_{\max}$"
+ASSOCIATED = "limit analysis, associated"
+COULOMB = "limit analysis, Coulomb prediction"
+HISTORY = "interval: friction's history decides within"
+FITTED = "YADE, fitted plateau"
 
 
 def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Figure:
@@ -44,27 +52,28 @@ def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> F
     if obstacle and run is None:
         figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
         return figure
-    scales, end = _scales(scene, analysis, run), _reached(analysis, run)
-    whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if _has_plateau(run) else [figure.subplots()]
-    panels = [(whole, _whole_limits(analysis, run)), *((axes, _plateau_limits(analysis, run)) for axes in close)]
+    scales, end = scales_of(scene, analysis, run), reached(analysis, run)
+    is_close = has_plateau(run) or (run is None and end > 0.0)
+    whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if is_close else [figure.subplots()]
+    panels = [(whole, whole_limits(analysis, run)), *((axes, plateau_limits(analysis, run)) for axes in close)]
+    written: set[str] = set()
     for axes, limits in panels:
         _draw_bounds(axes, analysis, scales, limits)
-        _draw_prediction(axes, analysis, scales)
+        _draw_prediction(axes, analysis, scales, limits)
         if run is not None and end > 0.0:
             _draw_run(axes, run, scales, end)
         _finish(axes, scene, scales, end, limits)
+        low, high = (limit / scales.reaction for limit in limits)
+        written |= write_words(axes, _words(analysis, run, scales, end), (low, high), _kept_clear(analysis, scales, end))
     for axes in close:
         axes.set_title("close to the plateau", fontsize=9, loc="left")
-    whole.set_title(_status_words(run, obstacle), fontsize=9, parse_math=False, loc="left")
+    whole.set_title(_status_words(analysis, run, obstacle), fontsize=9, parse_math=False, loc="left")
     if not close:
         figure.set_figwidth(7.5)
     named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
-    figure.legend(list(named.values()), list(named), loc="outside lower center", ncols=4 if close else 2, fontsize=8, frameon=False)
+    keys = {name: handle for name, handle in named.items() if name not in written}  # words next to a line need no key
+    figure.legend(list(keys.values()), list(keys), loc="outside lower center", ncols=4 if close else 2, fontsize=8, frameon=False)
     return figure
-
-
-def _has_plateau(run: Run | None) -> bool:
-    return run is not None and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
 
 
 def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
@@ -75,136 +84,137 @@ def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
     return "" if np.isfinite(value) else f"Limit analysis ended as {status}: it has no {scene.quantity}."
 
 
-def _status_words(run: Run | None, obstacle: str) -> str:
-    words = "" if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
+def _status_words(analysis: LimitAnalysis, run: Run | None, obstacle: str) -> str:
+    followed = "" if analysis.path is None else "the whole path"
+    words = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
     return "\n".join(part for part in (words, obstacle) if part)
 
 
-def _lines(analysis: LimitAnalysis) -> dict[str, float]:
-    """Finite reactions of limit analysis by label."""
-    named = {
-        "least": _value(analysis.rounded, analysis.main),
-        "sharp": _value(analysis.sharp, analysis.main),
-        "greatest": _value(analysis.rounded, Drive.PUSHING),
-    }
-    if analysis.coulomb is not None:
-        named |= {"coulomb": analysis.coulomb.value, "lowest": analysis.coulomb.interval[0], "highest": analysis.coulomb.interval[1]}
-    return {name: value for name, value in named.items() if np.isfinite(value)}
-
-
-def _value(solutions: dict[Drive, Solution], drive: Drive) -> float:
-    return solutions[drive].value if drive in solutions else float("nan")
-
-
-def _reached(analysis: LimitAnalysis, run: Run | None) -> float:
-    """Largest settlement recorded or followed, m or rad; 0 where none is. A path goes on where a run has stopped: it is cut there."""
-    if run is not None:
-        return float(run.settling("settlement").max(initial=0.0))
-    return float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0
-
-
-def _scales(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> _Scales:
-    values = [abs(value) for value in _lines(analysis).values()]
-    if run is not None:
-        values += list(np.abs(run.settling("reaction")))
-    if analysis.path is not None:
-        values += list(np.abs(analysis.path.value))
-    largest = max((value for value in values if np.isfinite(value)), default=1.0)
-    divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
-    tiny = _reached(analysis, run) < 1e-5
-    length = ("µrad" if tiny else "mrad") if scene.is_rotation else ("µm" if tiny else "mm")
-    return _Scales(1e-6 if tiny else 1e-3, length, divisor, f"{prefix}{scene.unit}")
-
-
-def _padded(low: float, high: float) -> tuple[float, float]:
-    pad = 0.08 * (high - low) if high > low else max(abs(high), 1.0) * 0.1
-    return low - pad, high + pad
-
-
-def _whole_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float]:
-    """Reaction range of the whole run: zero, the record and limit analysis; the greatest reaction only where it is near."""
-    lines = _lines(analysis)
-    alone = run is None and analysis.path is None
-    values = [0.0] + [value for name, value in lines.items() if name != "greatest" or alone]
-    if analysis.path is not None:
-        values += list(analysis.path.value)
-    if run is not None:
-        record = run.settling("reaction")
-        values += [float(value) for value in record[np.isfinite(record)]]
-    low, high = min(values), max(values)
-    if "greatest" in lines and lines["greatest"] - low <= NEAR * (high - low):
-        high = max(high, lines["greatest"])
-    return _padded(low, high)
-
-
-def _plateau_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float]:
-    """Reaction range around the fitted line, its uncertainty and the least reactions, with room for the record's noise."""
-    values = [value for name, value in _lines(analysis).items() if name != "greatest"]
-    if run is not None and _has_plateau(run):
-        reaction, uncertainty = run.result["reaction"], run.result["uncertainty"]
-        late = run.settling("reaction")[run.settling("settlement") >= run.result["plateau_start"]]
-        values += [reaction - 2.0 * uncertainty, reaction + 2.0 * uncertainty, *np.quantile(late, (0.02, 0.98))]
-    return _padded(min(values, default=0.0), max(values, default=1.0))
-
-
-def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: _Scales, limits: tuple[float, float]) -> None:
+def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
     """Admissible band and its ends; a greatest reaction beyond the axes is named above them."""
-    lines = {name: value / scales.reaction for name, value in _lines(analysis).items()}
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     low, high = (limit / scales.reaction for limit in limits)
-    if analysis.main is Drive.LIVE:
-        axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label="limit analysis, associated")
-    elif "least" in lines:
+    live = analysis.main is Drive.LIVE
+    if not live and "least" in lines:
         top = max(lines["least"], min(lines.get("greatest", np.inf), 2.0 * high - low))
-        axes.axhspan(lines["least"], top, color=LIMIT_ANALYSIS, alpha=BAND / 2.0, linewidth=0.0, label="admissible (associated)")
-        axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label=r"limit analysis, $R_{\min}$")
-    if "sharp" in lines and lines["sharp"] != lines.get("least"):
-        name = r"$R_{\min}$" if analysis.main is not Drive.LIVE else "associated,"
-        axes.axhline(lines["sharp"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle=":", label=f"{name} of sharp arrises")
+        axes.axhspan(lines["least"], top, color=LIMIT_ANALYSIS, alpha=BAND / 2.0, linewidth=0.0, label=ADMISSIBLE)
+    if "least" in lines:
+        axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label=ASSOCIATED if live else LEAST)
+    if has_sharp(analysis):
+        axes.axhline(lines["sharp"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle=":", label=_sharp_name(analysis))
     if "greatest" in lines and lines["greatest"] <= high:
-        axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=r"limit analysis, $R_{\max}$")
+        axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=GREATEST)
     elif "greatest" in lines:
         words = rf"$R_{{\max}}$ = {lines['greatest']:.4g} {scales.reaction_unit} lies above $\uparrow$"
         axes.set_title(words, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
 
 
-def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: _Scales) -> None:
+def _sharp_name(analysis: LimitAnalysis) -> str:
+    return "associated, of sharp arrises" if analysis.main is Drive.LIVE else r"$R_{\min}$ of sharp arrises"
+
+
+def _words(analysis: LimitAnalysis, run: Run | None, scales: Scales, end: float) -> list[Word]:
+    """What stands next to the lines and in the bands, with its value."""
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
+    live, unit = analysis.main is Drive.LIVE, f" {scales.reaction_unit}".rstrip()
+    least, named = ("associated", ASSOCIATED) if live else (r"$R_{\min}$, associated", LEAST)
+    names: dict[str, tuple[str, tuple[str, ...]]] = {
+        "least": (least, (named,)),
+        "greatest": (r"$R_{\max}$, associated", (GREATEST,)),
+        "coulomb": ("Coulomb prediction", (COULOMB,)),
+    }
+    if is_joint(analysis):
+        names["least"] = (f"{least}, and Coulomb prediction", (named, COULOMB))
+        del names["coulomb"]
+    if has_sharp(analysis):
+        names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
+    found = [
+        Word(lines[key], lines[key], f"{words}: {number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
+        for key, (words, keys) in names.items()
+        if key in lines
+    ]
+    if run is not None and has_plateau(run):
+        value, uncertainty = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty"))
+        level = value + run.result["slope"] / scales.reaction * end
+        found.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
+    return found + list(_band_words(analysis, scales, unit))
+
+
+def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[Word]:
+    """Words for the Coulomb interval, and for what is admissible above it."""
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
+    interval, above = interval_of(analysis), lines.get("least")
+    if interval is not None:
+        low, high = (value / scales.reaction for value in interval)
+        if np.isfinite([low, high]).all():
+            ends = f"{number(low, 4)} to {number(high, 4)}{unit}"
+        else:
+            ends = "without a least value" if np.isfinite(high) else "without a greatest value"
+        yield Word(low, high, f"interval, {ends}:\nfriction's history decides within", LIMIT_ANALYSIS, (HISTORY,))
+        above = max(above, high) if above is not None else None
+    greatest = lines.get("greatest", np.inf)
+    if analysis.main is not Drive.LIVE and above is not None and above < greatest:
+        yield Word(above, greatest, ADMISSIBLE, LIMIT_ANALYSIS, (ADMISSIBLE,))
+
+
+def _measured(value: float, uncertainty: float) -> str:
+    """A value to the place of its uncertainty's first digit."""
+    if not uncertainty > 0.0:
+        return number(value, 5)
+    places = int(np.clip(-np.floor(np.log10(uncertainty)), 0, 9))
+    return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
+
+
+def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
+    """Values that words keep off: the ends of the interval, and the path where words stand."""
+    values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
+    if analysis.path is not None:
+        late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)
+        values += list(analysis.path.value[late])
+    return [value / scales.reaction for value in values]
+
+
+def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
     """The Coulomb prediction, the interval of its mechanism where it has a width, and the path from rest."""
-    lines, path = {name: value / scales.reaction for name, value in _lines(analysis).items()}, analysis.path
+    lines, path = {name: value / scales.reaction for name, value in levels(analysis).items()}, analysis.path
+    interval = interval_of(analysis)
+    if interval is not None:
+        beyond = limits[1] - limits[0]
+        low, high = np.clip(interval, limits[0] - beyond, limits[1] + beyond) / scales.reaction
+        axes.axhspan(low, high, color=LIMIT_ANALYSIS, alpha=INTERVAL, linewidth=0.0, label=HISTORY)
     if "coulomb" in lines:
-        width = lines.get("highest", np.nan) - lines.get("lowest", np.nan)
-        if width > POINT * abs(lines["coulomb"]):
-            look = {"facecolor": "none", "edgecolor": LIMIT_ANALYSIS, "alpha": 0.45, "hatch": "///", "linewidth": 0.0}
-            axes.axhspan(lines["lowest"], lines["highest"], label="interval: friction's history decides", **look)
-        axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label="limit analysis, Coulomb prediction")
+        axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
+        axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
     if path is not None:
         # The thin line lies under YADE's record and the marks above it, so that both show where they are one.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
         at, values = path.settlement / scales.settlement, path.value / scales.reaction
         axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
-        axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path on elastic joints", **marks)
+        axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path from rest (same stiffness)", **marks)
 
 
-def _draw_run(axes: Any, run: Run, scales: _Scales, end: float) -> None:
+def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
     """The record, the fitted line from rest on, and the reaction at rest with its uncertainty."""
     axes.plot(
         run.settling("settlement") / scales.settlement, run.settling("reaction") / scales.reaction,
-        color=YADE, linewidth=1.0, label="YADE, recorded", zorder=4,
+        color=YADE, linewidth=1.3, label="YADE, recorded", zorder=4,
     )  # fmt: skip
-    if not _has_plateau(run):
+    if not has_plateau(run):
         return
     reaction, uncertainty, slope = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty", "slope"))
     start = run.result["plateau_start"]
-    for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", "YADE, fitted plateau")):
+    for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", FITTED)):
         s = np.array([first, last])
-        axes.plot(s / scales.settlement, reaction + slope * s, color=INK, linewidth=1.6, linestyle=style, label=label)
+        # Thinner than the record and above it, so that both show, on a plateau with noise and on one without.
+        axes.plot(s / scales.settlement, reaction + slope * s, color=INK, linewidth=0.9, linestyle=style, label=label, zorder=4.3)
     s = np.array([0.0, end])
     low, high = (reaction + slope * s + sign * uncertainty for sign in (-1.0, 1.0))
-    axes.fill_between(s / scales.settlement, low, high, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty")
+    axes.fill_between(s / scales.settlement, low, high, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty", zorder=4.2)
     marker = {"marker": "s", "markersize": 5, "markerfacecolor": YADE, "capsize": 4}
     axes.errorbar([0.0], [reaction], [uncertainty], color=INK, zorder=6, **marker)
 
 
-def _finish(axes: Any, scene: Scene, scales: _Scales, end: float, limits: tuple[float, float]) -> None:
+def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[float, float]) -> None:
     """Axes, units and the second scale R/W."""
     live = scene.live is not None
     motion = "mean displacement along the load" if live else f"{'rotation' if scene.is_rotation else 'settlement'} of the support"

@@ -11,7 +11,7 @@ from urllib.parse import quote
 import jinja2
 
 from comparison.report_costs import costs, measures
-from comparison.report_numbers import DASH, exists, number, signed, value_range
+from comparison.report_numbers import DASH, exists, half_width, interval_words, number, signed, value_range
 from comparison.summary import without_undefined
 from comparison.workflow import write_text
 
@@ -19,9 +19,10 @@ VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconcl
 FIGURES = {
     "assembly": "The structure: blocks by role, interfaces with their contact points, and what drives it.",
     "mechanisms": "Mechanisms for the same motion of the support; contact points that open and that slide are marked.",
-    "reaction": "Reaction against settlement from rest: YADE's record and plateau, extrapolated to the undeformed geometry; limit "
-    "analysis' bounds (associated), its Coulomb prediction, the interval its mechanism leaves open, and the path on equal joints.",
-    "dissipation": "Where friction dissipates in limit analysis' mechanism, and what every contact point does.",
+    "reaction": "Reaction against settlement from rest, or a live load against its displacement: YADE's record and its plateau, "
+    "extrapolated to the undeformed geometry; limit analysis' bounds (associated), and where known its Coulomb prediction, the "
+    "interval that the mechanism leaves open, and the path from rest on joints of the same stiffness.",
+    "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by what they do.",
 }
 EVIDENCE = {
     "equilibrium_residual": "largest unbalanced force, of the mean block weight",
@@ -43,7 +44,8 @@ LIMITATIONS = (
     "not. The Coulomb prediction does not dilate, but what its mechanism carries may depend on friction's history: the interval says how "
     "far, and elastic joints under one steady settlement select within it. Another history, such as repeated settlement, may end "
     "elsewhere.",
-    "Limit analysis speaks of rigid blocks at the undeformed geometry. YADE's joints are elastic and its support has moved: "
+    "Limit analysis keeps the undeformed geometry; its bounds know no stiffness, its Coulomb prediction and its path take that of YADE's "
+    "joints. In YADE the support has moved and the blocks have inertia: "
     "the plateau is extrapolated to zero settlement, but what stiffness and speed leave behind is only covered by the tolerances.",
     "Contact points are drawn in from the arrises by the inset, the same in both methods, which shortens every lever arm. "
     "Agreement at that inset says nothing on sharp arrises; the sharp reaction stands beside it for that reason.",
@@ -110,7 +112,7 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "expected": list(_expected(comparison)),
         "rounding": _rounding(comparison),
         "costs": list(costs(comparison, results, EVIDENCE)),
-        "measures": list(measures(comparison)),
+        "measures": list(measures(comparison, results["live"])),
         "model": list(_model(comparison)),
         "evidence": list(_evidence(comparison)),
         "settings": list(_flat(comparison.get("settings") or {})),
@@ -131,6 +133,7 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
     quantity = "multiplier" if live else "reaction"
     shared_coulomb = coulomb.get("shared_inset") or coulomb
     predicted, (low, high) = shared_coulomb.get(quantity), shared_coulomb.get(f"{quantity}_interval") or (None, None)
+    unit = comparison.get("unit", "" if live else "N")
     least, found = shared.get("reaction"), yade.get("reaction")
     nearest = predicted if exists(predicted) else least
     reactions = {
@@ -141,7 +144,7 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
         "coulomb": predicted,
         "difference": found - nearest if exists(nearest) and exists(found) else None,
     }
-    weight, unit = comparison.get("weight"), comparison.get("unit", "" if live else "N")
+    weight = comparison.get("weight")
     ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
     unbounded = associated.get("reaction_max_status") == "unbounded"
     return reactions | {
@@ -150,7 +153,9 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
         "ratio_unit": "of W" if unit == "N" else "m, over W",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
-        "interval": value_range(low, high, False, 5) if exists(high) else DASH,
+        "interval": interval_words(low, high, unit),
+        "half_width": half_width(low, high),
+        "less": "Coulomb" if exists(predicted) else "R_min",
         "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
         "multiplier": associated.get("multiplier"),

@@ -3,17 +3,19 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from comparison.report_numbers import DASH, exists, number
+from comparison.report_numbers import A_POINT, DASH, exists, number
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
+MEASURES = (
+    "dissipated_power", "dissipated_share", "participation_index", "moving_mass_share", "opening", "sliding", "sticking", "idle"
+)  # fmt: skip
 
 
 def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str]) -> Iterator[dict[str, str]]:
     """How accurate each method's answer is and what it took; `evidence` names the residuals of the associated answer."""
     answers = comparison.get("limit_analysis") or {}
-    associated, coulomb, path, yade = (
-        part or {} for part in (*map(answers.get, ("associated", "coulomb", "path")), comparison.get("yade"))
-    )
+    associated, coulomb, path = (answers.get(name) or {} for name in ("associated", "coulomb", "path"))
+    yade = comparison.get("yade") or {}
     unit = f" {results['unit']}".rstrip()
     quantity = "multiplier" if results["live"] else "reaction"
 
@@ -27,13 +29,18 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     work = f"{number(associated.get('iterations'))} iterations"
     yield row(METHODS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
     if coulomb:
-        accuracy = f"dilatancy residual {number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{unit}"
+        half = results["half_width"]
+        width = f", half-width {number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
+        accuracy = f"dilatancy residual {number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
         work = f"{number(coulomb.get('iterations'))} associated programmes"
         yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
-        values, solves = path.get(quantity) or [], path.get("solves") or []
-        accuracy = f"largest strain residual {number(max(path.get('strain_residual') or [0.0]), 2)}"
-        work = f"{len(values) - 1} increments, {sum(solves)} associated programmes"
+        values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
+        residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
+        accuracy = f"largest strain residual {number(max(residuals, default=None), 2)}"
+        missed = (path.get("converged") or []).count(False)
+        accuracy += f"; {missed} increments not converged" if missed else ""
+        work = f"{number(max(len(values) - 1, 0))} increments, {number(sum(solves) or None)} associated programmes"
         yield row("limit analysis, path", values[-1] if values else None, DASH, accuracy, work, path.get("seconds"))
     if yade:
         share = results["ratios"]["uncertainty"]
@@ -43,8 +50,12 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         )
 
 
-def measures(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Measures of each method's mechanism that is known; power per unit motion of the support is a force."""
+def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:
+    """Measures of each method's mechanism that is known; power per unit motion of the support is a force.
+
+    A live load does the work itself, so that a share of the work of settling weights says nothing there.
+    """
     for method, found in (comparison.get("mechanism_measures") or {}).items():
-        if exists(found.get("moving_mass_share")):
-            yield {"method": METHODS.get(method, method), **found}
+        if found and exists(found.get("moving_mass_share")):
+            shown = {name: found.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
+            yield {"method": METHODS.get(method, method), **shown}

@@ -3,6 +3,8 @@
 import math
 from typing import Any, TypeGuard
 
+POINT = 1e-4  # of the value: an interval narrower than this is a point
+A_POINT = "a point"
 DASH = "–"  # what a number that does not exist is shown as
 
 
@@ -33,6 +35,20 @@ def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
     if not exists(low):
         return DASH
     return f"at least {number(low, digits)}" if unbounded else f"{number(low, digits)} to {number(high, digits)}"
+
+
+def interval_words(low: Any, high: Any, unit: str) -> str:
+    """An interval in words, a dash for the end that is not known; a point where it has no width to speak of."""
+    if not exists(low) and not exists(high):
+        return DASH
+    if exists(low) and exists(high) and high - low <= POINT * max(abs(low), abs(high)):
+        return A_POINT
+    return f"{number(low, 5)} to {number(high, 5)} {unit}".rstrip()
+
+
+def half_width(low: Any, high: Any) -> float | None:
+    """Half of an interval's width, None where an end is not known; that of a point is not below zero by rounding."""
+    return max(high - low, 0.0) / 2.0 if exists(low) and exists(high) else None
 
 
 def signed(value: float, digits: int) -> str:

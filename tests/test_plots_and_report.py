@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from comparison import drawing, plots, report
+from comparison import drawing, plot_reaction, plots, report
+from comparison.plot_words import ROW, Word, write_words
 from comparison.record import Run
 from la_core.case import LimitAnalysis, analyse
 from la_core.limit import Drive
+from la_core.path import Path as FollowedPath
 from la_core.scene import Scene, load_scene
 
 HEAD = """
@@ -192,6 +195,113 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
 
+def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
+    """The analysis with a Coulomb value of so many times the least reaction, and its interval likewise; and a short path."""
+    assert analysis.coulomb is not None
+    least = analysis.rounded[analysis.main].value
+    coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
+    settlement = np.linspace(0.0, 8e-4, 9)
+    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
+    return replace(analysis, coulomb=coulomb, path=path)
+
+
+def labels_of(axes: Any) -> dict[str, Any]:
+    return {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("share", "drawn"),
+    [
+        ((1.0, 1.3), True), ((1.0, np.inf), True), ((-np.inf, 1.3), True), ((1.1, 1.1 + 1e-6), False), ((np.nan, 1.3), False),
+        ((1.0, np.nan), False),
+    ],
+)  # fmt: skip
+def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), share)
+    figure = plots.reaction_figure(scene, analysis, synthetic_run(analysis))
+    plots.save(figure, tmp_path / "reaction.png")
+    least = analysis.rounded[Drive.YIELDING].value
+    for axes in figure.axes:
+        band = labels_of(axes).get(plot_reaction.HISTORY)
+        assert (band is not None) == drawn
+        assert plot_reaction.COULOMB in labels_of(axes)
+        if band is not None:
+            seen = np.clip([band.get_y(), band.get_y() + band.get_height()], *axes.get_ylim())
+            assert seen == pytest.approx(np.clip(np.array(share) * least, *axes.get_ylim()))
+
+
+def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    figure = plots.reaction_figure(scene, analysis, synthetic_run(analysis))
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    beside = {
+        plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
+        plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
+        plot_reaction.HISTORY: "friction's history decides within",
+        plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
+        plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
+        r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
+        plot_reaction.ADMISSIBLE: "admissible",
+    }
+    for label in {label for axes in figure.axes for label in labels_of(axes)}:
+        shown = any(beside[label] in word for word in words) if label in beside else False
+        assert shown != (label in keys), label
+    assert {plot_reaction.LEAST, plot_reaction.COULOMB, plot_reaction.HISTORY, plot_reaction.FITTED}.isdisjoint(keys)
+
+
+def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
+    figure = plots.reaction_figure(scene, analysis, None)
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert any("associated, and Coulomb prediction" in word for word in words)
+    assert not any(word.startswith("Coulomb prediction") for word in words)
+
+
+@pytest.mark.parametrize("kind", ["plane", "live"])
+@pytest.mark.parametrize("known", [(), ("coulomb",), ("path",), ("coulomb", "path")])
+def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES[kind])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
+    figure = plots.reaction_figure(scene, replace(analysis, **missing), None)
+    plots.save(figure, tmp_path / "reaction.png")
+    assert len(figure.axes) == (2 if "path" in known else 1)
+    for axes in figure.axes:
+        assert (plot_reaction.COULOMB in labels_of(axes)) == ("coulomb" in known)
+        assert any("path" in label for label in labels_of(axes)) == ("path" in known)
+    assert figure.axes[0].get_xlabel().startswith("mean displacement" if kind == "live" else "settlement")
+    if "path" in known:
+        assert figure.axes[0].get_xlabel().endswith("(mm)")
+        assert figure.axes[0].get_ylim()[0] < 0.0 < analysis.path.value.max() < 1e3 * figure.axes[0].get_ylim()[1]  # type: ignore[union-attr]
+
+
+def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 5.0))
+    close = plots.reaction_figure(scene, analysis, synthetic_run(analysis)).axes[1]
+    assert close.get_ylim()[1] < 1.5 * analysis.rounded[Drive.YIELDING].value
+
+
+def test_words_keep_off_lines_and_each_other() -> None:
+    axes = plots.Figure().subplots()
+    axes.set_ylim(0.0, 1.0)
+
+    def word(low: float, high: float, name: str) -> Word:
+        return Word(low, high, name, "black", (name,))
+
+    # Words for "two" fit below it only, for "one" nowhere; the band's stand in its widest gap.
+    lines = [word(0.5, 0.5, "three"), word(0.5 - 0.2 * ROW, 0.5 - 0.2 * ROW, "one"), word(0.5 - 0.4 * ROW, 0.5 - 0.4 * ROW, "two")]
+    narrow = word(0.9, 0.9 + 0.9 * ROW, "narrow")
+    assert write_words(axes, [*lines, word(0.0, 0.5, "band"), narrow], (0.0, 1.0)) == {"three", "two", "band"}
+    at = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert at["three"] == 0.5
+    assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
+
+
 @pytest.mark.parametrize(
     ("value", "shown"),
     [
@@ -325,3 +435,124 @@ def test_json_is_strict_and_all_three_files_are_the_same_twice(tmp_path: Path) -
     stored = json.loads(first[2], parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
     assert stored["comparisons"][0]["yade"]["slope"] is None
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+
+
+def frictional_comparison(**changes: Any) -> dict[str, Any]:
+    """A comparison with everything that a scene with sliding joints has."""
+    comparison = comparison_of(title="A wall", source="", reason="", notes=[], checks=[], **changes)
+    comparison["limit_analysis"]["coulomb"] = {
+        "status": "solved", "reaction": 366.0, "reaction_interval": [363.3, 371.3], "reaction_sharp": 362.0,
+        "reaction_interval_sharp": [360.0, 368.0], "reaction_at_rest": 800.0, "drift": 1.5e-5, "dilatancy_residual": 2.5e-6,
+        "strain_residual": 3.5e-5, "equilibrium_residual": 1e-10, "cone_violation": 0.0, "iterations": 19, "seconds": 0.23,
+    }  # fmt: skip
+    comparison["limit_analysis"]["path"] = {
+        "settlement": [0.0, 1e-5, 1e-4], "reaction": [800.0, 500.0, 366.1], "strain_residual": [None, 4.5e-4, 2e-4],
+        "converged": [True, False, True], "solves": [2, 30, 11], "seconds": 0.57,
+    }  # fmt: skip
+    counts = {"opening": 2.0, "sliding": 8.0, "sticking": 3.0, "idle": 1.0}
+    measures = {"dissipated_power": 51.25, "dissipated_share": 0.1375, "participation_index": 0.0815, "moving_mass_share": 0.25}
+    comparison["mechanism_measures"] = {
+        "associated": {**measures, **counts, "participation_index": 0.9125},
+        "coulomb": {**measures, **counts},
+        "yade": dict.fromkeys((*measures, *counts)),
+    }
+    return comparison
+
+
+def page_and_markdown(folder: Path, comparison: dict[str, Any]) -> tuple[str, str]:
+    page = report.write_report(folder, [comparison], {}).read_text(encoding="utf-8")
+    return page, (folder / "report.md").read_text(encoding="utf-8")
+
+
+def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_it(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    for words in ("366 N", "363.30 to 371.30 N", "−2.50 N"):
+        assert words in row
+    assert "less R_min" not in row
+    (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
+    assert "| 366 | 363.30 to 371.30 N |" in top
+    assert top.endswith("| −2.50 |")
+
+
+def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of())
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert "0.200 N" in row
+    assert "less R_min" in row
+    assert "| 0.200 (less R\\_min) |" in markdown
+
+
+def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    for text in (page, markdown):
+        for words in (
+            "7 iterations", "largest residual 1e-10", "19 associated programmes", "dilatancy residual 2.5e-6", "half-width 4 N",
+            "2 increments, 43 associated programmes", "largest strain residual 4.5e-4", "1 increments not converged", "34233 steps",
+        ):  # fmt: skip
+            assert words in text
+    for seconds in ("0.010", "0.23", "0.57", "8.1"):
+        assert f'<td class="number">{seconds}</td>' in page
+    assert "Coulomb: work of the dilation left, over the elastic energy of the joints" in page
+
+
+def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    table = page[page.index("Mechanisms, measured") :]
+    table = table[: table.index("</table>")]
+    assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
+        "associated",
+        "Coulomb",
+    ]
+    for words in ("51.25 N", "0.138", "0.912", "0.0815", "0.250"):
+        assert words in table
+        assert words.removesuffix(" N") in markdown
+    assert "(Σp)²/(J Σp²)" in page
+
+
+def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"]["shared_inset"] = {"inset": 0.001, "reaction": 364.5, "reaction_interval": [363.5, 363.51]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert "364.50 N" in row
+    assert "a point" in row
+    assert "−1 N" in row
+
+
+def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
+    comparison = frictional_comparison(unit="", yade=None)
+    answers = comparison["limit_analysis"]
+    for answer in (answers["associated"], answers["coulomb"], answers["path"]):
+        for name in [name for name in answer if name.startswith("reaction")]:
+            answer[name.replace("reaction", "multiplier")] = answer.pop(name)
+    answers["coulomb"]["multiplier_interval"] = [363.3, None]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "0.138" not in page
+    assert "363.30 to –" in page
+    assert "per unit power of the load" in page
+
+
+@pytest.mark.parametrize("empty", [None, {}])
+def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"] |= {"coulomb": empty, "path": empty}
+    comparison["mechanism_measures"] = {"coulomb": empty, "yade": {"moving_mass_share": 0.5}}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "less R_min" in page
+    del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "Mechanisms, measured" not in page
+    comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
+    comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert ">failed<" in page
+    assert "0 increments" in page
+
+
+def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "dissipation.png").write_bytes(b"not looked into")
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    assert "<figcaption>Where friction dissipates" in page
+    assert "(two%20pads/dissipation.png)" in markdown
