@@ -198,13 +198,18 @@ def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
 def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """Each expected value beside what limit analysis gives for sharp arrises."""
     expected, associated = comparison.get("expected") or {}, _associated(comparison)
+    own = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
     weight = comparison.get("weight")
-    values = {name: associated.get(name) for name in ("reaction_sharp", "reaction_max_sharp")}
-    sharp = {name: value / weight if exists(value) and weight else None for name, value in values.items()}
+
+    def over(value: Any) -> float | None:
+        return value / weight if exists(value) and weight else None
+
     found = {
-        "reaction_over_weight": ("R_min / W", sharp["reaction_sharp"]),
-        "reaction_max_over_weight": ("R_max / W", sharp["reaction_max_sharp"]),
-        "multiplier": ("multiplier", associated.get("multiplier_sharp")),
+        "reaction_over_weight": ("R / W", over(own.get("reaction_sharp"))),
+        "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
+        "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
+        "multiplier": ("multiplier", own.get("multiplier_sharp")),
+        "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
     }
     for key, (name, value) in found.items():
         if exists(expected.get(key)):
@@ -223,7 +228,7 @@ def _rounding(comparison: dict[str, Any]) -> str:
     share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     unit = f" {results['unit']}".rstrip()
     return (
-        f"An inset of {number(1e3 * inset, 3)} mm takes the {quantity} from {number(sharp, 5)}{unit} for sharp arrises "
+        f"An inset of {number(1e3 * inset, 3)} mm takes the associated {quantity} from {number(sharp, 5)}{unit} for sharp arrises "
         f"to {number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
     )
 

@@ -10,6 +10,7 @@ from comparison.check import Check
 from comparison.doctor import Finding
 from la_core.assembly import Assembly
 from la_core.scene import Scene
+from la_core.schema import Expected
 
 MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
 
@@ -31,11 +32,16 @@ def scene_table(scenes: list[Scene]) -> Table:
     table = _table("scene", "title", "expected", "kind", "source")
     for scene in scenes:
         expected = scene.expected
-        value = None
-        if expected is not None:
-            value = expected.multiplier if scene.live is not None else expected.reaction_over_weight
-        table.add_row(scene.name, _plain(scene.title), number(value), expected.kind if expected else "–", _plain(scene.source))
+        shown = "–" if expected is None else _expected(expected, scene.live is not None)
+        table.add_row(scene.name, _plain(scene.title), shown, expected.kind if expected else "–", _plain(scene.source))
     return table
+
+
+def _expected(expected: Expected, live: bool) -> str:
+    """The value of the scene's own friction, else the associated one, which is named so."""
+    value = expected.multiplier if live else expected.reaction_over_weight
+    associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
+    return f"{number(associated)} associated" if value is None and associated is not None else number(value)
 
 
 def _plain(text: str) -> str:

@@ -13,6 +13,8 @@ import pytest
 from comparison import drawing, plot_reaction, plots, report
 from comparison.plot_words import ROW, Word, write_words
 from comparison.record import Run
+from comparison.shipped import find
+from comparison.summary import limit_analysis_summary
 from la_core.case import LimitAnalysis, analyse
 from la_core.limit import Drive
 from la_core.path import Path as FollowedPath
@@ -300,6 +302,11 @@ def test_words_keep_off_lines_and_each_other() -> None:
     at = {text.get_text(): text.xy[1] for text in axes.texts}
     assert at["three"] == 0.5
     assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
+    # The words of the upper line stand below it, for above is no room, and there those of the lower line may not be.
+    axes = plots.Figure().subplots()
+    upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
+    assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
+    assert [text.get_va() for text in axes.texts] == ["top", "top"]
 
 
 @pytest.mark.parametrize(
@@ -409,7 +416,7 @@ def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
         "34233 steps",
         "7 iterations",
         "8.1",
-        "takes the reaction from 359.70 N",
+        "takes the associated reaction from 359.70 N",
         "+1.0 %",
     ):
         assert words in page
@@ -556,3 +563,10 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     assert "<figcaption>Where friction dissipates" in page
     assert "(two%20pads/dissipation.png)" in markdown
+
+
+def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
+    scene = load_scene(find("two_blocks"))
+    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
+    assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
+    assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
