@@ -104,10 +104,8 @@ def contact_motion(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, 
 
     A sliding point of an associated mechanism dilates by mu |u_t|; what parts faster than that opens.
     """
-    velocity, normal = assembly.relative_velocity(twists), assembly.normal
-    parting = np.sum(velocity * normal, axis=1)
-    slip = np.linalg.norm(velocity - parting[:, None] * normal, axis=1)
-    threshold = mechanism.MOVING_SHARE * float(np.linalg.norm(velocity, axis=1).max())
+    parting, slip = mechanism.contact_speeds(assembly, twists)
+    threshold = mechanism.MOVING_SHARE * float(np.hypot(parting, slip).max())
     opens = parting > assembly.points.friction * slip + threshold
     return opens, (slip > threshold) & ~opens
 
@@ -115,10 +113,11 @@ def contact_motion(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, 
 def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, factor: float, colour: str) -> None:
     blocks, points = assembly.blocks, assembly.points
     moves = mechanism.moving(blocks, twists)
-    vertices = blocks.vertices + factor * _velocity(blocks, twists, blocks.vertices, _owner(blocks))
+    vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, _owner(blocks))
     canvas.solids(vertices, *_looks(assembly, moves, colour))
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
-    middle = points.position + factor * sum(_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks) / 2.0
+    sides = [mechanism.point_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks]
+    middle = points.position + factor * sum(sides) / 2.0
     for mask, style in zip(contact_motion(assembly, twists), (POINT, SLIDES), strict=True):
         shown = np.flatnonzero(mask)
         shown = shown[canvas.seen(points.position[shown])]
@@ -153,11 +152,6 @@ def _owner(blocks: Blocks) -> np.ndarray:
     return np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
 
 
-def _velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """Velocity (N, 3) of the material points at `position` (N, 3) of the blocks `block` (N,)."""
-    return twists[block, :3] + np.cross(twists[block, 3:], position - blocks.centroid[block])
-
-
 def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
     """Arrows of the support's motion or the live load; returns what they show."""
     blocks = assembly.blocks
@@ -169,7 +163,7 @@ def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
         return "live load, proportional to weight"
     owner = _owner(blocks)
     driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))
-    velocity = _velocity(blocks, assembly.support_twist, blocks.vertices[driven], owner[driven])
+    velocity = mechanism.point_velocity(blocks, assembly.support_twist, blocks.vertices[driven], owner[driven])
     speed = np.linalg.norm(velocity, axis=1)
     if np.any(assembly.support_twist[:, 3:]):
         for vertex, motion in zip(blocks.vertices[driven], velocity / speed.max(), strict=True):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from la_core.assembly import PLANE_FREEDOMS, Assembly, per_length
-from la_core.mechanism import block_speeds
+from la_core.mechanism import block_speeds, contact_speeds
 
 
 def reaction(assembly: Assembly, forces: np.ndarray) -> float:
@@ -40,7 +40,7 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
 
     Not over the largest relative velocity: that is zero where blocks ride along with their support.
     """
-    normal, tangential, fastest = _contact_speeds(assembly, twists)
+    (normal, tangential), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
     if assembly.effects.friction == "none-slides":
         violation = np.maximum(tangential, -normal)
     else:
@@ -51,13 +51,5 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
 
 def penetration(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest speed at which blocks of a mechanism penetrate each other over the largest speed of a block."""
-    normal, _, fastest = _contact_speeds(assembly, twists)
+    (normal, _), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
     return float(max(0.0, -normal.min()) / fastest) if fastest > 0.0 else 0.0
-
-
-def _contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Parting speed (C,) and sliding speed (C,) at each contact point, and the largest speed of a block."""
-    velocity = assembly.relative_velocity(twists)
-    normal = np.sum(velocity * assembly.normal, axis=1)
-    tangential = np.linalg.norm(velocity - normal[:, None] * assembly.normal, axis=1)
-    return normal, tangential, float(block_speeds(assembly.blocks, twists).max())

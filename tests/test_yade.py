@@ -172,10 +172,14 @@ def test_the_settings_a_scene_may_name_are_those_yade_knows() -> None:
 
 
 @pytest.mark.parametrize("friction", [1.5, 5.0, 1e3])
-def test_a_slide_that_the_associated_mechanism_lacks_makes_it_a_bound_too(friction: float, tmp_path: Path) -> None:
+def test_where_rough_joints_may_jam_or_slide_the_interval_holds_both_and_nobody_is_called_wrong(friction: float, tmp_path: Path) -> None:
     path = tmp_path / "rough.toml"
     path.write_text(shipped.find("two_blocks").read_text().split("[expected]")[0].replace("friction = 0.6", f"friction = {friction}"))
-    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 4
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) in (0, 4)
     summary = json.loads((tmp_path / "out" / "rough" / "comparison.json").read_text())
     assert summary["yade"]["reaction"] == pytest.approx(0.5 * summary["weight"], rel=HALF_PER_CENT)
-    assert summary["verdict"] == "inconclusive" and "bound" in summary["reason"]
+    predicted = summary["limit_analysis"]["coulomb"]["reaction"]
+    if predicted == pytest.approx(0.5 * summary["weight"], rel=HALF_PER_CENT):
+        assert summary["verdict"] == "agree"
+    else:
+        assert summary["verdict"] == "inconclusive" and "history decides" in summary["reason"]
