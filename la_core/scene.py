@@ -14,6 +14,7 @@ from la_core import generators, schema, shapes
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
+from la_core.schema_types import Vector
 
 LARGEST_FILE = 50_000_000  # bytes; a scene is text
 
@@ -235,7 +236,7 @@ def _densities(named: list[NamedShape], file: schema.SceneFile) -> list[float]:
     return [np.nan if density is None else density for density in densities]
 
 
-def _unit(vector: schema.Vector) -> np.ndarray:
+def _unit(vector: Vector) -> np.ndarray:
     """Unit vector; scaled by the largest entry first, so that tiny and huge entries do not under- or overflow."""
     scaled = np.array(vector) / np.abs(vector).max()
     return scaled / np.linalg.norm(scaled)

@@ -2,55 +2,30 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
-LARGEST, SMALLEST = 1e12, 1e-12  # of any number in SI units: beyond these a slip of the pen, and round-off, not a structure
-Real = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-
-
-def _not_tiny(value: float) -> float:
-    if value < SMALLEST:
-        raise ValueError(f"must be at least {SMALLEST:g}")
-    return value
-
-
-Positive = Annotated[Real, Field(gt=0.0), AfterValidator(_not_tiny)]
-NotNegative = Annotated[Real, Field(ge=0.0)]
-Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
-Pair = tuple[Real, Real]
-Vector = tuple[Real, Real, Real]
-Text = Annotated[str, Strict(), Field(max_length=10_000, pattern=r"^[^\x00]*$")]  # HDF5 ends a text at its first NUL
-Name = Annotated[Text, Field(min_length=1, max_length=200)]
-MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
-Role = Literal["free", "fixed", "support"]
-
-
-def _not_zero(vector: Vector) -> Vector:
-    if not any(vector):
-        raise ValueError("must not be the zero vector")
-    return vector
-
-
-def _not_weightless(vector: Vector) -> Vector:
-    _not_tiny(max(abs(entry) for entry in vector))
-    return vector
-
-
-Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(_not_zero)]  # made unit, so of any length
-Gravity = Annotated[Vector, AfterValidator(_not_zero), AfterValidator(_not_weightless)]
+from la_core.schema_types import (
+    LARGEST,
+    MOST_BLOCKS,
+    Count,
+    Direction,
+    Gravity,
+    Name,
+    NotNegative,
+    Pair,
+    Positive,
+    Real,
+    Role,
+    Table,
+    Text,
+    Vector,
+)
 
 
 def _auto_or_bool(value: object) -> object:
     if not (isinstance(value, bool) or value == "auto"):
         raise ValueError("must be 'auto', true or false")
     return value
-
-
-class Table(BaseModel):
-    """A table that refuses keys it does not know and does not change once read."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class Stone(Table):
@@ -256,7 +231,8 @@ class SceneFile(Table):
     path: Path | None = None
     effects: Effects = Effects()
     expected: Expected | None = None
-    yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = {}  # settings for YADE in place of derived ones
+    # Settings for YADE in place of derived ones.
+    yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:

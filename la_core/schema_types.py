@@ -1,0 +1,47 @@
+"""What the entries of a scene file are made of: numbers within sense, vectors, names, and tables that refuse unknown keys."""
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
+
+LARGEST, SMALLEST = 1e12, 1e-12  # of any number in SI units: beyond these a slip of the pen, and round-off, not a structure
+Real = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+
+
+def _not_tiny(value: float) -> float:
+    if value < SMALLEST:
+        raise ValueError(f"must be at least {SMALLEST:g}")
+    return value
+
+
+Positive = Annotated[Real, Field(gt=0.0), AfterValidator(_not_tiny)]
+NotNegative = Annotated[Real, Field(ge=0.0)]
+Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
+Pair = tuple[Real, Real]
+Vector = tuple[Real, Real, Real]
+Text = Annotated[str, Strict(), Field(max_length=10_000, pattern=r"^[^\x00]*$")]  # HDF5 ends a text at its first NUL
+Name = Annotated[Text, Field(min_length=1, max_length=200)]
+MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
+Role = Literal["free", "fixed", "support"]
+
+
+def _not_zero(vector: Vector) -> Vector:
+    if not any(vector):
+        raise ValueError("must not be the zero vector")
+    return vector
+
+
+def _not_weightless(vector: Vector) -> Vector:
+    _not_tiny(max(abs(entry) for entry in vector))
+    return vector
+
+
+Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(_not_zero)]  # made unit, so of any length
+Gravity = Annotated[Vector, AfterValidator(_not_zero), AfterValidator(_not_weightless)]
+
+
+class Table(BaseModel):
+    """A table that refuses keys it does not know and does not change once read."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
