@@ -3,11 +3,13 @@
 Two blocks share an interface where two of their faces are opposite and coplanar and overlap; convex blocks share at most one.
 """
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from scipy.optimize import linprog
+from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
 from la_core.shapes import Blocks
@@ -69,14 +71,24 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
 
 
 def _near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2), a < b, whose bounding boxes touch: a tree over the two widest directions, then the third."""
+    """Pairs (P, 2), a < b, whose bounding boxes touch.
+
+    Blocks are sorted into classes of size, each a factor of two wide, with a tree of centres each: a few large blocks, such as
+    a foundation, then do not make every small one a neighbour, and the search grows as N log N.
+    """
     low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
-    third, *widest = np.argsort(np.ptp(blocks.centroid, axis=0))
-    (x0, y0), (x1, y1) = low[:, widest].T, high[:, widest].T
-    boxes = shapely.box(x0, y0, x1, y1)
-    a, b = shapely.STRtree(boxes).query(boxes)
-    near = (a < b) & (low[a, third] <= high[b, third]) & (low[b, third] <= high[a, third])
-    pairs = np.stack([a[near], b[near]], axis=1)
+    centre, radius = (low + high) / 2.0, np.linalg.norm(high - low, axis=1) / 2.0
+    octave = np.floor(np.log2(radius))
+    classes = [np.flatnonzero(octave == one) for one in np.unique(octave)]
+    trees = [cKDTree(centre[members]) for members in classes]
+    found = []
+    for i, j in itertools.combinations_with_replacement(range(len(classes)), 2):
+        reach = radius[classes[i]].max() + radius[classes[j]].max()
+        near = trees[i].sparse_distance_matrix(trees[j], reach, output_type="ndarray")
+        a, b = classes[i][near["i"]], classes[j][near["j"]]
+        meet = np.all((low[a] <= high[b]) & (low[b] <= high[a]), axis=1) & ((i != j) | (a < b))
+        found.append(np.sort(np.stack([a[meet], b[meet]], axis=1), axis=1))
+    pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
