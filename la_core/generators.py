@@ -1,13 +1,12 @@
-"""Generators: `[[wall]]` and `[[arch]]` tables become the same blocks a user could have typed."""
+"""Generators: a `[[wall]]` table becomes the same blocks a user could have typed; curved masonry does so in `vault` and `dome`."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 from la_core.errors import SceneError
-from la_core.schema import Arch, Opening, Wall
-from la_core.shapes import Shape, box, prism
+from la_core.schema import Opening, Wall
+from la_core.shapes import Shape, box
 
 SHORTEST_PIECE = 0.25  # of a block's length: what an opening leaves of a block joins its neighbour below this
 ON_LINE = 1e-6  # of a block's length: openings this close to a course line lie on it
@@ -83,28 +82,3 @@ def _opening_courses(wall: Wall, opening: Opening) -> tuple[int, int]:
     if opening.from_[0] < 0.0 or opening.to[0] > total:
         raise SceneError(where, f"must lie within the wall's length of {total} m", value=(opening.from_, opening.to))
     return first, past
-
-
-def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
-    """Voussoirs from the left springing to the right one, then the springers when asked for."""
-    half = math.radians(arch.embrace) / 2.0
-    angles = [-half + 2.0 * half * k / arch.voussoirs for k in range(arch.voussoirs + 1)]
-    y = (arch.centre[1], arch.centre[1] + arch.depth)
-    joints = [_joint(arch, angle) for angle in angles]
-    for number, (left, right) in enumerate(pairwise(joints), 1):
-        shape = prism([left[0], right[0], right[1], left[1]], y)
-        yield NamedShape(f"{arch.name} {number}", "free", arch.density, shape)
-    if arch.springers is None:
-        return
-    for side, angle, joint in (("left", -half, joints[0]), ("right", half, joints[-1])):
-        away = math.copysign(arch.thickness, angle)
-        beyond = [(px + away * math.cos(angle), pz - away * math.sin(angle)) for px, pz in joint]
-        shape = prism([joint[0], joint[1], beyond[1], beyond[0]], y)
-        yield NamedShape(f"{arch.name} springer {side}", getattr(arch.springers, side), arch.density, shape)
-
-
-def _joint(arch: Arch, angle: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Intrados and extrados (x, z) of the radial joint at `angle` from the crown, positive to the right."""
-    radii = (arch.radius - arch.thickness / 2.0, arch.radius + arch.thickness / 2.0)
-    inner, outer = ((arch.centre[0] + r * math.sin(angle), arch.centre[2] + r * math.cos(angle)) for r in radii)
-    return inner, outer

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pydantic
 
-from la_core import generators, schema, shapes
+from la_core import dome, generators, schema, shapes, vault
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
@@ -195,7 +195,11 @@ def _named_shapes(file: schema.SceneFile) -> Iterator[NamedShape]:
     for wall in file.wall:
         yield from generators.wall_blocks(wall)
     for arch in file.arch:
-        yield from generators.arch_blocks(arch)
+        yield from vault.arch_blocks(arch)
+    for barrel in file.vault:
+        yield from vault.vault_blocks(barrel)
+    for shell in file.dome:
+        yield from dome.dome_blocks(shell)
 
 
 def _shape(block: schema.Block) -> shapes.Shape:

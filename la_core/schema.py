@@ -4,6 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
+from la_core.schema_curved import Arch, Dome, Vault
 from la_core.schema_types import (
     LARGEST,
     MOST_BLOCKS,
@@ -130,35 +131,6 @@ class Wall(Table):
         return self
 
 
-class Springers(Table):
-    """Roles of the held blocks behind the springing joints of an arch."""
-
-    left: Literal["fixed", "support"]
-    right: Literal["fixed", "support"]
-
-
-class Arch(Table):
-    """Straight-sided voussoirs with radial joints in the xz plane, numbered from the left springing."""
-
-    name: Name = "arch"
-    centre: Vector  # centre of the circle; its y is where the depth begins
-    radius: Positive  # of the ring's mid line
-    thickness: Positive
-    depth: Positive
-    voussoirs: Count
-    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = 180.0  # degrees; 180 is semicircular, less is segmental
-    springers: Springers | None = None
-    density: Positive | None = None
-
-    @model_validator(mode="after")
-    def _is_a_ring(self) -> Self:
-        if self.thickness >= 2.0 * self.radius:
-            raise ValueError("`thickness` must be less than twice `radius`")
-        if self.embrace / self.voussoirs > 120.0:
-            raise ValueError("a voussoir may span at most 120 degrees; take more `voussoirs`")
-        return self
-
-
 class Settlement(Table):
     """Motion of all support blocks as one rigid body: a translation or a rotation."""
 
@@ -226,6 +198,8 @@ class SceneFile(Table):
     block: tuple[Block, ...] = ()
     wall: tuple[Wall, ...] = ()
     arch: tuple[Arch, ...] = ()
+    vault: tuple[Vault, ...] = ()
+    dome: tuple[Dome, ...] = ()
     settlement: Settlement | None = None
     live: Live | None = None
     path: Path | None = None

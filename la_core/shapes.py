@@ -29,10 +29,18 @@ def box(low: Sequence[float], high: Sequence[float]) -> Shape:
 
 def _extruded(points: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
     """Prism of a convex (x, z) profile whose corners turn from x to z."""
-    n = len(points)
-    vertices = np.array([(px, depth, pz) for depth in y for px, pz in points])
+    front, back = (np.array([(px, depth, pz) for px, pz in points]) for depth in y)
+    return loft(front, back)
+
+
+def loft(front: np.ndarray, back: np.ndarray) -> Shape:
+    """Body between two plane loops (n, 3) of corners in m, `front` counter-clockwise seen from outside, `back` corner by corner.
+
+    The caller sees to it that the faces between them are plane and the body convex.
+    """
+    n = len(front)
     sides = tuple(((i + 1) % n, i, n + i, n + (i + 1) % n) for i in range(n))
-    return Shape(vertices, (tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides))
+    return Shape(np.concatenate([front, back]), (tuple(range(n)), tuple(range(2 * n - 1, n - 1, -1)), *sides))
 
 
 def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
