@@ -115,7 +115,8 @@ def solve(assembly: Assembly, drive: Drive) -> Solution:
     multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
     forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
     solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
-    if drive is Drive.LIVE and solution.value < -ACCEPTED:  # the live load has to hold the structure up
+    # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
+    if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
         return _cannot_stand(assembly, problem, answer) or solution
     return solution
 
