@@ -13,6 +13,7 @@ from la_core.scene import Scene
 from la_core.schema import Expected
 
 MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
+ROUND_OFF = 1e-9  # of the weight: what the solver leaves of a reaction that is zero
 
 
 def _table(*headings: str, title: str | None = None) -> Table:
@@ -80,7 +81,7 @@ def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -
     for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
         if name in answer:
             value = answer[name]
-            over = "" if scene.live is not None else number(None if value is None else value / scene.weight)
+            over = "" if scene.live is not None else number(over_weight(value, scene.weight))
             table.add_row(name.replace("_", " "), number(value), over)
     if "falling" in answer:
         table.add_row("blocks that fall", _plain(", ".join(answer["falling"])), "")
@@ -98,7 +99,7 @@ def _add_coulomb(table: Table, scene: Scene, summary: dict[str, Any]) -> None:
     answer, divisor = summary["limit_analysis"]["coulomb"], scene.weight if scene.live is None else None
 
     def over(value: float | None) -> str:
-        return "" if divisor is None else number(_ratio(value, divisor))
+        return "" if divisor is None else number(over_weight(value, divisor))
 
     table.add_row("Coulomb: status", answer["status"], "")
     low, high = answer[f"{scene.quantity}_interval"]
@@ -117,7 +118,7 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     table = _table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
     columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
     for settlement, value, residual, converged, solves in zip(*columns, strict=True):
-        ratio = number(_ratio(value, scene.weight)) if scene.live is None else ""
+        ratio = number(over_weight(value, scene.weight)) if scene.live is None else ""
         shown = number(residual, 2) + ("" if converged else " not converged")
         table.add_row(number(settlement, 4), number(value), ratio, shown, str(solves))
     return table
@@ -135,7 +136,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
         else:
             shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb).get("reaction")
             values = [_over(value, weight) for value in (shared["reaction"], predicted, shared["reaction_max"])]
-            values.append(with_uncertainty(_ratio(yade.get("reaction"), weight), _ratio(yade.get("uncertainty"), weight)))
+            values.append(with_uncertainty(over_weight(yade.get("reaction"), weight), over_weight(yade.get("uncertainty"), weight)))
         if answer["status"] != "solved":
             values[0] = answer["status"]
         elif coulomb and coulomb["status"] != "solved":
@@ -147,12 +148,14 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     return table
 
 
-def _ratio(value: float | None, weight: float) -> float | None:
-    return None if value is None else value / weight
+def over_weight(value: float | None, weight: float) -> float | None:
+    """A value over the weight; zero where only round-off is left of it."""
+    ratio = None if value is None else value / weight
+    return 0.0 if ratio is not None and abs(ratio) < ROUND_OFF else ratio
 
 
 def _over(value: float | None, weight: float) -> str:
-    return number(_ratio(value, weight), 5)
+    return number(over_weight(value, weight), 5)
 
 
 def with_uncertainty(value: float | None, uncertainty: float | None) -> str:

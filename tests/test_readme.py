@@ -92,9 +92,9 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
     analysis = analyse(scene)
     least, predicted, interval, greatest, sharp, *_ = _results()[name]
     unit = 1.0 if scene.live is not None else scene.weight
-    assert least == _shown(analysis.rounded[analysis.main].value / unit)
+    assert least == _shown(tables.over_weight(analysis.rounded[analysis.main].value, unit))
     if Drive.PUSHING in analysis.rounded:
-        assert greatest == _shown(analysis.rounded[Drive.PUSHING].value / unit)
+        assert greatest == _shown(tables.over_weight(analysis.rounded[Drive.PUSHING].value, unit))
     assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
     assert analysis.coulomb.status is Status.SOLVED
     assert float(predicted) == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
@@ -103,8 +103,8 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
     assert ends == pytest.approx([end / unit for end in analysis.coulomb.interval], rel=ROUND_OFF)
 
 
-def _shown(value: float) -> str:
-    return tables.number(value if math.isfinite(value) else None, 5)
+def _shown(value: float | None) -> str:
+    return tables.number(value if value is not None and math.isfinite(value) else None, 5)
 
 
 @pytest.mark.parametrize("name", shipped.names())
