@@ -8,7 +8,7 @@ ask = { echo 'Not installed: $(1). As root: apt-get install $(1); then the same 
 
 .NOTPARALLEL:
 
-.PHONY: setup demo test lint clean
+.PHONY: setup demo test test-long lint clean
 
 setup: $(VENV)/.installed system-packages
 
@@ -31,6 +31,9 @@ demo: setup
 
 test: setup
 	$(BIN)/python -m pytest
+
+test-long: setup
+	$(BIN)/python -m pytest -m long
 
 lint: setup
 	$(BIN)/ruff check .

@@ -6,6 +6,7 @@ import la_core
 from la_core.errors import SceneError, nearest
 
 FOLDER = Path(la_core.__file__).parent / "scenes"
+LONG = ("building_corner",)  # minutes of limit analysis and most of an hour of YADE
 
 
 def names() -> list[str]:

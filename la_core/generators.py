@@ -1,84 +1,67 @@
-"""Generators: a `[[wall]]` table becomes the same blocks a user could have typed; curved masonry does so in `vault` and `dome`."""
+"""Generators: a `[[wall]]` table becomes the same blocks a user could have typed; others live in `building`, `vault` and `dome`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
-from la_core.errors import SceneError
-from la_core.schema import Opening, Wall
-from la_core.shapes import Shape, box
-
-SHORTEST_PIECE = 0.25  # of a block's length: what an opening leaves of a block joins its neighbour below this
-ON_LINE = 1e-6  # of a block's length: openings this close to a course line lie on it
+from la_core.courses import Face, Piece
+from la_core.schema_masonry import Wall
+from la_core.shapes import Shape, box, prism
 
 
 @dataclass(frozen=True)
 class NamedShape:
-    """A block before its mass is known: `density` None means the scene's stone."""
+    """A block before its mass is known: `density` None means the scene's stone; `added_density` (kg/m3) is what it bears on top."""
 
     name: str
     role: str
     density: float | None
     shape: Shape
+    added_density: float = 0.0
 
 
 def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
-    """Blocks of a wall, course by course from the bottom, left to right; openings are cut out and bridged by lintels."""
-    _, depth, height = wall.block
+    """Blocks of a wall, course by course from the bottom, leaf by leaf, left to right; heads bridge openings through all leaves."""
+    length, depth, height = wall.block
     x0, y0, z0 = wall.origin
+    face = Face(f'wall "{wall.name}"', wall.per_course * length, height, wall.courses, length)
     for course in range(wall.courses):
-        z = z0 + course * height
-        for number, (start, end) in enumerate(_course(wall, course), 1):
-            shape = box((x0 + start, y0, z), (x0 + end, y0 + depth, z + height))
-            yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, shape)
+        z = (z0 + course * height, z0 + (course + 1) * height)
+        number = 0
+        for leaves, pieces in _layers(wall, face, course):
+            y = (y0 + leaves[0] * depth, y0 + leaves[1] * depth)
+            for piece in pieces:
+                number += 1
+                yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, _shape(piece, x0, y, z))
 
 
-def _course(wall: Wall, course: int) -> list[tuple[float, float]]:
-    """Where the blocks of one course start and end along the wall (m)."""
-    length = wall.block[0]
-    total = wall.per_course * length
+def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, int], list[Piece]]]:
+    """What a course consists of across the wall: leaves from, to, and their pieces; heads of openings are one for all leaves."""
     starts_half = wall.bond == "running" and (course % 2 == 1) != (wall.first == "half")
-    joints = [(k + (0.5 if starts_half else 0.0)) * length for k in range(wall.per_course + 1)]
-    gaps, lintels = _cuts(wall, course)
-    pieces = list(lintels)
-    start = 0.0
-    for low, high in [*sorted(gaps + lintels), (total, total)]:
-        if low < start - ON_LINE * length:
-            raise SceneError(f'wall "{wall.name}": course {course + 1}', "openings or their lintels overlap here", value=(low, start))
-        if low > start + ON_LINE * length:
-            least = SHORTEST_PIECE * length
-            inner = [joint for joint in joints if start + least <= joint <= low - least]
-            edges = [start, *inner, low]
-            pieces += pairwise(edges)
-        start = high
-    return sorted(pieces)
+    stretchers = face.pieces(course, wall.block[0] / 2.0 if starts_half else 0.0, (), wall.opening)
+    spanning = [piece for piece in stretchers if _is_head(face, wall, course, piece)] if wall.leaves > 1 else []
+    stretchers = [piece for piece in stretchers if piece not in spanning]
+    if wall.headers_every and course % wall.headers_every == wall.headers_every - 1:
+        # A quarter of a block aside, so that no header's joint lies on a stretcher's.
+        headers = face.pieces(course, wall.block[0] / 4.0, (), wall.opening, pitch=0.5)
+        headers = [piece for piece in headers if not _is_head(face, wall, course, piece)]
+        tied = (course // wall.headers_every) % 2 if wall.leaves == 3 else 0
+        yield (tied, tied + 2), headers
+        if wall.leaves == 3:
+            yield ((2, 3) if tied == 0 else (0, 1)), stretchers
+    else:
+        for leaf in range(wall.leaves):
+            yield (leaf, leaf + 1), stretchers
+    yield (0, wall.leaves), spanning
 
 
-def _cuts(wall: Wall, course: int) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
-    """Openings and lintels that interrupt one course, as (start, end) along the wall."""
-    total = wall.per_course * wall.block[0]
-    gaps, lintels = [], []
-    for opening in wall.opening:
-        first, past = _opening_courses(wall, opening)
-        if first <= course < past:
-            gaps.append((opening.from_[0], opening.to[0]))
-        elif course == past:
-            lintels.append((max(0.0, opening.from_[0] - opening.bearing), min(total, opening.to[0] + opening.bearing)))
-    return gaps, lintels
+def _is_head(face: Face, wall: Wall, course: int, piece: Piece) -> bool:
+    """Whether a piece is a lintel or belongs to a flat arch or its skewbacks."""
+    above = [opening for opening in wall.opening if face.opening_courses(opening)[1] == course]
+    return piece.foot != piece.head or any(piece.head[0] <= opening.from_[0] and piece.head[1] >= opening.to[0] for opening in above)
 
 
-def _opening_courses(wall: Wall, opening: Opening) -> tuple[int, int]:
-    """First course an opening cuts and the course of its lintel."""
-    height, total = wall.block[2], wall.per_course * wall.block[0]
-    where = f'wall "{wall.name}": opening'
-    lines = [z / height for z in (opening.from_[1], opening.to[1])]
-    if any(abs(line - round(line)) > ON_LINE for line in lines):
-        raise SceneError(where, f"bottom and top must lie on course lines, multiples of {height} m", value=(opening.from_, opening.to))
-    first, past = (round(line) for line in lines)
-    if first < 0 or past >= wall.courses:
-        raise SceneError(
-            where, f"must leave a course for the lintel; the wall has {wall.courses} courses", value=(opening.from_, opening.to)
-        )
-    if opening.from_[0] < 0.0 or opening.to[0] > total:
-        raise SceneError(where, f"must lie within the wall's length of {total} m", value=(opening.from_, opening.to))
-    return first, past
+def _shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float, float]) -> Shape:
+    (left, right), (top_left, top_right) = piece.foot, piece.head
+    if piece.foot == piece.head:
+        return box((x0 + left, y[0], z[0]), (x0 + right, y[1], z[1]))
+    return prism([(x0 + left, z[0]), (x0 + right, z[0]), (x0 + top_right, z[1]), (x0 + top_left, z[1])], y)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pydantic
 
-from la_core import dome, generators, schema, shapes, vault
+from la_core import building, dome, generators, schema, shapes, vault
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
@@ -194,6 +194,8 @@ def _named_shapes(file: schema.SceneFile) -> Iterator[NamedShape]:
             raise SceneError(f'block "{block.name}"', str(error)) from error
     for wall in file.wall:
         yield from generators.wall_blocks(wall)
+    for walls in file.building:
+        yield from building.building_blocks(walls)
     for arch in file.arch:
         yield from vault.arch_blocks(arch)
     for barrel in file.vault:
@@ -237,7 +239,7 @@ def _densities(named: list[NamedShape], file: schema.SceneFile) -> list[float]:
     for n, density in zip(named, densities, strict=True):
         if density is None and shapes.ROLES[n.role] == FREE:
             raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
-    return [np.nan if density is None else density for density in densities]
+    return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]
 
 
 def _unit(vector: Vector) -> np.ndarray:

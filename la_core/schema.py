@@ -5,9 +5,9 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.schema_curved import Arch, Dome, Vault
+from la_core.schema_masonry import Building, Wall
 from la_core.schema_types import (
     LARGEST,
-    MOST_BLOCKS,
     Count,
     Direction,
     Gravity,
@@ -91,46 +91,6 @@ class Block(Table):
         return self
 
 
-class Opening(Table):
-    """Rectangle cut out of a wall, in the wall's own x and z (from its lower left corner), under one lintel."""
-
-    from_: Pair = Field(alias="from")
-    to: Pair
-    bearing: Positive
-
-    @model_validator(mode="after")
-    def _has_area(self) -> Self:
-        if self.to[0] <= self.from_[0] or self.to[1] <= self.from_[1]:
-            raise ValueError("both coordinates of `to` must be greater than those of `from`")
-        return self
-
-
-class Wall(Table):
-    """Courses of equal blocks along x, bottom course first."""
-
-    name: Name = "wall"
-    bond: Literal["running", "stack"]
-    origin: Vector
-    block: tuple[Positive, Positive, Positive]  # length (x), depth (y), height (z)
-    per_course: Count
-    courses: Count
-    first: Literal["full", "half"] = "full"  # what the bottom course of a running bond starts with
-    density: Positive | None = None
-    opening: tuple[Opening, ...] = ()
-
-    @model_validator(mode="after")
-    def _starts_half_in_running_bond(self) -> Self:
-        if self.first == "half" and self.bond == "stack":
-            raise ValueError('`first = "half"` goes with a running bond; in stack bond all courses are alike')
-        return self
-
-    @model_validator(mode="after")
-    def _is_bounded(self) -> Self:
-        if self.per_course * self.courses > MOST_BLOCKS:
-            raise ValueError(f"`per_course` times `courses` may be at most {MOST_BLOCKS}")
-        return self
-
-
 class Settlement(Table):
     """Motion of all support blocks as one rigid body: a translation or a rotation."""
 
@@ -197,6 +157,7 @@ class SceneFile(Table):
     joint: Joint
     block: tuple[Block, ...] = ()
     wall: tuple[Wall, ...] = ()
+    building: tuple[Building, ...] = ()
     arch: tuple[Arch, ...] = ()
     vault: tuple[Vault, ...] = ()
     dome: tuple[Dome, ...] = ()

@@ -17,6 +17,10 @@ from la_core.case import LimitAnalysis
 from la_core.case_file import read_case
 from la_core.scene import Scene, load_scene
 
+every_shipped_scene = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long) if name in shipped.LONG else name for name in shipped.names()]
+)
+
 
 @dataclass(frozen=True)
 class CrossChecked:

@@ -11,7 +11,7 @@ CrossCheck = Callable[[str], CrossChecked]
 SETTLING_WEIGHT = 2e-3  # of the reaction: what elastic joints may leave of an exact one
 HISTORY = 1e-2  # of the reaction: what the steps of either method leave open in friction's history
 STEADY = 5e-3  # of the reaction: scatter above this is stick-slip, whose mean is known less well
-WALLS = ("wall_third", "wall_half", "wall_low_friction", "wall_long", "wall_tall", "facade")
+WALLS = ("wall_third", "wall_half", "wall_low_friction", "wall_long", "wall_tall", "facade", "corner_settling_end")
 
 
 @pytest.mark.parametrize(("name", "settling"), [("two_blocks", 1 / 2), ("stack_bond_wall", 1 / 3)])

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import CrossChecked
+from conftest import CrossChecked, every_shipped_scene
 from scenes_for_tests import load
 
 from comparison import shipped, tables
@@ -86,7 +86,7 @@ def test_the_results_table_lists_every_shipped_scene() -> None:
     assert list(_results()) == shipped.names()
 
 
-@pytest.mark.parametrize("name", shipped.names())
+@every_shipped_scene
 def test_limit_analysis_of_the_results_table(name: str) -> None:
     scene = load_scene(shipped.find(name))
     analysis = analyse(scene)
@@ -107,7 +107,7 @@ def _shown(value: float | None) -> str:
     return tables.number(value if value is not None and math.isfinite(value) else None, 5)
 
 
-@pytest.mark.parametrize("name", shipped.names())
+@every_shipped_scene
 def test_yade_of_the_results_table(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
     *_, yade, verdict, _, _, _ = _results()[name]
     if load_scene(shipped.find(name)).live is not None:
