@@ -190,7 +190,7 @@ def test_weights_work_against_reaction_friction_and_dilation(name: str, drive: D
     compression = np.sum(solution.forces * assembly.normal, axis=1)
     work = float(np.sum(assembly.dead_load * solution.twists))
     dilation = float(np.sum(compression * parting))
-    unit = assembly.weight * float(slip.max() + np.abs(parting).max())
+    unit = max(assembly.weight, float(compression.sum())) * float(slip.max() + np.abs(parting).max())  # thrusts exceed weights in a dome
     assert work == pytest.approx(drive.value * solution.value + measures.dissipated_power - dilation, abs=1e-6 * unit)
     # Associated sliding does no net work: dilation gives back all that friction takes.
     assert measures.dissipated_power == pytest.approx(dilation, abs=1e-6 * unit)
