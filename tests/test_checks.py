@@ -202,7 +202,7 @@ def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
         tolerances: ("REACTION", "HISTORY", "LEAST_REACTION", "BROAD"),
         checks: ("SETTLEMENT", "UNBALANCED"),
-        check_prediction: ("NO_SLIDING", "SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE"),
+        check_prediction: ("NO_SLIDING", "SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE", "DOUBTFUL"),
         check_sections: ("SECTION", "ALONG"),
     }
     for module, names in rooms.items():
@@ -280,12 +280,25 @@ def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple
     assert _verdict("YADE's friction state", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
 
 
-def test_an_iteration_that_did_not_converge_predicts_nothing(wall: tuple[Scene, LimitAnalysis]) -> None:
+@pytest.mark.parametrize(
+    ("residual", "factor", "verdict"),
+    [
+        (2e-3, 1.005, Verdict.AGREE),
+        (2e-3, 1.05, Verdict.INCONCLUSIVE),
+        (2e-3, 1.30, Verdict.INCONCLUSIVE),
+        (5e-2, 1.000, Verdict.INCONCLUSIVE),
+    ],
+)
+def test_an_iteration_that_did_not_converge_may_confirm_but_not_contradict(
+    wall: tuple[Scene, LimitAnalysis], residual: float, factor: float, verdict: Verdict
+) -> None:
     scene, analysis = wall
     assert analysis.coulomb is not None
-    doubtful = dataclasses.replace(analysis, coulomb=dataclasses.replace(analysis.coulomb, status=Status.INACCURATE))
-    check = next(c for c in check_run(scene, doubtful, _coulomb_run(analysis)) if c.name == "reaction against prediction")
-    assert check.verdict is Verdict.INCONCLUSIVE and "not converged" in check.reason
+    coulomb = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, dilatancy_residual=residual)
+    found = check_run(scene, dataclasses.replace(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value))
+    check = next(c for c in found if c.name == "reaction against prediction")
+    assert check.verdict is verdict and ("not converged" in check.reason) is (verdict is not Verdict.AGREE)
+    assert Verdict.DISAGREE not in {c.verdict for c in found}
 
 
 def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
