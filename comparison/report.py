@@ -10,10 +10,10 @@ from urllib.parse import quote
 
 import jinja2
 
+from comparison.files import write_text
 from comparison.report_costs import costs, measures
 from comparison.report_numbers import DASH, exists, half_width, interval_words, number, signed, value_range
 from comparison.summary import without_undefined
-from comparison.workflow import write_text
 
 VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
 FIGURES = {

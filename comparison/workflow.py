@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from comparison import plots, provenance
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
+from comparison.files import copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
@@ -53,23 +53,13 @@ class Stored:
     inputs: str
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write a text file beside its name and rename, so that a crash leaves the old one or the new one."""
-    unwritten = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        unwritten.write_text(text, encoding="utf-8")
-        unwritten.replace(path)
-    finally:
-        unwritten.unlink(missing_ok=True)
-
-
 def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None = None) -> dict[str, Any]:
     """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds.
 
     time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(folder / "scene.toml", scene.text)
+    copy_inputs(scene, folder)
     analysis, inputs = _limit_analysis(scene, folder, listener)
     notes = _notes(scene, analysis)
     if scene.live is not None:

@@ -115,6 +115,7 @@ def code_digest(folder: Path) -> str:
 
 
 def digest(scene: Scene) -> str:
-    """Digest of all that decides the limit analysis: the scene's name and text and this package's code."""
-    text = "\n".join([scene.name, code_digest(Path(__file__).parent), version("clarabel"), scene.text])
+    """Digest of all that decides the limit analysis: the scene's name, text and meshes, and this package's code."""
+    meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
+    text = "\n".join([scene.name, code_digest(Path(__file__).parent), version("clarabel"), *meshes, scene.text])
     return hashlib.sha256(text.encode()).hexdigest()

@@ -12,11 +12,11 @@ class SceneError(Exception):
         super().__init__(f"{where}{shown}: {rule}" + (f"; {hint}" if hint else ""))
 
 
-def nearest(word: str, valid: Iterable[str]) -> str:
-    """A hint with the valid key nearest to `word`, and all valid keys when none is near."""
+def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
+    """A hint with the valid key (or other `kind`) nearest to `word`, and all valid ones when none is near."""
     choices = list(valid)
     near = difflib.get_close_matches(word, choices, n=1, cutoff=0.5)
-    return f'did you mean "{near[0]}"?' if near else f"valid keys: {', '.join(choices)}"
+    return f'did you mean "{near[0]}"?' if near else f"valid {kind}: {', '.join(choices)}"
 
 
 def _short(value: object, limit: int = 80) -> str:

@@ -14,9 +14,8 @@ from la_core import building, dome, generators, schema, shapes, vault
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
-from la_core.schema_types import Vector
-
-LARGEST_FILE = 50_000_000  # bytes; a scene is text
+from la_core.mesh import MeshFile, mesh_blocks, read_files
+from la_core.schema_types import LARGEST_FILE, Vector
 
 
 @dataclass(frozen=True)
@@ -25,6 +24,7 @@ class Scene:
 
     support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
     live (3,): unit direction of a load proportional to weight, None for a settlement.
+    meshes: the files of its [[mesh]] tables as they were read.
     """
 
     name: str
@@ -42,6 +42,7 @@ class Scene:
     path_asked: schema.Path | None
     expected: schema.Expected | None
     yade: dict[str, Any]
+    meshes: tuple[MeshFile, ...] = ()
 
     @property
     def weight(self) -> float:
@@ -164,7 +165,8 @@ def _table_of(annotation: Any) -> Any:
 
 
 def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
-    named = list(_named_shapes(file))
+    imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
+    named = [*_named_shapes(file), *(shape for mesh, files in imported for shape in mesh_blocks(mesh, files))]
     _require_sense(named, file)
     blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
     return Scene(
@@ -183,6 +185,7 @@ def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
         path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
+        meshes=tuple(one for _, files in imported for one in files),
     )
 
 

@@ -6,6 +6,7 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.schema_curved import Arch, Dome, Vault
 from la_core.schema_masonry import Building, Wall
+from la_core.schema_mesh import Mesh
 from la_core.schema_types import (
     LARGEST,
     Count,
@@ -161,6 +162,7 @@ class SceneFile(Table):
     arch: tuple[Arch, ...] = ()
     vault: tuple[Vault, ...] = ()
     dome: tuple[Dome, ...] = ()
+    mesh: tuple[Mesh, ...] = ()
     settlement: Settlement | None = None
     live: Live | None = None
     path: Path | None = None

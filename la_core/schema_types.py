@@ -20,8 +20,10 @@ Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
 Pair = tuple[Real, Real]
 Vector = tuple[Real, Real, Real]
 Text = Annotated[str, Strict(), Field(max_length=10_000, pattern=r"^[^\x00]*$")]  # HDF5 ends a text at its first NUL
-Name = Annotated[Text, Field(min_length=1, max_length=200)]
+LONGEST_NAME = 200  # characters
+Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
 MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
+LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
 
 
