@@ -51,7 +51,7 @@ def test_shipped_scene_yields_its_expected_value(name: str) -> None:
 
 
 def test_every_shipped_scene_is_named_in_a_test() -> None:
-    """The list above, the live loads of test_ferris_tin_loi.py, the mesh of test_mesh.py, and what only Coulomb's answer is known of (test_methods_agree.py)."""
+    """The list above, the live loads of test_ferris_tin_loi.py, the mesh of test_mesh.py, and what test_methods_agree.py knows."""
     named = test_shipped_scene_yields_its_expected_value.pytestmark[0].args[1]
     elsewhere = ("ferris_tin_loi_1", "ferris_tin_loi_2", "wall_low_friction", "corner_settling_end", "building_corner", "rubble_wall")
     assert sorted(path.stem for path in scenes.SHIPPED.glob("*.toml")) == sorted([*named, *elsewhere])
