@@ -13,6 +13,7 @@ from typing import Any
 from rich.console import Console
 
 from comparison import doctor, shipped, tables
+from comparison.arguments import figure, seconds
 from comparison.check import overall
 from comparison.checks import check_expected
 from comparison.narration import Narration
@@ -29,7 +30,6 @@ AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
 INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
-FIGURE_FORMATS = (".png", ".svg", ".pdf")
 PIPE_WIDTH = 120  # columns
 RESULTS = Path("crosscheck-results")
 
@@ -82,40 +82,26 @@ def _parser() -> argparse.ArgumentParser:
     add("scenes", _scenes, "list the shipped scenes: title, expected value, kind, source")
     show = add("show", _show, "draw a scene: blocks, roles, contact points; counts and weight")
     show.add_argument("scene", metavar="SCENE", help=scene_help)
-    show.add_argument("-o", "--output", type=_figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
+    show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
     solve = add("solve", _solve, "limit analysis alone")
     solve.add_argument("scene", metavar="SCENE", help=scene_help)
     solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
-    solve.add_argument("-o", "--output", type=_figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
+    solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
     study = add("sensitivity", _sensitivity, "how the classic iteration for friction depends on its own parameters")
     study.add_argument("scene", metavar="SCENE", help=scene_help)
-    study.add_argument("-o", "--output", type=_figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
+    study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
     run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run.add_argument("--time-limit", type=_seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
+    run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
     report = add("report", _report, "write the report again from stored results")
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
+    export = add("export", _export, "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
+    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
     add("doctor", _doctor, "what is installed, what is missing, the command that mends it")
     return parser
-
-
-def _figure(text: str) -> Path:
-    path = Path(text)
-    if path.suffix not in FIGURE_FORMATS:
-        raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
-    return path
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text}: must be a positive number of seconds")
-    return value
 
 
 def _stdout() -> Console:
@@ -250,6 +236,17 @@ def _report(options: argparse.Namespace, narrator: Console) -> int:
                     broken = _complain(str(error), TOOL)
             reports.append((folder, comparisons))
     return max(broken, _conclude(options, narrator, reports), key=_gravity)
+
+
+def _export(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.export import export, results_of
+
+    files = [str(path) for path in export(*results_of(options.source), options.output)]
+    if options.json:
+        _print_json({"files": files})
+    else:
+        _stdout().print("\n".join(files), markup=False)
+    return AGREE
 
 
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:

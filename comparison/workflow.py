@@ -72,15 +72,20 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 
 
+def read_results(folder: Path) -> tuple[Scene, LimitAnalysis, Run | None]:
+    """Stored results of a run's folder; raises exchange.ExchangeError where limit analysis is missing."""
+    scene = load_scene(folder / "scene.toml", name=folder.name)
+    analysis = case_file.read_case(folder / "case.h5", scene)
+    run_path = folder / "run.h5"
+    return scene, analysis, read_run(run_path, analysis.assembly) if run_path.exists() else None
+
+
 def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
     """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing."""
-    scene = load_scene(folder / "scene.toml", name=folder.name)
-    case_path, run_path = folder / "case.h5", folder / "run.h5"
-    analysis = case_file.read_case(case_path, scene)
+    scene, analysis, run = read_results(folder)
     previous = _stored_summary(folder)
-    run = read_run(run_path, analysis.assembly) if run_path.exists() else None
     yade = yade_summary(run) if run else previous.get("yade")
-    inputs = exchange.inputs_digest(run_path if run else case_path)
+    inputs = exchange.inputs_digest(folder / ("run.h5" if run else "case.h5"))
     notes = previous.get("notes") or _notes(scene, analysis)
     return _compare(Stored(scene, analysis, run, yade, notes, inputs), folder, listener)
 
