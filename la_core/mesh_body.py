@@ -45,8 +45,6 @@ def convex_shape(body: Surface) -> Shape:
         raise ValueError("is empty: it has no faces")
     if not np.all(np.abs(body.vertices) <= LARGEST):  # also false for NaN
         raise ValueError(f"has a coordinate that is not a number or beyond {LARGEST:g} m")
-    if len(body.vertices) > MOST_CORNERS and len(np.unique(body.vertices, axis=0)) > MOST_CORNERS:
-        raise ValueError(f"has more than {MOST_CORNERS} corners; simplify it to the plane faces of a block")
     vertices, triangles, faces = _welded(body)
     if not faces:
         raise ValueError("is degenerate: every face has shrunk to a line or a point")
@@ -61,12 +59,14 @@ def convex_shape(body: Surface) -> Shape:
 
 def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
     """Vertices with near ones merged, triangles (T, 3), and faces without the corners that repeat the one before."""
-    points = body.vertices
+    points, number = np.unique(body.vertices, axis=0, return_inverse=True)
+    if len(points) > MOST_CORNERS:
+        raise ValueError(f"has {len(points)} corners; simplify it to the plane faces of a block, with at most {MOST_CORNERS} corners")
     near = scipy.spatial.cKDTree(points).query_pairs(WELD * np.ptp(points, axis=0).max(), output_type="ndarray")
     graph = sparse.coo_matrix((np.ones(len(near)), near.T), shape=(len(points), len(points)))
     group = connected_components(graph, directed=False)[1]
     first = np.unique(group, return_index=True)[1]
-    loops = [group[list(face)] for face in body.faces]
+    loops = [group[number.ravel()[list(face)]] for face in body.faces]
     faces = [loop[loop != np.roll(loop, 1)] for loop in loops]
     faces = [face for face in faces if len(face) >= 3]
     fans = [(face[0], second, third) for face in faces for second, third in pairwise(face[1:])]

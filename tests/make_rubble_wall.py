@@ -11,12 +11,13 @@ import numpy as np
 from scipy.spatial import ConvexHull, Voronoi
 
 OBJ = Path(__file__).parent.parent / "la_core" / "scenes" / "rubble_wall.obj"
-SEED = 3
-LENGTH, DEPTH, HEIGHT = 2.0, 0.4, 1.4  # m
-PER_COURSE, COURSES = 5, 6
-SCATTER = (0.2, 0.15, 0.1)  # of a stone's length, depth and height: how far a point lies from its place in a running bond
-BED = 2.0
-FOUNDATION, SETTLING = 0.2, 0.4  # m: depth; share of the length that settles
+SEED = 2
+LENGTH, DEPTH, HEIGHT = 1.2, 0.4, 1.8  # m
+PER_COURSE, COURSES = 3, 7
+SCATTER = np.array([0.2, 0.0, 0.1])  # of a stone's length, depth and height: how far a point lies from its place in a running bond
+BED = 2.0  # stones go through the wall, so that the structure is plane
+EDGE = 0.02  # m; no point is nearer to a side of the wall
+FOUNDATION, SETTLING = 0.2, 0.5  # m: depth; share of the length that settles
 
 
 def points(seed: int = SEED) -> np.ndarray:
@@ -25,12 +26,11 @@ def points(seed: int = SEED) -> np.ndarray:
     size = np.array([LENGTH / PER_COURSE, DEPTH, HEIGHT / COURSES])
     places = []
     for course in range(COURSES):
-        half = course % 2
-        along = np.arange(PER_COURSE + half) + (0.5 - 0.5 * half)
-        along = np.clip(along, 0.2, PER_COURSE - 0.2)
+        along = np.arange(PER_COURSE) + 0.5 if course % 2 == 0 else np.clip(np.arange(PER_COURSE + 1.0), 0.2, PER_COURSE - 0.2)
         places += [(x, 0.5, course + 0.5) for x in along]
-    scatter = np.array(SCATTER) * chance.uniform(-1.0, 1.0, (len(places), 3))
-    return np.clip((np.array(places) + scatter) * size, 0.02, np.array([LENGTH, DEPTH, HEIGHT]) - 0.02)
+    scatter = SCATTER * chance.uniform(-1.0, 1.0, (len(places), 3))
+    box = np.array([LENGTH, DEPTH, HEIGHT])
+    return np.clip((np.array(places) + scatter) * size, EDGE, box - EDGE)
 
 
 def stones(seed: int = SEED) -> list[np.ndarray]:
