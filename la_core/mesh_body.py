@@ -63,14 +63,19 @@ def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
     if len(points) > MOST_CORNERS:
         raise ValueError(f"has {len(points)} corners; simplify it to the plane faces of a block, with at most {MOST_CORNERS} corners")
     near = scipy.spatial.cKDTree(points).query_pairs(WELD * np.ptp(points, axis=0).max(), output_type="ndarray")
-    graph = sparse.coo_matrix((np.ones(len(near)), near.T), shape=(len(points), len(points)))
-    group = connected_components(graph, directed=False)[1]
+    group = _groups(near, len(points)) if len(near) else np.arange(len(points))
     first = np.unique(group, return_index=True)[1]
     loops = [group[number.ravel()[list(face)]] for face in body.faces]
     faces = [loop[loop != np.roll(loop, 1)] for loop in loops]
     faces = [face for face in faces if len(face) >= 3]
     fans = [(face[0], second, third) for face in faces for second, third in pairwise(face[1:])]
     return points[first], np.array(fans, dtype=int).reshape(-1, 3), faces
+
+
+def _groups(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Group (count,) of things that hang together by pairs (P, 2)."""
+    graph = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
@@ -86,8 +91,8 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
     forward = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
     if np.any(forward != 0.0):
         raise ValueError(f"has inconsistent normals: {np.sum(forward != 0.0)} of its {len(uses)} edges run the same way in both faces")
-    joined = sparse.coo_matrix((np.ones(len(edge)), (owner, edge)), shape=(len(faces), len(uses))).tocsr()
-    shells, _ = connected_components(joined @ joined.T, directed=False)
+    neighbours = owner[np.argsort(edge)].reshape(-1, 2)
+    shells = _groups(neighbours, len(faces)).max() + 1
     if shells > 1:
         raise ValueError(f"consists of {shells} separate shells; give every body its own object, group or file")
 

@@ -23,6 +23,7 @@ from la_core.scene import Scene, load_scene
 
 EXACT = 1e-6  # of the weight: residuals of a solved answer are below this
 SINGLE = 1e-5  # of the weight: what coordinates in single precision change in lengths of a block
+DAMAGES = 20  # a format
 AS_WRITTEN = 1e-9  # m: half a unit of the last digit written, and round-off
 
 Corners = np.ndarray
@@ -356,6 +357,22 @@ def test_a_truncated_file_is_refused(write: Callable[[Path], Path], share: float
     cut = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != scene)[0]
     cut.write_bytes(cut.read_bytes()[: int(share * cut.stat().st_size)])
     assert cut.name in refusal(scene) or "no body's name fits" in refusal(scene)
+
+
+@pytest.mark.parametrize("write", [as_obj, as_ply_folder, as_stl_folder, as_compas, as_old_compas])
+def test_a_file_with_damaged_bytes_is_read_or_refused_and_nothing_else(write: Callable[[Path], Path], tmp_path: Path) -> None:
+    chance, scene = np.random.default_rng(0), write(tmp_path)
+    path = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != scene)[0]
+    whole, refused = path.read_bytes(), 0
+    for _ in range(DAMAGES):
+        damaged, place = bytearray(whole), int(chance.integers(len(whole)))
+        damaged[place : place + int(chance.integers(20))] = chance.bytes(int(chance.integers(1, 6)))
+        path.write_bytes(damaged)
+        try:
+            load_scene(scene)
+        except SceneError:
+            refused += 1
+    assert refused > DAMAGES / 2
 
 
 def test_a_missing_reader_is_named_with_the_extra_and_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
