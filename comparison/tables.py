@@ -24,8 +24,10 @@ def _table(*headings: str, title: str | None = None) -> Table:
 
 
 def number(value: float | None, digits: int = 6) -> str:
-    """A number in `digits` significant digits, a dash for none."""
-    return "–" if value is None else f"{value:.{digits}g}"
+    """A number in `digits` significant digits, a dash for none; up to a million its whole part is written out."""
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
 
 
 def scene_table(scenes: list[Scene]) -> Table:
