@@ -18,11 +18,13 @@ from scipy import sparse
 
 from la_core import evidence
 from la_core.assembly import PLANE_FREEDOMS, Assembly
-from la_core.conic import Answer, Cones, Outcome, maximise
+from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
+SHARE_ASKED = 0.25  # of ACCEPTED, asked of a quick solve: the solver's tests are close to the recomputed ones, not the same
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
+HEAD_SCALE = 10.0  # of the rows of joints along gravity, against 1 for joints that it presses straight on
 LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
@@ -94,8 +96,19 @@ def scaled_problem(assembly: Assembly) -> ScaledProblem:
 
 
 def solve(assembly: Assembly, drive: Drive) -> Solution:
-    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so."""
+    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
+
+    A quick solve comes first; only an answer that the evidence confirms is taken from it.
+    """
     problem = scaled_problem(assembly)
+    first = _attempt(assembly, problem, drive, quick=True)
+    if first.status in (Status.SOLVED, Status.INFEASIBLE):
+        return first
+    second = _attempt(assembly, problem, drive, quick=False)
+    return replace(second, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)
+
+
+def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bool) -> Solution:
     speed, imposed = support_motion(assembly, drive.value)
     rows, cones = problem.rows, problem.cones
     offset = problem.imposed_rows @ columns(assembly, imposed)
@@ -105,20 +118,37 @@ def solve(assembly: Assembly, drive: Drive) -> Solution:
         offset = np.concatenate([[-1.0], offset])
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
-    answer = maximise(problem.power, rows, offset, cones)
+    blocks = int(assembly.blocks.free.sum())  # turns powers relative to the weight into ones relative to the mean block, as residuals are
+    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) if quick else TOLERANCE
+    scale = sparse.diags(_starting_scale(assembly, problem, rows.shape[0]) if quick else np.ones(rows.shape[0]))
+    answer = maximise(problem.power * blocks, scale @ rows, scale @ offset, cones, tolerance, quick)
     if answer.outcome is Outcome.EMPTY:
         return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.UNBOUNDED, answer)
     if answer.outcome is Outcome.RAY:
         return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
-    multipliers = answer.multipliers[1:] if drive is Drive.LIVE else answer.multipliers
+    multipliers = (scale @ answer.multipliers)[-problem.rows.shape[0] :] / blocks
     forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
     solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
     # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
     if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
         return _cannot_stand(assembly, problem, answer) or solution
     return solution
+
+
+def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> np.ndarray:
+    """Scale (count,) of the rows, the last of them those of the contact points, alike at each point, which leaves cones as they are.
+
+    The solver starts from forces and velocities of one size in all rows; with those of head joints scaled up it takes a tenth to a
+    fifth fewer iterations.
+    """
+    gravity = assembly.dead_load[:, :3].sum(axis=0)
+    pressed = np.abs(assembly.normal @ gravity) / np.linalg.norm(gravity)
+    point = problem.flow_rule.indices[problem.flow_rule.indptr[:-1]] // (problem.flow_rule.shape[1] // len(pressed))
+    scale = np.ones(count)
+    scale[count - len(point) :] = HEAD_SCALE ** (1.0 - pressed[point])
+    return scale
 
 
 def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:

@@ -1,0 +1,208 @@
+"""What limit analysis costs at size: seconds per stage, iterations, residuals and peak memory, and how they grow.
+
+    python tests/benchmark_scale.py [--plane N ...] [--space N ...] [--corner N ...] [--coulomb N ...]
+
+Running-bond walls of about N blocks in the plane and in 3D, and two walls that meet in a corner; a third of one base settles. Every
+size runs in a process of its own. --coulomb follows such walls, in the plane and in 3D, to their plateau with Coulomb friction.
+"""
+
+import argparse
+import multiprocessing
+import resource
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import wraps
+from unittest.mock import patch
+
+import numpy as np
+import scenes_for_tests as scenes
+from rich.console import Console
+from rich.table import Table
+
+from la_core import assembly, conic, limit
+from la_core.coulomb import predict
+from la_core.limit import Drive, Status
+from la_core.scene import Scene
+from la_core.stiffness import joint_stiffness
+
+SIZES = {"plane": [1000, 5000, 20000], "space": [1000, 5000], "corner": [1000, 5000], "coulomb": [1000]}
+FIXED_SHARE = 0.66  # of the base's length
+LENGTH, DEPTH, HEIGHT = 0.4, 0.2, 0.2  # of a block, m; a block's depth is half its length, so that a corner keeps the bond
+STAGES = {  # what is timed under which name, each a function or method and where it is looked up
+    "scene": (scenes, "build"),
+    "contacts": (assembly, "find_interfaces"),
+    "assembly": (assembly, "assemble"),
+    "matrix": (limit, "scaled_problem"),
+    "set-up": (conic.Programme, "__init__"),
+    "solve": (conic.Programme, "solve"),
+    "evidence": (limit, "_with_evidence"),
+}
+SOLVER = ("set-up", "solve")
+
+
+@dataclass(frozen=True)
+class Run:
+    """One size: seconds by stage and in total, and what the answer is worth. memory: peak of the process, MiB."""
+
+    kind: str
+    blocks: int
+    rows: int
+    stages: dict[str, float]
+    total: float
+    status: Status
+    iterations: int
+    residual: float
+    reaction: float
+    memory: float
+
+    @property
+    def solver(self) -> float:
+        """Seconds inside the solver."""
+        return sum(self.stages[name] for name in SOLVER)
+
+
+def wall(size: int, plane: bool) -> Scene:
+    """A wall of about `size` blocks, as many courses as blocks per course."""
+    courses = round(size**0.5)
+    per_course = round(size / (courses + 0.5))
+    parts = scenes.wall(per_course, courses, FIXED_SHARE * LENGTH * per_course, (LENGTH, DEPTH, HEIGHT))
+    return scenes.build(*parts, inset=0.001, plane=plane)
+
+
+def corner(size: int) -> Scene:
+    """Two walls of about `size` blocks together, along x and along y, that pass through their corner course by course in turn."""
+    courses = round((size / 2) ** 0.5)
+    per_course = round(size / (2 * courses + 1))
+    end, split = LENGTH * per_course, FIXED_SHARE * LENGTH * per_course
+    base = [
+        scenes.box("base along x", (0.0, 0.0, -HEIGHT), (split, DEPTH, 0.0), "fixed"),
+        scenes.box("settling base", (split, 0.0, -HEIGHT), (end, DEPTH, 0.0), "support"),
+        scenes.box("base along y", (0.0, DEPTH, -HEIGHT), (DEPTH, end, 0.0), "fixed"),
+    ]
+    return scenes.build(*base, *_corner_courses(per_course, courses), inset=0.001)
+
+
+def _corner_courses(per_course: int, courses: int) -> Iterator[str]:
+    whole = np.arange(per_course + 1) * LENGTH
+    broken = np.concatenate([whole[:-1] + DEPTH, whole[-1:]])
+    for course in range(courses):
+        low, high = course * HEIGHT, (course + 1) * HEIGHT
+        along_x, along_y = (whole, broken) if course % 2 == 0 else (broken, whole)
+        for k, (start, stop) in enumerate(zip(along_x[:-1].tolist(), along_x[1:].tolist(), strict=True)):
+            yield scenes.box(f"x {course}.{k}", (start, 0.0, low), (stop, DEPTH, high))
+        for k, (start, stop) in enumerate(zip(along_y[:-1].tolist(), along_y[1:].tolist(), strict=True)):
+            yield scenes.box(f"y {course}.{k}", (0.0, start, low), (DEPTH, stop, high))
+
+
+def timed(function: Callable, name: str, spent: Counter) -> Callable:
+    """The function, adding its seconds to those spent under a name."""
+
+    @wraps(function)
+    def wrapper(*args: object, **options: object) -> object:
+        start = time.perf_counter()
+        result = function(*args, **options)
+        spent[name] += time.perf_counter() - start
+        return result
+
+    return wrapper
+
+
+def build(kind: str, size: int) -> Scene:
+    return corner(size) if kind == "corner" else wall(size, plane=kind == "plane")
+
+
+def measure(kind: str, size: int) -> Run:
+    """Build and solve one scene for its least reaction."""
+    spent: Counter = Counter(dict.fromkeys(STAGES, 0.0))
+    start = time.perf_counter()
+    with ExitStack() as stack:
+        for name, (owner, attribute) in STAGES.items():
+            stack.enter_context(patch.object(owner, attribute, timed(getattr(owner, attribute), name, spent)))
+        model = assembly.assemble(build(kind, size))
+        solution = limit.solve(model, Drive.YIELDING)
+    total = time.perf_counter() - start
+    spent["assembly"] -= spent["contacts"]
+    residual = max(solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    rows = len(model.points) * (4 if model.effects.plane else 3) // (2 if model.effects.plane else 1)
+    return Run(
+        kind, len(model.blocks), rows, dict(spent), total, solution.status, solution.iterations, residual,
+        solution.value / model.weight, memory,
+    )  # fmt: skip
+
+
+def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
+    """One row of the table of Coulomb predictions."""
+    scene = build(kind, size)
+    model = assembly.assemble(scene)
+    associated = limit.solve(model, Drive.YIELDING)
+    solution = predict(model, joint_stiffness(model, model.inset, scene.yade), associated)
+    return (
+        kind, f"{len(model.blocks)}", solution.status, f"{solution.value / model.weight:.6f}", f"{solution.iterations}",
+        f"{solution.seconds:.1f}", f"{solution.dilatancy_residual:.1e}", f"{associated.seconds:.1f}",
+    )  # fmt: skip
+
+
+def alone(function: Callable, *args: object) -> object:
+    """Result of a function called in a process of its own."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(function, args)
+
+
+def exponent(runs: list[Run], seconds: Callable[[Run], float]) -> float:
+    """Of growth with the number of blocks, fitted to all sizes."""
+    return float(np.polyfit(np.log([run.blocks for run in runs]), np.log([seconds(run) for run in runs]), 1)[0])
+
+
+def listing(runs: list[Run]) -> Table:
+    """One row per size, one of exponents per kind."""
+    table = Table(title="Seconds per stage; residual: the largest recomputed one; outside: share of the total outside the solver")
+    heads = ("kind", "blocks", "rows", *STAGES, "total", "outside", "iterations", "status", "residual", "R/W", "MiB")
+    for head in heads:
+        table.add_column(head, justify="right")
+    for run in runs:
+        stages = (f"{run.stages[name]:.2f}" for name in STAGES)
+        share, quality = f"{1.0 - run.solver / run.total:.0%}", (f"{run.iterations}", run.status, f"{run.residual:.0e}")
+        table.add_row(
+            run.kind, f"{run.blocks}", f"{run.rows}", *stages, f"{run.total:.2f}", share, *quality,
+            f"{run.reaction:.7f}", f"{run.memory:.0f}",
+        )  # fmt: skip
+    for kind in dict.fromkeys(run.kind for run in runs):
+        same = [run for run in runs if run.kind == kind]
+        if len(same) > 1:
+            table.caption = (
+                f"{table.caption or 'Growth as blocks to the power of:'} {kind}: solver {exponent(same, lambda r: r.solver):.2f}, "
+            )
+            table.caption += f"total {exponent(same, lambda r: r.total):.2f}. "
+    return table
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for kind in SIZES:
+        parser.add_argument(f"--{kind}", type=int, nargs="*", metavar="N")
+    options = vars(parser.parse_args())
+    if all(sizes is None for sizes in options.values()):
+        options = {kind: [] for kind in SIZES if kind != "coulomb"}
+    asked = {kind: sizes or SIZES[kind] for kind, sizes in options.items() if sizes is not None}
+    console = Console(width=200)
+    coulomb = asked.pop("coulomb", [])
+    runs = []
+    for kind, sizes in asked.items():
+        for size in sizes:
+            runs.append(alone(measure, kind, size))
+            console.print(f"{kind} {size}: {runs[-1].total:.1f} s")
+    if runs:
+        console.print(listing(runs))
+    if coulomb:
+        table = Table("kind", "blocks", "status", "R/W", "programmes", "seconds", "dilatancy", "associated s", title="Coulomb prediction")
+        for kind, size in ((kind, size) for kind in ("plane", "space") for size in coulomb):
+            table.add_row(*alone(measure_coulomb, kind, size))
+        console.print(table)
+
+
+if __name__ == "__main__":
+    main()
