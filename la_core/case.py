@@ -11,7 +11,7 @@ import numpy as np
 from la_core.assembly import Assembly, assemble
 from la_core.coulomb import CoulombSolution, predict
 from la_core.errors import SceneError
-from la_core.limit import Drive, Solution, Status, solve
+from la_core.limit import Drive, Solution, Status, scaled_problem, solve
 from la_core.path import Path as FollowedPath
 from la_core.path import follow_path
 from la_core.scene import Scene
@@ -96,8 +96,9 @@ def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:
 
 def _solve_all(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
     """Every drive of a scene; a structure that cannot stand cannot in any of them, so the first says it all."""
+    problem = scaled_problem(assembly)
     for drive in drives(scene):
-        solution = solve(assembly, drive)
+        solution = solve(assembly, drive, problem)
         yield drive, solution
         if solution.status is Status.INFEASIBLE:
             for other in drives(scene):

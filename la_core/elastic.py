@@ -132,7 +132,7 @@ class ElasticJoints:
                 rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
                 cones = replace(cones, equalities=cones.equalities + 1)
             quadratic = np.concatenate([np.zeros(len(self.weights)), self._stiffness.ravel()])
-            self._programmes[driven] = Programme(rows, cones, quadratic, TOLERANCE)
+            self._programmes[driven] = Programme(rows, cones, quadratic, TOLERANCE, refine=False)
         return self._programmes[driven]
 
     def _local(self, values: np.ndarray) -> np.ndarray:

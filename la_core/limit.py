@@ -22,6 +22,7 @@ from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED, asked of a quick solve: the solver's tests are close to the recomputed ones, not the same
+SECOND_TIME = 0.1  # of that, asked of a thorough solve
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
 HEAD_SCALE = 10.0  # of the rows of joints along gravity, against 1 for joints that it presses straight on
@@ -95,12 +96,13 @@ def scaled_problem(assembly: Assembly) -> ScaledProblem:
     return ScaledProblem(power, imposed_rows[:, free], imposed_rows, flow_rule, cones)
 
 
-def solve(assembly: Assembly, drive: Drive) -> Solution:
+def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None) -> Solution:
     """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
 
-    A quick solve comes first; only an answer that the evidence confirms is taken from it.
+    A quick solve comes first; only an answer that the evidence confirms is taken from it. problem: `scaled_problem(assembly)`, for
+    callers with several drives.
     """
-    problem = scaled_problem(assembly)
+    problem = problem or scaled_problem(assembly)
     first = _attempt(assembly, problem, drive, quick=True)
     if first.status in (Status.SOLVED, Status.INFEASIBLE):
         return first
@@ -119,7 +121,7 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bo
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
     blocks = int(assembly.blocks.free.sum())  # turns powers relative to the weight into ones relative to the mean block, as residuals are
-    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) if quick else TOLERANCE
+    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) * (1.0 if quick else SECOND_TIME)
     scale = sparse.diags(_starting_scale(assembly, problem, rows.shape[0]) if quick else np.ones(rows.shape[0]))
     answer = maximise(problem.power * blocks, scale @ rows, scale @ offset, cones, tolerance, quick)
     if answer.outcome is Outcome.EMPTY:
