@@ -65,3 +65,12 @@ def test_the_path_runs_along_yade_s_record(name: str, cross_checked: CrossCheck)
     inside = path.settlement <= settlement.max()
     along = [reaction[abs(settlement - station).argmin()] for station in path.settlement[inside]]
     assert abs(along - path.value[inside]).mean() <= 5e-3 * found.scene.weight
+
+
+@pytest.mark.long
+def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked: CrossCheck) -> None:
+    """Start it with `make test-long`: limit analysis takes minutes, YADE most of an hour."""
+    found = cross_checked("building_corner")
+    assert found.summary["free_blocks"] >= 1000
+    assert found.run.status == "plateau"
+    assert found.summary["verdict"] == "agree", found.summary["reason"]

