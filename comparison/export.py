@@ -9,6 +9,7 @@ from comparison import shipped
 from comparison.record import Run
 from comparison.vtu import POLYGON, VERTEX, Grid, write_collection, write_grid
 from comparison.workflow import read_results
+from la_core import mechanism
 from la_core.assembly import Assembly
 from la_core.case import LimitAnalysis, analyse
 from la_core.errors import SceneError
@@ -93,8 +94,7 @@ def _arms(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _velocities(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
-    block, arm = _arms(blocks)
-    return twists[block, :3] + np.cross(twists[block, 3:], arm)
+    return mechanism.point_velocity(blocks, twists, blocks.vertices, _arms(blocks)[0])
 
 
 def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Real YADE runs in three dimensions: contact spheres at every corner of every overlap, supports that tilt, structures at any angle."""
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import scenes_for_tests as scenes
 from conftest import Silent
 
 from comparison.workflow import run_scene
+from la_core.assembly import assemble
+from la_core.limit import Drive, solve
 from la_core.scene import Scene, load_scene
 
 HALF_PER_CENT = 5e-3  # of the reaction: what both methods promise where its history does not decide
@@ -89,4 +92,22 @@ def test_a_small_building_settles_at_its_corner_or_along_a_strip(region: tuple, 
     walls = scenes.table("[building]", plan="rectangle", origin=(0.0, 0.0, 0.0), size=(1.6, 1.2), block=(0.4, 0.2, 0.2), courses=3)
     foundation = scenes.table("building.foundation", height=0.2, settling={"from": region[0], "to": region[1]})
     yade, predicted = reactions(cross_check(scenes.build(walls, foundation, inset=0.001, model="coulomb")))
+    assert yade == pytest.approx(predicted, rel=HISTORY)
+
+
+@pytest.mark.long
+def test_irregular_stones_of_a_mesh_at_any_angle_in_space_go_through_both_methods(tmp_path: Path) -> None:
+    """The shipped wall with its mesh turned and shifted, gravity and settlement turned along: 3D, and the same reaction."""
+    axis, degrees = (1.0, 2.0, -0.5), 40.0
+    down = scenes.rotation(axis, np.radians(degrees)) @ scenes.DOWN
+    text = (scenes.SHIPPED / "rubble_wall.toml").read_text(encoding="utf-8")
+    motion = f"turn = {{ axis = {list(axis)}, degrees = {degrees} }}\nshift = [3.0, -2.0, 1.0]\n"
+    text = text.replace("[[mesh]]\n", f"[[mesh]]\n{motion}").replace("direction = [0.0, 0.0, -1.0]", f"direction = {down.tolist()}")
+    path = tmp_path / "turned.toml"
+    path.write_text(f"gravity = {(9.81 * down).tolist()}\n{text}", encoding="utf-8")
+    shutil.copy(scenes.SHIPPED / "rubble_wall.obj", tmp_path)
+    turned, upright = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True), scenes.shipped("rubble_wall")
+    least = solve(assemble(upright), Drive.YIELDING).value
+    assert turned["limit_analysis"]["associated"]["reaction"] == pytest.approx(least, abs=1e-6 * upright.weight)
+    yade, predicted = reactions(turned)
     assert yade == pytest.approx(predicted, rel=HISTORY)
