@@ -14,7 +14,7 @@ import numpy as np
 from la_core import evidence
 from la_core.assembly import Assembly
 from la_core.elastic import ElasticJoints
-from la_core.friction import Step, advance
+from la_core.friction import LAST_RESIDUAL, SETTLED_RESIDUAL, Step, advance
 from la_core.interval import reaction_interval
 from la_core.limit import Drive, Solution, Status
 from la_core.scaling import global_forces, support_motion, twists_of
@@ -99,7 +99,8 @@ def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffnes
             return
         stride = station - step.progress
         motion, live = (wedged + station) * joints.motion, start + station if joints.live else None
-        step = advance(joints, step.joints, motion, live, station, rate * stride)
+        enough = LAST_RESIDUAL if station == stations[-1] else SETTLED_RESIDUAL
+        step = advance(joints, step.joints, motion, live, station, rate * stride, enough)
         rate = step.shift / stride
         yield step
 

@@ -1,8 +1,9 @@
 """Coulomb friction without dilatancy as the fixed point s = mu |slip(s)| of De Saxce's shift, one step of motion at a time.
 
 Each contact point is relaxed by its own factor: it grows while the point's residual keeps its sign and is cut when the sign turns
-(the delta-bar-delta rule, Jacobs 1988). One factor for all, under-, over- or Anderson-relaxed, converges on fewer walls, because
-confined joints answer a shift with less slip and free ones do not answer at all.
+(the delta-bar-delta rule, Jacobs 1988); its ceiling sinks with every turn, so that a point that chatters comes to rest. One factor
+for all, under-, over- or Anderson-relaxed, converges on fewer walls, because confined joints answer a shift with less slip and
+free ones do not answer at all.
 """
 
 from dataclasses import dataclass, replace
@@ -11,12 +12,13 @@ import numpy as np
 
 from la_core.elastic import ElasticJoints, JointState, Trial
 
-FIRST, LEAST, MOST = 1.0, 0.05, 2.0  # relaxation factor of a contact point
-GROW, CUT = 1.2, 0.6
+FIRST, LEAST, MOST = 1.0, 0.02, 2.0  # relaxation factor of a contact point
+GROW, CUT, CEILING_CUT = 1.2, 0.6, 0.9
 CONVERGED = 1e-3  # strain residual: the forces of such a state are history for the next step, so it has to be small
 SETTLED, SETTLED_RESIDUAL, SETTLED_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
+LAST_RESIDUAL = 6e-3  # the same of the last step, whose state is the answer: its dilatancy residual is a seventh of this
 LEAST_ENERGY = 1e-12  # of the weight's work over the travel: joints that carry nothing have no energy to compare with
-STALLED_SOLVES, MOST_SOLVES = 20, 60  # solves without a tenth less residual; of one step
+STALLED_SOLVES, MOST_SOLVES = 50, 150  # solves without a tenth less residual; of one step
 
 
 @dataclass(frozen=True)
@@ -41,13 +43,22 @@ class Step:
         return self.trial.joints
 
 
-def advance(joints: ElasticJoints, before: JointState, motion: np.ndarray, live: float | None, progress: float, shift: np.ndarray) -> Step:
+def advance(
+    joints: ElasticJoints,
+    before: JointState,
+    motion: np.ndarray,
+    live: float | None,
+    progress: float,
+    shift: np.ndarray,
+    settled_residual: float = SETTLED_RESIDUAL,
+) -> Step:
     """Take one step to the supports' relative displacement `motion` (C, k), starting the iteration from `shift` (C,).
 
+    settled_residual: strain residual that is enough where the value no longer moves.
     The best state found counts: where joints chatter, the residual may rise again. A step that did not converge says so.
     """
     friction = joints.assembly.points.friction
-    relaxation, last = np.full(len(shift), FIRST), np.zeros(len(shift))
+    relaxation, ceiling, last = np.full(len(shift), FIRST), np.full(len(shift), MOST), np.zeros(len(shift))
     values: list[float] = []
     best: Step | None = None
     progressed = 0
@@ -59,7 +70,7 @@ def advance(joints: ElasticJoints, before: JointState, motion: np.ndarray, live:
         dilation = float(np.sum(np.maximum(trial.joints.force[:, 0], 0.0) * np.abs(change)))
         residual = dilation / max(trial.energy, LEAST_ENERGY)
         values.append(joints.value(trial))
-        converged = residual <= CONVERGED or (residual <= SETTLED_RESIDUAL and _settled(values))
+        converged = residual <= CONVERGED or (residual <= settled_residual and _settled(values))
         if best is None or residual < 0.9 * best.strain_residual:
             progressed = count
         if best is None or residual < best.strain_residual or converged:
@@ -67,8 +78,9 @@ def advance(joints: ElasticJoints, before: JointState, motion: np.ndarray, live:
         if converged or count - progressed >= STALLED_SOLVES:
             break
         turned = change * last
+        ceiling = np.where(turned < 0.0, np.maximum(CEILING_CUT * ceiling, LEAST), ceiling)
         relaxation = np.where(turned < 0.0, np.maximum(CUT * relaxation, LEAST), relaxation)
-        relaxation = np.where(turned > 0.0, np.minimum(GROW * relaxation, MOST), relaxation)
+        relaxation = np.minimum(np.where(turned > 0.0, GROW * relaxation, relaxation), ceiling)
         last, shift = change, np.maximum(shift + relaxation * change, 0.0)
     if best is None:
         return Step(progress, trial, shift, float("nan"), float("nan"), count, False)
