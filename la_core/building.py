@@ -8,9 +8,9 @@ import numpy as np
 
 from la_core.courses import ON_LINE, Face, Piece, Span
 from la_core.errors import SceneError
-from la_core.generators import NamedShape
+from la_core.generators import NamedShape, piece_shape
 from la_core.schema_masonry import SIDES, Building
-from la_core.shapes import Shape, box, prism
+from la_core.shapes import Shape, box
 
 
 @dataclass(frozen=True)
@@ -74,10 +74,7 @@ def _lines(building: Building) -> list[Line]:
 def _placed(building: Building, line: Line, piece: Piece, course: int) -> Shape:
     """A piece of a course in space; walls along y are those along x turned by a quarter about z."""
     thickness, height = building.block[1:]
-    (left, right), (top_left, top_right) = piece.foot, piece.head
-    z = course * height
-    profile = [(left, z), (right, z), (top_right, z + height), (top_left, z + height)]
-    flat = prism(profile, (0.0, thickness)) if piece.foot != piece.head else box((left, 0.0, z), (right, thickness, z + height))
+    flat = piece_shape(piece, 0.0, (0.0, thickness), (course * height, (course + 1) * height))
     across, along, up = flat.vertices[:, 1], flat.vertices[:, 0], flat.vertices[:, 2]
     plan = np.stack([along, across] if line.axis == 0 else [thickness - across, along], axis=1)
     return Shape(np.column_stack([plan + line.low, up]) + building.origin, flat.faces)

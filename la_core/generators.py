@@ -31,7 +31,7 @@ def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
             y = (y0 + leaves[0] * depth, y0 + leaves[1] * depth)
             for piece in pieces:
                 number += 1
-                yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, _shape(piece, x0, y, z))
+                yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, piece_shape(piece, x0, y, z))
 
 
 def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, int], list[Piece]]]:
@@ -60,7 +60,8 @@ def _is_head(face: Face, wall: Wall, course: int, piece: Piece) -> bool:
     return piece.foot != piece.head or any(piece.head[0] <= opening.from_[0] and piece.head[1] >= opening.to[0] for opening in above)
 
 
-def _shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float, float]) -> Shape:
+def piece_shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float, float]) -> Shape:
+    """The solid of a piece of a wall along x that starts at x0, from y[0] to y[1] across and z[0] to z[1] up, m."""
     (left, right), (top_left, top_right) = piece.foot, piece.head
     if piece.foot == piece.head:
         return box((x0 + left, y[0], z[0]), (x0 + right, y[1], z[1]))

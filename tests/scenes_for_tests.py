@@ -122,6 +122,18 @@ def arch(voussoirs: int, thickness: float, radius: float = 1.0, depth: float = 1
     return table("[arch]", centre=centre, radius=radius, thickness=thickness, depth=depth, voussoirs=voussoirs, springers=springers)
 
 
+def crossing_beams() -> tuple[str, ...]:
+    """Two beams that cross on two piers, one of which settles: a structure that is not plane."""
+    return (
+        box("left wall", (0.0, 0.0, 0.0), (0.3, 1.0, 1.0)),
+        box("right wall", (1.3, 0.1, 0.0), (1.6, 1.1, 1.0)),
+        box("beam", (-0.1, 0.3, 1.0), (1.7, 0.55, 1.2)),
+        box("upper beam", (0.6, -0.2, 1.2), (0.8, 1.2, 1.4)),
+        box("fixed base", (-0.1, -0.1, -0.2), (0.4, 1.2, 0.0), "fixed"),
+        box("settling base", (1.2, -0.1, -0.2), (1.7, 1.2, 0.0), "support"),
+    )
+
+
 def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
     """Rotation matrix about an axis (Rodrigues), angle in rad."""
     x, y, z = np.array(axis, dtype=float) / np.linalg.norm(axis)

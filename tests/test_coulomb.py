@@ -73,12 +73,7 @@ def great_wall(mu: float, split: float, plane: bool = True) -> Scene:
 def beams(**options) -> Scene:
     """Crossing beams on two piers, pulled down and askew: a scene that is not plane."""
     return scenes.build(
-        scenes.box("left wall", (0.0, 0.0, 0.0), (0.3, 1.0, 1.0)),
-        scenes.box("right wall", (1.3, 0.1, 0.0), (1.6, 1.1, 1.0)),
-        scenes.box("beam", (-0.1, 0.3, 1.0), (1.7, 0.55, 1.2)),
-        scenes.box("upper beam", (0.6, -0.2, 1.2), (0.8, 1.2, 1.4)),
-        scenes.box("fixed base", (-0.1, -0.1, -0.2), (0.4, 1.2, 0.0), "fixed"),
-        scenes.box("settling base", (1.2, -0.1, -0.2), (1.7, 1.2, 0.0), "support"),
+        *scenes.crossing_beams(),
         **{"settlement": (0.3, 0.2, -1.0)} | options,
     )
 

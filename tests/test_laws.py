@@ -23,12 +23,7 @@ INDEPENDENT = 1e-6  # of the weight: HiGHS' own feasibility tolerance is 1e-7 of
 WALL = scenes.text(*scenes.wall(5, 6, split=1.2))
 ARCH = scenes.text(scenes.arch(11, 0.15), settlement=(1.0, 0.0, -1.0), friction=0.7)
 CROSSING = scenes.text(
-    scenes.box("left wall", (0.0, 0.0, 0.0), (0.3, 1.0, 1.0)),
-    scenes.box("right wall", (1.3, 0.1, 0.0), (1.6, 1.1, 1.0)),
-    scenes.box("beam", (-0.1, 0.3, 1.0), (1.7, 0.55, 1.2)),
-    scenes.box("upper beam", (0.6, -0.2, 1.2), (0.8, 1.2, 1.4)),
-    scenes.box("fixed base", (-0.1, -0.1, -0.2), (0.4, 1.2, 0.0), "fixed"),
-    scenes.box("settling base", (1.2, -0.1, -0.2), (1.7, 1.2, 0.0), "support"),
+    *scenes.crossing_beams(),
     settlement=(0.3, 0.2, -1.0),
 )
 LIVE = scenes.text(*scenes.wall(4, 5), live=(1.0, 0.0, 0.0))
