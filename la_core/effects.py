@@ -12,10 +12,20 @@ FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in t
 
 @dataclass(frozen=True)
 class Effects:
-    """plane: motion in the xz plane only; friction: "coulomb", "associated" or "none-slides"; reasons by effect."""
+    """What is modelled, and why: reasons by effect.
+
+    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides". elasticity: of the joints in limit
+    analysis, "none", "plateau" (in steps to the plateau) or "path" (the whole curve). reach: only the blocks that the support's
+    motion can touch. displacement: of YADE's contacts, "small" (those listed) or "finite" (new ones are looked for).
+    recording: of YADE's states, "plateau" (at rest and on the plateau) or "states" (all along).
+    """
 
     plane: bool
     friction: str
+    elasticity: str
+    reach: bool
+    displacement: str
+    recording: str
     reasons: dict[str, str]
 
 
@@ -32,7 +42,11 @@ def decide(scene: Scene) -> Effects:
     return Effects(
         plane,
         friction,
-        {
+        elasticity="plateau" if friction == "coulomb" else "none",
+        reach=False,
+        displacement="finite",
+        recording="states",
+        reasons={
             "plane": obstacle or (fits if plane else f"asked for in the scene, although {fits}"),
             "friction": "the default: joints slide without dilating" if scene.effects.friction == "auto" else "asked for in the scene",
         },

@@ -30,6 +30,9 @@ def _auto_or_bool(value: object) -> object:
     return value
 
 
+AutoOrBool = Annotated[Literal["auto"] | bool, BeforeValidator(_auto_or_bool)]
+
+
 class Stone(Table):
     """What every block without its own density is made of (density in kg/m3)."""
 
@@ -123,8 +126,12 @@ class Path(Table):
 class Effects(Table):
     """Which effects to model; "auto" decides from the scene."""
 
-    plane: Annotated[Literal["auto"] | bool, BeforeValidator(_auto_or_bool)] = "auto"
+    plane: AutoOrBool = "auto"
     friction: Literal["auto", "coulomb", "associated", "none-slides"] = "auto"
+    elasticity: Literal["auto", "none", "plateau", "path"] = "auto"
+    reach: AutoOrBool = "auto"
+    displacement: Literal["auto", "small", "finite"] = "auto"
+    recording: Literal["auto", "plateau", "states"] = "auto"
 
 
 class Expected(Table):
