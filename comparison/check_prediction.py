@@ -17,9 +17,9 @@ from la_core.case import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
+from la_core.sliding import SLIDING_SHARE
 from la_core.static_form import consistent_reaction
 
-NO_SLIDING = 1e-3  # share of the exchanged power: below this no loaded joint slides in the mechanism
 SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
@@ -50,8 +50,11 @@ class Prediction:
 def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
     """The sharpest prediction that limit analysis has for this scene."""
     least, coulomb, assembly = analysis.rounded[Drive.YIELDING], analysis.coulomb, analysis.assembly
+    if slides_unforeseen(analysis, run):
+        obstacle = 'Joints slide in YADE and in no mechanism of limit analysis; ask for effects.friction = "coulomb".'
+        return Prediction(least.value, (math.nan, math.nan), least.twists, True, REACTION, obstacle)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
-        slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > NO_SLIDING or _slides_in_yade(analysis, run)
+        slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
         share = HISTORY + abs(coulomb.drift) if slides else REACTION
         residuals = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
         doubt = "" if coulomb.status is Status.SOLVED else f"The Coulomb iteration has not converged ({residuals})."
@@ -59,7 +62,7 @@ def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
             return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
         share += _spurious_share(analysis, coulomb) if doubt else 0.0
         return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, "", doubt)
-    slides = mechanism.sliding_share(assembly, least.twists, least.forces) > NO_SLIDING or _slides_in_yade(analysis, run)
+    slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
     what = {"none-slides": "Joints slide in YADE, which the scene excludes in limit analysis"}
     obstacle = what.get(assembly.effects.friction, "Joints slide in the mechanism and real friction does not dilate") + BOUND_ONLY
     return Prediction(least.value, (math.nan, math.nan), least.twists, slides, REACTION, obstacle if slides else "")
@@ -69,6 +72,12 @@ def _spurious_share(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
     """By how much of the reaction the dilation that is left may shift it: its work, by the balance of power of one mechanism."""
     settling = float(np.maximum(np.sum(analysis.assembly.dead_load * coulomb.twists, axis=1), 0.0).sum())
     return coulomb.dilatancy_residual * settling / abs(coulomb.value) if coulomb.value else math.inf
+
+
+def slides_unforeseen(analysis: LimitAnalysis, run: Run) -> bool:
+    """Whether joints slide in YADE though limit analysis found none that does, so that friction was left out."""
+    effects = analysis.assembly.effects
+    return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(analysis, run)
 
 
 def _slides_in_yade(analysis: LimitAnalysis, run: Run) -> bool:

@@ -20,7 +20,7 @@ from comparison.narration import Narration
 from comparison.provenance import describe, version
 from comparison.summary import limit_analysis_summary
 from la_core.assembly import assemble
-from la_core.case import analyse
+from la_core.case import analyse, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 from la_core.limit import Status
@@ -128,7 +128,7 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
     from comparison import plots
 
     scene = load_scene(shipped.find(options.scene))
-    assembly = assemble(scene)
+    assembly = settled(scene)
     figure = options.output or Path(f"{scene.name}.png")
     plots.save(plots.assembly_figure(scene, assembly), figure)
     facts = tables.scene_facts(scene, assembly)
@@ -136,6 +136,7 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
         _print_json(facts | {"figure": str(figure)})
     else:
         _stdout().print(tables.facts_table(scene.title, facts))
+        _stdout().print(tables.effects_table(facts["effects"]))
         narrator.print(f"drawn in {figure}", markup=False)
     return AGREE
 

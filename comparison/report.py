@@ -114,6 +114,7 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "costs": list(costs(comparison, results, EVIDENCE)),
         "measures": list(measures(comparison, results["live"])),
         "model": list(_model(comparison)),
+        "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),
         "settings": list(_flat(comparison.get("settings") or {})),
         "provenance": list(_flat(comparison.get("provenance") or {})),
@@ -234,16 +235,25 @@ def _rounding(comparison: dict[str, Any]) -> str:
 
 
 def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What was modelled and why, as pairs of name and words."""
+    """Size of what was modelled, as pairs of name and words."""
     yield "weight of the free blocks, W", f"{number(comparison.get('weight'), 5)} N"
     for name, words in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
         yield words, number(comparison.get(name))
-    effects = comparison.get("effects") or {}
-    reasons = effects.get("reasons") or {}
-    for name, value in effects.items():
-        if name != "reasons":
-            shown = {True: "yes", False: "no"}.get(value, value) if isinstance(value, bool) else value
-            yield name, f"{shown}: {reasons[name]}" if name in reasons else str(shown)
+
+
+def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
+    """Every effect: on or off, how it is modelled, why, what leaving it out saves or keeping it took."""
+    for row in (comparison.get("effects") or {}).get("table") or []:
+        saved = ", ".join(f"{number(count)} {name}" for name, count in (row.get("saved") or {}).items())
+        took = f"took {number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""
+        yield {
+            "effect": str(row.get("effect")),
+            "what": str(row.get("what")),
+            "state": "on" if row.get("on") else "off",
+            "modelled": str(row.get("modelled")),
+            "reason": str(row.get("reason") or ""),
+            "cost": f"saves {saved}" if saved else took or DASH,
+        }
 
 
 def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from comparison.check import Check, overall
+from comparison.effects_table import effects_summary
 from comparison.record import Run
 from la_core.case import LimitAnalysis
 from la_core.dissipation import measure
@@ -20,7 +21,6 @@ EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "du
 def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
     """Scene, counts, effects and limit analysis: what `solve --json` prints."""
     assembly = analysis.assembly
-    effects = assembly.effects
     summary = {
         "scene": scene.name,
         "title": scene.title,
@@ -30,7 +30,7 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(assembly.interfaces),
         "contact_points": len(assembly.points),
-        "effects": {"plane": effects.plane, "friction": effects.friction, "reasons": effects.reasons},
+        "effects": effects_summary(scene, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),
         "limit_analysis": {

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from comparison.check import Check
 from comparison.doctor import Finding
+from comparison.effects_table import effects_summary
 from la_core.assembly import Assembly
 from la_core.scene import Scene
 from la_core.schema import Expected
@@ -57,21 +58,26 @@ def scene_facts(scene: Scene, assembly: Assembly) -> dict[str, Any]:
     roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
     facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight, **{f"{name}_blocks": count for name, count in roles.items()}}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
-    effects = assembly.effects
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
-    return facts | {"effects": {"plane": effects.plane, "friction": effects.friction, "reasons": effects.reasons}}
+    return facts | {"effects": effects_summary(scene, assembly)}
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Scene facts, one a row."""
+    """Scene facts, one a row, effects left out."""
     units = {"weight": "N", "inset": "m"}
-    table = _table("what", "value", "unit or reason", title=_plain(title))
+    table = _table("what", "value", "unit", title=_plain(title))
     for name, value in facts.items():
-        if name == "effects":
-            for effect, reason in value["reasons"].items():
-                table.add_row(f"effect: {effect}", str(value[effect]), _plain(reason))
-        else:
+        if name != "effects":
             table.add_row(name.replace("_", " "), number(value) if isinstance(value, float) else str(value), units.get(name, ""))
+    return table
+
+
+def effects_table(effects: dict[str, Any]) -> Table:
+    """Effects of a scene, one a row: on or off, how it is modelled, why, and what leaving it out saves."""
+    table = _table("effect", "what", "", "modelled", "reason", "saves")
+    for row in effects["table"]:
+        saved = ", ".join(f"{count} {name}" for name, count in row["saved"].items())
+        table.add_row(row["effect"], row["what"], "on" if row["on"] else "off", row["modelled"], _plain(row["reason"]), saved)
     return table
 
 

@@ -16,6 +16,7 @@ from la_core.path import Path as FollowedPath
 from la_core.path import follow_path
 from la_core.scene import Scene
 from la_core.schema import Path as PathAsked
+from la_core.sliding import Sliding, look_for_sliding, may_leave_out_friction, settled_effects
 from la_core.stiffness import JointStiffness, joint_stiffness
 
 SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the narrowest interface
@@ -62,29 +63,59 @@ def smallest_inset(assembly: Assembly) -> float:
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * width.min()))
 
 
-def analyse(scene: Scene, with_path: bool = False) -> LimitAnalysis:
+def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAnalysis:
     """Assemble and solve a scene, at the inset that both methods share and for sharp arrises.
 
-    The path is followed where the scene asks for it, or with_path does.
+    The path is followed where the scene asks for it, or with_path does. slides: why joints are known to slide, which keeps friction
+    in where "auto" might leave it out.
     """
-    assembly = assemble(scene)
-    sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
-    if scene.inset == 0.0 and scene.live is None:
-        assembly = assembly.with_inset(scene, smallest_inset(assembly))
+    assembly, sharp_assembly = _assemblies(scene)
     stiffness = _stiffness(scene, assembly)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
     analysis = LimitAnalysis(assembly, rounded, sharp, stiffness)
+    main, wedging = analysis.main, _wedging(scene)
     if assembly.effects.friction != "coulomb":
         return analysis
-    wedging, main = scene.yade.get("wedging", 0.0), analysis.main
+    if may_leave_out_friction(scene) and not with_path:
+        search = Sliding(True, slides) if slides else look_for_sliding(assembly, stiffness, rounded[main], wedging)
+        search = search.unless_sliding(sharp_assembly, sharp[main])
+        analysis = replace(analysis, assembly=replace(assembly, effects=settled_effects(scene, assembly.effects, search)))
+        if not search.found:
+            coulomb, coulomb_sharp = (search.as_coulomb(*pair) for pair in ((assembly, rounded[main]), (sharp_assembly, sharp[main])))
+            return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb if sharp is rounded else replace(coulomb_sharp, seconds=0.0))
     coulomb = predict(assembly, stiffness, rounded[main], wedging)
     coulomb_sharp = coulomb if sharp is rounded else predict(sharp_assembly, stiffness, sharp[main], wedging)
     path = None
-    if (scene.path_asked or with_path) and rounded[main].status is Status.SOLVED:
+    if (assembly.effects.elasticity == "path" or with_path) and rounded[main].status is Status.SOLVED:
         asked = scene.path_asked or PathAsked()
         path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, wedging)
     return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp, path=path)
+
+
+def settled(scene: Scene) -> Assembly:
+    """The assembly at the shared inset with its effects settled, at the price of one bound and a few elastic steps."""
+    assembly, sharp_assembly = _assemblies(scene)
+    if assembly.effects.friction != "coulomb" or not may_leave_out_friction(scene):
+        return assembly
+    stiffness, main = _stiffness(scene, assembly), drives(scene)[0]
+    search = look_for_sliding(assembly, stiffness, solve(assembly, main), _wedging(scene))
+    if not search.found and sharp_assembly is not assembly:
+        search = search.unless_sliding(sharp_assembly, solve(sharp_assembly, main))
+    return replace(assembly, effects=settled_effects(scene, assembly.effects, search))
+
+
+def _wedging(scene: Scene) -> float:
+    return float(scene.yade.get("wedging", 0.0))
+
+
+def _assemblies(scene: Scene) -> tuple[Assembly, Assembly]:
+    """The assembly at the inset that both methods share, and that with sharp arrises."""
+    assembly = assemble(scene)
+    sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
+    if scene.inset == 0.0 and scene.live is None:
+        assembly = assembly.with_inset(scene, smallest_inset(assembly))
+    return assembly, sharp
 
 
 def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:

@@ -1,6 +1,7 @@
 """`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
 
 import json
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from la_core import exchange
 from la_core.assembly import assemble
 from la_core.case import LimitAnalysis, drives
 from la_core.coulomb import CoulombSolution
-from la_core.effects import decide
+from la_core.effects import Effects
 from la_core.limit import Drive, Solution, Status
 from la_core.path import Path as FollowedPath
 from la_core.scene import Scene
@@ -19,15 +20,10 @@ from la_core.stiffness import JointStiffness
 GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
 
 
-def has_coulomb(scene: Scene) -> bool:
-    """Whether the scene is solved with friction that does not dilate."""
-    return decide(scene).friction == "coulomb"
-
-
-def _fields(scene: Scene, has_path: bool) -> tuple[exchange.Field, ...]:
+def _fields(scene: Scene, has_coulomb: bool, has_path: bool) -> tuple[exchange.Field, ...]:
     groups = [f"{arrises}/{GROUPS[drive]}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
     fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
-    if has_coulomb(scene):
+    if has_coulomb:
         fields += exchange.coulomb_fields("coulomb") + exchange.coulomb_fields("coulomb_sharp")
     return fields + exchange.PATH_FIELDS if has_path else fields
 
@@ -46,6 +42,7 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/title": scene.title,
         "scene/gravity": scene.gravity,
         "scene/plane": assembly.effects.plane,
+        "scene/effects": json.dumps(asdict(assembly.effects), sort_keys=True),
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
         "scene/settings": json.dumps(scene.yade, sort_keys=True),
@@ -61,7 +58,7 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
     for group in ("coulomb", "coulomb_sharp"):
         values |= _below(f"limit_analysis/{group}", getattr(analysis, group))
     values |= _below("path", analysis.path)
-    exchange.write(path, _fields(scene, analysis.path is not None), values, inputs)
+    exchange.write(path, _fields(scene, analysis.coulomb is not None, analysis.path is not None), values, inputs)
 
 
 def _below(group: str, solution: Any) -> dict[str, Any]:
@@ -78,8 +75,10 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
 
     Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
     """
-    data = exchange.read(path, _fields(scene, exchange.holds(path, "path")))
+    has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
+    data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
     assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    assembly = replace(assembly, effects=Effects(**json.loads(data["scene/effects"])))
     own = {
         "contacts/position": assembly.points.position,
         "contacts/friction": assembly.points.friction,
@@ -97,7 +96,7 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
         return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
 
     stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
-    coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb(scene) else {}
+    coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb else {}
     path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
     return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"), stiffness, path=path_followed, **coulomb)
 

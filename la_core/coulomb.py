@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from la_core import evidence
+from la_core import evidence, mechanism
 from la_core.assembly import Assembly
 from la_core.elastic import ElasticJoints
 from la_core.friction import LAST_RESIDUAL, SETTLED_RESIDUAL, Step, advance
@@ -84,13 +84,16 @@ def predict(
     return replace(best, status=Status.INACCURATE if soft else best.status, seconds=joints.seconds, iterations=joints.solves)
 
 
-def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0) -> Iterator[Step]:
+def follow(
+    joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0, most_solves: int | None = None
+) -> Iterator[Step]:
     """Rest under gravity, then one step to each of the `stations` (rising, over the travel); ends early where a step fails.
 
     The shift of a step is foretold by that of the one before, as if the mechanism went on.
     """
     wedged = -wedging / stiffness.travel
-    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, np.zeros(len(joints.assembly.points)))
+    nothing = np.zeros(len(joints.assembly.points))
+    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, nothing, most_solves=most_solves)
     yield step
     start = joints.live_displacement(step.trial.blocks)
     rate = np.zeros_like(step.shift)
@@ -100,7 +103,7 @@ def follow(joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffnes
         stride = station - step.progress
         motion, live = (wedged + station) * joints.motion, start + station if joints.live else None
         enough = LAST_RESIDUAL if station == stations[-1] else SETTLED_RESIDUAL
-        step = advance(joints, step.joints, motion, live, station, rate * stride, enough)
+        step = advance(joints, step.joints, motion, live, station, rate * stride, enough, most_solves)
         rate = step.shift / stride
         yield step
 
@@ -146,6 +149,31 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
         cone_violation=residuals[1],
         seconds=joints.seconds,
         iterations=joints.solves,
+    )
+
+
+def without_sliding(assembly: Assembly, associated: Solution, at_rest: float, seconds: float, solves: int) -> CoulombSolution:
+    """The associated answer as Coulomb's, where no joint slides: nothing dilates, and its mechanism leaves the value no interval.
+
+    at_rest, seconds, solves: of the look for sliding.
+    """
+    if associated.status is not Status.SOLVED:
+        return _without_value(assembly, associated.status)
+    nan = float("nan")
+    return CoulombSolution(
+        Status.SOLVED,
+        associated.value,
+        (associated.value, associated.value),
+        associated.twists,
+        associated.forces,
+        at_rest=at_rest,
+        drift=nan,
+        dilatancy_residual=mechanism.sliding_share(assembly, associated.twists, associated.forces),
+        strain_residual=nan,
+        equilibrium_residual=associated.equilibrium_residual,
+        cone_violation=associated.cone_violation,
+        seconds=seconds,
+        iterations=solves,
     )
 
 

@@ -1,6 +1,6 @@
 """Which effects a scene calls for, each with its reason."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,8 @@ FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in t
 class Effects:
     """What is modelled, and why: reasons by effect.
 
-    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides". elasticity: of the joints in limit
+    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides"; sliding_excluded: by Heyman's law, asked
+    for, and not only absent from the answer. elasticity: of the joints in limit
     analysis, "none", "plateau" (in steps to the plateau) or "path" (the whole curve). reach: only the blocks that the support's
     motion can touch. displacement: of YADE's contacts, "small" (those listed) or "finite" (new ones are looked for).
     recording: of YADE's states, "plateau" (at rest and on the plateau) or "states" (all along).
@@ -27,10 +28,52 @@ class Effects:
     displacement: str
     recording: str
     reasons: dict[str, str]
+    sliding_excluded: bool = False
+
+    def settled(self, effect: str, choice: bool | str, reason: str) -> "Effects":
+        """The same with one effect settled otherwise, for a reason."""
+        return replace(self, **{effect: choice, "reasons": self.reasons | {effect: reason}})  # type: ignore[arg-type]
 
 
 def decide(scene: Scene) -> Effects:
-    """Settle every "auto" of the scene; raises SceneError where a scene demands a plane model it does not allow."""
+    """Settle what the scene alone decides; friction "auto" counts as Coulomb's until `la_core.sliding` has looked for a joint that slides.
+
+    Raises SceneError for what a scene asks for and does not allow.
+    """
+    plane, why_plane = _decide_plane(scene)
+    friction, elasticity = scene.effects.friction, scene.effects.elasticity
+    if elasticity == "auto":
+        elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
+    elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
+        raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
+    asked = "asked for in the scene"
+    reasons = {
+        "plane": why_plane,
+        "friction": asked if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
+        "elasticity": asked if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
+    }
+    return Effects(
+        plane,
+        "coulomb" if friction == "auto" else friction,
+        elasticity,
+        reach=False,
+        displacement="finite",
+        recording="states",
+        reasons=reasons,
+        sliding_excluded=friction == "none-slides",
+    )
+
+
+_DEFAULT = "joints may slide, and real friction does not dilate"
+_WHY_ELASTIC = {
+    "none": "bounds do not depend on the joints' strain",
+    "plateau": "friction without dilatancy follows the joints' strain from rest to the plateau",
+    "path": "a [path] is asked for",
+}
+
+
+def _decide_plane(scene: Scene) -> tuple[bool, str]:
+    """Whether the model is plane, and why."""
     obstacle = _obstacle_to_plane(scene)
     asked = scene.effects.plane
     if asked is True and obstacle:
@@ -38,19 +81,19 @@ def decide(scene: Scene) -> Effects:
     plane = not obstacle if asked == "auto" else bool(asked)
     low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
-    friction = "coulomb" if scene.effects.friction == "auto" else scene.effects.friction
-    return Effects(
-        plane,
-        friction,
-        elasticity="plateau" if friction == "coulomb" else "none",
-        reach=False,
-        displacement="finite",
-        recording="states",
-        reasons={
-            "plane": obstacle or (fits if plane else f"asked for in the scene, although {fits}"),
-            "friction": "the default: joints slide without dilating" if scene.effects.friction == "auto" else "asked for in the scene",
-        },
-    )
+    return plane, obstacle or (fits if plane else f"asked for in the scene, although {fits}")
+
+
+def _obstacle_to_elasticity(scene: Scene) -> str | None:
+    """Why the elasticity asked for does not go with the friction asked for, None where it does."""
+    friction, elasticity = scene.effects.friction, scene.effects.elasticity
+    if elasticity == "none" and friction == "coulomb":
+        return "friction without dilatancy follows the joints' strain, and without strain its answer is not unique"
+    if elasticity == "none" and scene.path_asked:
+        return "a [path] is a path of strain"
+    if elasticity != "none" and friction in ("associated", "none-slides"):
+        return f'friction = "{friction}" yields bounds, which do not depend on the joints\' strain'
+    return None
 
 
 def _obstacle_to_plane(scene: Scene) -> str:

@@ -65,7 +65,7 @@ class ElasticJoints:
         self.motion = self._local(kinematics @ columns(assembly, motion))
         self.weights = scaled_load(assembly, assembly.dead_load)
         self._live_load = scaled_load(assembly, assembly.live_load)
-        problem = scaled_problem(assembly)
+        problem = scaled_problem(assembly, every_point=True)  # each has its own spring
         self._flow_rule, self._cones = problem.flow_rule, problem.cones
         stiff = np.full((len(assembly.points), self._width), stiffness.shear)
         stiff[:, 0] = stiffness.normal

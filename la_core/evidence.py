@@ -31,7 +31,7 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
     """Largest tension or excess of |t| over mu n, over the mean free-block weight; sliding limits no force where it is excluded."""
     normal = np.sum(forces * assembly.normal, axis=1)
     tangential = np.linalg.norm(forces - normal[:, None] * assembly.normal, axis=1)
-    excess = np.zeros(1) if assembly.effects.friction == "none-slides" else tangential - assembly.points.friction * normal
+    excess = np.zeros(1) if assembly.effects.sliding_excluded else tangential - assembly.points.friction * normal
     return float(max(0.0, -normal.min(), excess.max()) / assembly.mean_weight)
 
 
@@ -41,7 +41,7 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
     Not over the largest relative velocity: that is zero where blocks ride along with their support.
     """
     (normal, tangential), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
-    if assembly.effects.friction == "none-slides":
+    if assembly.effects.sliding_excluded:
         violation = np.maximum(tangential, -normal)
     else:
         excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)

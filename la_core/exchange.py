@@ -51,6 +51,7 @@ CASE_FIELDS = (
     Field("scene/title", "str", (), "", "title for people"),
     Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
     Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
+    Field("scene/effects", "str", (), "", "effects as they were settled, with their reasons, a JSON object"),
     Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
     Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
     Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),

@@ -51,6 +51,7 @@ def advance(
     progress: float,
     shift: np.ndarray,
     settled_residual: float = SETTLED_RESIDUAL,
+    most_solves: int | None = None,
 ) -> Step:
     """Take one step to the supports' relative displacement `motion` (C, k), starting the iteration from `shift` (C,).
 
@@ -62,7 +63,7 @@ def advance(
     values: list[float] = []
     best: Step | None = None
     progressed = 0
-    for count in range(1, MOST_SOLVES + 1):
+    for count in range(1, (most_solves or MOST_SOLVES) + 1):
         trial = joints.solve(before, motion, shift, live)
         if not trial.solved:
             break

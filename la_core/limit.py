@@ -19,6 +19,7 @@ from scipy import sparse
 from la_core import evidence
 from la_core.assembly import PLANE_FREEDOMS, Assembly
 from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise
+from la_core.heyman import no_sliding_rows, shared_friction
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED, asked of a quick solve: the solver's tests are close to the recomputed ones, not the same
@@ -86,9 +87,12 @@ class ScaledProblem:
     cones: Cones
 
 
-def scaled_problem(assembly: Assembly) -> ScaledProblem:
-    """Set up the kinematic problem of an assembly, the same for every drive."""
-    flow_rule, cones = _flow_rule(assembly)
+def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProblem:
+    """Set up the kinematic problem of an assembly, the same for every drive.
+
+    every_point: where sliding is excluded, say so at every contact point, though a few say it for all.
+    """
+    flow_rule, cones = _flow_rule(assembly, every_point)
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
     free = np.repeat(assembly.blocks.free, freedoms)
     imposed_rows = (flow_rule @ assembly.kinematic_matrix(assembly.length)).tocsr()
@@ -132,6 +136,8 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bo
         return _without_value(assembly, Status.FAILED, answer)
     multipliers = (scale @ answer.multipliers)[-problem.rows.shape[0] :] / blocks
     forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
+    if assembly.effects.sliding_excluded:
+        forces = shared_friction(assembly, forces)
     solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
     # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
     if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
@@ -153,7 +159,7 @@ def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> n
     return scale
 
 
-def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
+def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix, Cones]:
     """Rows T with T u in the flow rule's cone; contact forces are T' times the multipliers.
 
     Frictionless points need only u_n >= 0; where sliding is excluded (Heyman), u_t = 0 and u_n >= 0; in the plane the cone is
@@ -163,12 +169,14 @@ def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
     width = 2 if assembly.effects.plane else 3
     normal_row = np.arange(count) * width
     scale = 1.0 / np.hypot(1.0, friction)
-    no_slip = assembly.effects.friction == "none-slides"
+    no_slip = assembly.effects.sliding_excluded
     rough = np.flatnonzero(friction > 0.0) if not no_slip else np.zeros(0, dtype=int)
     smooth = np.flatnonzero(friction == 0.0) if not no_slip else np.arange(count)
     tangents = [normal_row + k for k in range(1, width)]
     pick = sparse.identity(count * width, format="csr")
-    equalities = sparse.vstack([pick[rows] for rows in tangents]) if no_slip else pick[:0]
+    equalities = pick[:0]
+    if no_slip:
+        equalities = sparse.vstack([pick[rows] for rows in tangents]) if every_point else no_sliding_rows(assembly)
     unilateral = pick[normal_row[smooth]]
     n, scaled_n = normal_row[rough], sparse.diags(scale[rough])
     slope = sparse.diags((scale * friction)[rough])

@@ -78,7 +78,7 @@ def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.
 def coulomb_limits(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
     """Intercept and slope (C,) of Coulomb's cone; nothing limits t where sliding is excluded."""
     count = len(assembly.points)
-    if assembly.effects.friction == "none-slides":
+    if assembly.effects.sliding_excluded:
         return np.full(count, np.inf), np.zeros(count)
     return np.zeros(count), assembly.points.friction
 

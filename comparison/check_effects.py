@@ -1,0 +1,22 @@
+"""What was left out of a model, and whether the answer shows that it would have been needed."""
+
+from collections.abc import Iterator
+
+from comparison.check import Check, Verdict
+from la_core.case import LimitAnalysis
+from la_core.lift import residual_in_space
+from la_core.limit import Status
+
+IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block: ten times what limit analysis leaves in the plane
+
+
+def check_effects(analysis: LimitAnalysis) -> Iterator[Check]:
+    """The plane answer, lifted to the model in space, has to be an answer there."""
+    least = analysis.rounded[analysis.main]
+    if not analysis.assembly.effects.plane or least.status is not Status.SOLVED:
+        return
+    worst = residual_in_space(analysis.assembly, least.twists, least.forces)
+    holds = worst <= IN_SPACE
+    reason = "" if holds else "In space the plane answer is out of equilibrium or blocks penetrate; ask for effects.plane = false."
+    verdict = Verdict.AGREE if holds else Verdict.INCONCLUSIVE
+    yield Check("plane answer in space", verdict, worst, None, None, IN_SPACE, "of a block", reason)

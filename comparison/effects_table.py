@@ -1,0 +1,85 @@
+"""Every effect of a scene as on or off: how it is modelled, why, what leaving it out saves and what keeping it took."""
+
+from typing import Any
+
+from la_core.assembly import PLANE_FREEDOMS, Assembly
+from la_core.case import LimitAnalysis
+from la_core.contacts import contact_points
+from la_core.coulomb import STEPS
+from la_core.scene import Scene
+
+EFFECTS = {  # as it is modelled where the effect is left out
+    "plane": True,
+    "friction": "none-slides",
+    "elasticity": "none",
+    "reach": True,
+    "displacement": "small",
+    "recording": "plateau",
+}
+WORDS = {  # what is on or off
+    "plane": "motion out of the plane",
+    "friction": "sliding without dilatancy",
+    "elasticity": "strain of the joints",
+    "reach": "blocks beyond the support's reach",
+    "displacement": "contacts that come into being",
+    "recording": "states on the way to the plateau",
+}
+
+
+def effects_summary(scene: Scene, assembly: Assembly, analysis: LimitAnalysis | None = None) -> dict[str, Any]:
+    """Choices and reasons by effect, and `table`: one row an effect, in the order of EFFECTS.
+
+    A row: effect, what it is, on, modelled, reason, saved (counts by name, where it is off), seconds (measured, where it is on and
+    limit analysis spent time on it alone; else null).
+    """
+    effects = assembly.effects
+    saved, seconds = _saved(scene, assembly), _seconds(analysis)
+    table = [
+        {
+            "effect": name,
+            "what": WORDS[name],
+            "on": (on := getattr(effects, name) != left_out),
+            "modelled": _modelled(name, getattr(effects, name)),
+            "reason": effects.reasons.get(name, ""),
+            "saved": {} if on else saved.get(name, {}),
+            "seconds": seconds.get(name) if on else None,
+        }
+        for name, left_out in EFFECTS.items()
+    ]
+    return {name: getattr(effects, name) for name in EFFECTS} | {"reasons": effects.reasons, "table": table}
+
+
+def _modelled(name: str, choice: bool | str) -> str:
+    if isinstance(choice, str):
+        return choice
+    yes, no = {"plane": ("plane", "in space"), "reach": ("within reach", "all blocks")}[name]
+    return yes if choice else no
+
+
+def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
+    """What each effect saves where it is left out, against the same model with it."""
+    free, points, plane = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane
+    freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
+    saved = {
+        "friction": {"cone programmes": 2 * (STEPS + 1)},
+        "elasticity": {"unknowns of a programme": points * components},
+        "displacement": {"engines in YADE": 1},
+    }
+    if plane:
+        solid = len(contact_points(assembly.blocks, assembly.interfaces, scene.friction, assembly.inset, plane=False))
+        saved["plane"] = {
+            "unknowns": free * (6 - freedoms),
+            "contact points": solid - points,
+            "second-order cones": solid,
+            "spheres in YADE": solid - points,
+        }
+    return saved
+
+
+def _seconds(analysis: LimitAnalysis | None) -> dict[str, float]:
+    """Solver seconds that an effect alone took."""
+    if analysis is None or analysis.coulomb is None or analysis.coulomb_sharp is None:
+        return {}
+    answers = {id(one): one for one in (analysis.coulomb, analysis.coulomb_sharp)}
+    seconds = {"friction": sum(one.seconds for one in answers.values())}
+    return seconds | ({"elasticity": analysis.path.seconds} if analysis.path is not None else {})
