@@ -1,9 +1,9 @@
 """What limit analysis costs at size: seconds per stage, iterations, residuals and peak memory, and how they grow.
 
-    python tests/benchmark_scale.py [--plane N ...] [--space N ...] [--corner N ...] [--coulomb N ...]
+    python tests/benchmark_scale.py [--plane N ...] [--space N ...] [--corner N ...] [--building N ...] [--coulomb N ...]
 
-Running-bond walls of about N blocks in the plane and in 3D, and two walls that meet in a corner; a third of one base settles. Every
-size runs in a process of its own. --coulomb follows such walls, in the plane and in 3D, to their plateau with Coulomb friction.
+Running-bond walls of about N blocks in the plane and in 3D, two walls that meet in a corner, a third of one base settling, and a building
+with windows on all sides of which one corner settles. Every size runs in a process of its own. --coulomb follows such walls, in the plane and in 3D, to their plateau with Coulomb friction.
 """
 
 import argparse
@@ -11,10 +11,11 @@ import multiprocessing
 import resource
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import wraps
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -28,8 +29,9 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene
 from la_core.stiffness import joint_stiffness
 
-SIZES = {"plane": [1000, 5000, 20000], "space": [1000, 5000], "corner": [1000, 5000], "coulomb": [1000]}
+SIZES = {"plane": [1000, 5000, 20000], "space": [1000, 5000], "corner": [1000, 5000], "building": [1000, 5000], "coulomb": [1000]}
 FIXED_SHARE = 0.66  # of the base's length
+STOREY, BAY, SOLID_SHARE = 14, 2.4, 0.79  # of a building: courses of a storey, m of wall to a window, share that no opening takes
 LENGTH, DEPTH, HEIGHT = 0.4, 0.2, 0.2  # of a block, m; a block's depth is half its length, so that a corner keeps the bond
 STAGES = {  # what is timed under which name, each a function or method and where it is looked up
     "scene": (scenes, "build"),
@@ -73,28 +75,46 @@ def wall(size: int, plane: bool) -> Scene:
 
 
 def corner(size: int) -> Scene:
-    """Two walls of about `size` blocks together, along x and along y, that pass through their corner course by course in turn."""
+    """Two walls of about `size` blocks together that meet and interlock; a third of one settles."""
     courses = round((size / 2) ** 0.5)
-    per_course = round(size / (2 * courses + 1))
-    end, split = LENGTH * per_course, FIXED_SHARE * LENGTH * per_course
-    base = [
-        scenes.box("base along x", (0.0, 0.0, -HEIGHT), (split, DEPTH, 0.0), "fixed"),
-        scenes.box("settling base", (split, 0.0, -HEIGHT), (end, DEPTH, 0.0), "support"),
-        scenes.box("base along y", (0.0, DEPTH, -HEIGHT), (DEPTH, end, 0.0), "fixed"),
+    end = LENGTH * round(size / (2 * courses))
+    return _building("L", (end, end), courses, settling=((FIXED_SHARE * end, -DEPTH), (end + DEPTH, DEPTH)))
+
+
+def building(size: int) -> Scene:
+    """Storeys of 14 courses on a rectangle with windows on all sides and a door, about `size` blocks; one corner settles."""
+    storeys = max(1, round((size / 1000) ** (1 / 3)))
+    bays = max(5, round(size / (SOLID_SHARE * STOREY * storeys) * LENGTH / (2.0 * BAY)))  # of the south and the east wall together
+    along = -(-bays * 4 // 7)
+    length, depth = along * BAY, (bays - along) * BAY
+    openings = [
+        _opening(side, bay, storey, door=(side, bay, storey) == ("south", along // 2, 0))
+        for side, count in (("south", along), ("north", along), ("east", bays - along), ("west", bays - along))
+        for bay in range(count)
+        for storey in range(storeys)
     ]
-    return scenes.build(*base, *_corner_courses(per_course, courses), inset=0.001)
+    settling = ((length - 1.25 * BAY, -DEPTH), (length + DEPTH, BAY))
+    return _building("rectangle", (length, depth), STOREY * storeys, settling, openings)
 
 
-def _corner_courses(per_course: int, courses: int) -> Iterator[str]:
-    whole = np.arange(per_course + 1) * LENGTH
-    broken = np.concatenate([whole[:-1] + DEPTH, whole[-1:]])
-    for course in range(courses):
-        low, high = course * HEIGHT, (course + 1) * HEIGHT
-        along_x, along_y = (whole, broken) if course % 2 == 0 else (broken, whole)
-        for k, (start, stop) in enumerate(zip(along_x[:-1].tolist(), along_x[1:].tolist(), strict=True)):
-            yield scenes.box(f"x {course}.{k}", (start, 0.0, low), (stop, DEPTH, high))
-        for k, (start, stop) in enumerate(zip(along_y[:-1].tolist(), along_y[1:].tolist(), strict=True)):
-            yield scenes.box(f"y {course}.{k}", (0.0, start, low), (DEPTH, stop, high))
+def _opening(side: str, bay: int, storey: int, door: bool) -> dict[str, Any]:
+    """A window, or a door, in the middle of a bay; their sizes are even numbers of half blocks."""
+    middle, floor = (bay + 0.5) * BAY, storey * STOREY * HEIGHT
+    sill = floor if door else floor + 5 * HEIGHT
+    start, stop = (round(middle - 0.6, 6), round(sill, 6)), (round(middle + 0.6, 6), round(floor + 10 * HEIGHT, 6))
+    return {"side": side, "from": start, "to": stop, "bearing": 0.3}
+
+
+def _building(
+    plan: str, size: tuple[float, float], courses: int, settling: tuple[tuple[float, float], ...], openings: Sequence[dict[str, Any]] = ()
+) -> Scene:
+    foundation = {"height": HEIGHT, "settling": {"from": settling[0], "to": settling[1]}}
+    block = (LENGTH, DEPTH, HEIGHT)
+    parts = [
+        scenes.table("[building]", plan=plan, origin=(0.0, 0.0, 0.0), size=size, block=block, courses=courses, foundation=foundation),
+        *(scenes.table("[building.opening]", **opening) for opening in openings),
+    ]
+    return scenes.build("\n".join(parts), inset=0.001)
 
 
 def timed(function: Callable, name: str, spent: Counter) -> Callable:
@@ -111,7 +131,8 @@ def timed(function: Callable, name: str, spent: Counter) -> Callable:
 
 
 def build(kind: str, size: int) -> Scene:
-    return corner(size) if kind == "corner" else wall(size, plane=kind == "plane")
+    makers = {"corner": corner, "building": building}
+    return makers[kind](size) if kind in makers else wall(size, plane=kind == "plane")
 
 
 def measure(kind: str, size: int) -> Run:
