@@ -3,7 +3,8 @@
     python tests/benchmark_scale.py [--plane N ...] [--space N ...] [--corner N ...] [--building N ...] [--coulomb N ...]
 
 Running-bond walls of about N blocks in the plane and in 3D, two walls that meet in a corner, a third of one base settling, and a building
-with windows on all sides of which one corner settles. Every size runs in a process of its own. --coulomb follows such walls, in the plane and in 3D, to their plateau with Coulomb friction.
+with windows on all sides of which one corner settles. Every size runs in a process of its own. --coulomb follows such walls, in the plane
+and in 3D, to their plateau with Coulomb friction.
 """
 
 import argparse
