@@ -23,6 +23,7 @@ from la_core.assembly import assemble
 from la_core.case import analyse, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
+from la_core.full_model import full_model
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
@@ -93,6 +94,7 @@ def _parser() -> argparse.ArgumentParser:
     run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
+    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
     report = add("report", _report, "write the report again from stored results")
@@ -199,6 +201,8 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.workflow import run_scene
 
     scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    if options.full:
+        scenes = [full_model(scene) for scene in scenes]
     _refuse_names(scenes)
     for scene in scenes:
         assemble(scene)  # a bad scene is refused before the first one runs

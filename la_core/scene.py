@@ -70,13 +70,17 @@ def load_scene(path: Path, name: str = "") -> Scene:
 
     `name` replaces the file's stem as the scene's name, for copies.
     """
-    text = _read(path)
+    return scene_of_text(_read(path), path, name or path.stem)
+
+
+def scene_of_text(text: str, path: Path, name: str) -> Scene:
+    """The same from a scene's text; its meshes are looked for beside `path`, which errors name."""
     try:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise SceneError(str(path), f"not valid TOML: {error}") from error
     try:
-        return _build(path, name or path.stem, text, _validate(data))
+        return _build(path, name, text, _validate(data))
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error
 

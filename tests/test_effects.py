@@ -13,6 +13,7 @@ from la_core.assembly import Assembly, assemble
 from la_core.case import LimitAnalysis, analyse, settled
 from la_core.case_file import read_case, write_case
 from la_core.errors import SceneError
+from la_core.full_model import full_model
 from la_core.heyman import no_sliding_rows, shared_friction
 from la_core.limit import Drive, Status, scaled_problem, solve
 from la_core.scene import Scene
@@ -218,6 +219,28 @@ def forced_flat(scene: Scene) -> Assembly:
     assert not assembly.effects.plane
     flat = dataclasses.replace(assembly, effects=dataclasses.replace(assembly.effects, plane=True))
     return flat.with_inset(scene, scene.inset)
+
+
+# --- everything on ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["arch_spreading", "wall_third", "slab_four_corners", "two_pads", "ferris_tin_loi_1"])
+def test_the_full_model_has_every_effect_and_the_same_structure(name: str) -> None:
+    scene = scenes.shipped(name)
+    full = full_model(scene)
+    assert full.name == f"{name}_full"
+    assert full.effects.model_dump() == {
+        "plane": False, "friction": "coulomb", "elasticity": "auto", "reach": False, "displacement": "finite", "recording": "states",
+    }  # fmt: skip
+    assert full.blocks.names == scene.blocks.names and full.weight == scene.weight
+    assert full.path_asked == scene.path_asked and full.expected == scene.expected and full.yade == scene.yade
+
+
+def test_effects_of_a_scene_give_way_to_the_full_model() -> None:
+    plain = scenes.text(*scenes.wall(3, 2, 0.6), model="none-slides", effects={"displacement": "small"})
+    full = full_model(scenes.load(plain))
+    assert full.effects.friction == "coulomb" and full.effects.displacement == "finite"
+    assert full_model(scenes.load(plain.replace("none-slides", "associated"))).effects.friction == "associated"
 
 
 # --- what the user sees ------------------------------------------------------------------------------------------------------------
