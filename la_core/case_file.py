@@ -92,8 +92,7 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
         "scene/support_twist": _motion(scene),
     }
     for name, value in own.items():
-        same = value == data[name] if isinstance(value, str) else np.array_equal(value, data[name], equal_nan=True)
-        if not same:
+        if not np.array_equal(value, data[name], equal_nan=True):
             raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
 
     def solutions(arrises: str) -> dict[Drive, Solution]:

@@ -82,7 +82,8 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], R
 def decided(scene: Scene) -> tuple[Effects, float]:
     """Effects of the run and the least gap, limit analysis left out."""
     assembly = assemble(scene)
-    return run_effects.run_effects(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
+    settled, gap = run_effects.settle_run(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
+    return settled.effects, gap
 
 
 def cost(scene: Scene, folder: Path) -> dict:
