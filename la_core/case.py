@@ -76,7 +76,7 @@ def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAna
     stiffness = _stiffness(scene, assembly)
     assembly, least_gap = settle_run(scene, assembly, stiffness)
     rounded = dict(_solve_all(scene, assembly))
-    sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
+    sharp = rounded if assembly.inset == sharp_assembly.inset else dict(_solve_all(scene, sharp_assembly))
     analysis = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
     main, wedging = analysis.main, _wedging(scene)
     if assembly.effects.friction != "coulomb":
@@ -106,7 +106,7 @@ def settled(scene: Scene) -> Assembly:
         return assembly
     main = drives(scene)[0]
     search = look_for_sliding(assembly, stiffness, solve(assembly, main), _wedging(scene))
-    if not search.found and sharp_assembly is not assembly:
+    if not search.found and sharp_assembly.inset != assembly.inset:
         search = search.unless_sliding(sharp_assembly, solve(sharp_assembly, main))
     return replace(assembly, effects=settled_effects(scene, assembly.effects, search))
 

@@ -15,19 +15,22 @@ from la_core.stiffness import JointStiffness, support_reach
 GAP_OVER_TRAVEL = 10.0  # a block may move five times as far as the support before two meet across such a gap; the run is checked
 NO_GAP = 1e-6  # of the reach: round-off where two blocks meet in an edge
 LARGE_RECORD = 200.0  # MB of stored states, above which only those that are judged are kept
+_NOT_RUN = "YADE does not run a live load"
 _LISTED = "contacts are then those of the joints alone"
 
 
 def settle_run(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
     """The assembly with displacement and recording settled, and the least gap (m) between blocks without a joint.
 
-    The gap is NaN where nobody looked, and gaps beyond the reach of the motion count as that reach. The assembly of a live load, which
-    YADE does not run, stays the same. Raises SceneError for small displacements asked for where two blocks without a joint can meet.
+    The gap is NaN where nobody looked, and gaps beyond the reach of the motion count as that reach. Raises SceneError for small
+    displacements asked for where two blocks without a joint can meet.
     """
-    if scene.live is not None:
-        return assembly, float("nan")
-    displacement, why, gap = _displacement(scene, assembly, stiffness)
-    effects = assembly.effects.settled("displacement", displacement, why).settled("recording", *_recording(scene, assembly))
+    if scene.live is None:
+        displacement, why, gap = _displacement(scene, assembly, stiffness)
+        recording = _recording(scene, assembly)
+    else:
+        displacement, why, gap, recording = "finite", _NOT_RUN, float("nan"), ("states", _NOT_RUN)
+    effects = assembly.effects.settled("displacement", displacement, why).settled("recording", *recording)
     return replace(assembly, effects=effects), gap
 
 
