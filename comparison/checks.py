@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from comparison.check import Check, Verdict, inside, within
+from comparison.check_displacement import check_displacement
 from comparison.check_effects import check_effects
 from comparison.check_prediction import check_prediction
 from comparison.check_sections import check_sections
@@ -57,7 +58,8 @@ def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
     if least.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
-    checks = [_check_settlement(scene, run), _check_contacts(analysis, run), _check_equilibrium(analysis, run)]
+    contacts = check_displacement if analysis.assembly.effects.displacement == "small" else _check_contacts
+    checks = [_check_settlement(scene, run), contacts(analysis, run), _check_equilibrium(analysis, run)]
     checks += check_effects(analysis)
     if run.status == "no plateau":
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"

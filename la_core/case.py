@@ -14,6 +14,7 @@ from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve
 from la_core.path import Path as FollowedPath
 from la_core.path import follow_path
+from la_core.run_effects import settle_run
 from la_core.scene import Scene
 from la_core.schema import Path as PathAsked
 from la_core.sliding import Sliding, look_for_sliding, may_leave_out_friction, settled_effects
@@ -30,6 +31,7 @@ class LimitAnalysis:
     assembly: contact points at the shared inset: the scene's, or the smallest that YADE can take where the scene has none.
     rounded, sharp: solution by drive at that inset and at inset 0. stiffness: of the joints, at the shared inset.
     coulomb, coulomb_sharp: the same with friction that does not dilate, None where the scene does not call for it.
+    least_gap: bound of the gap between blocks without a joint, m, see `settle_run`; NaN where nobody looked.
     path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
     """
 
@@ -37,6 +39,7 @@ class LimitAnalysis:
     rounded: dict[Drive, Solution]
     sharp: dict[Drive, Solution]
     stiffness: JointStiffness
+    least_gap: float = float("nan")
     coulomb: CoulombSolution | None = None
     coulomb_sharp: CoulombSolution | None = None
     path: FollowedPath | None = None
@@ -71,9 +74,10 @@ def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAna
     """
     assembly, sharp_assembly = _assemblies(scene)
     stiffness = _stiffness(scene, assembly)
+    assembly, least_gap = settle_run(scene, assembly, stiffness)
     rounded = dict(_solve_all(scene, assembly))
-    sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
-    analysis = LimitAnalysis(assembly, rounded, sharp, stiffness)
+    sharp = rounded if assembly.inset == sharp_assembly.inset else dict(_solve_all(scene, sharp_assembly))
+    analysis = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
     main, wedging = analysis.main, _wedging(scene)
     if assembly.effects.friction != "coulomb":
         return analysis
@@ -96,11 +100,13 @@ def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAna
 def settled(scene: Scene) -> Assembly:
     """The assembly at the shared inset with its effects settled, at the price of one bound and a few elastic steps."""
     assembly, sharp_assembly = _assemblies(scene)
+    stiffness = _stiffness(scene, assembly)
+    assembly, _ = settle_run(scene, assembly, stiffness)
     if assembly.effects.friction != "coulomb" or not may_leave_out_friction(scene):
         return assembly
-    stiffness, main = _stiffness(scene, assembly), drives(scene)[0]
+    main = drives(scene)[0]
     search = look_for_sliding(assembly, stiffness, solve(assembly, main), _wedging(scene))
-    if not search.found and sharp_assembly is not assembly:
+    if not search.found and sharp_assembly.inset != assembly.inset:
         search = search.unless_sliding(sharp_assembly, solve(sharp_assembly, main))
     return replace(assembly, effects=settled_effects(scene, assembly.effects, search))
 

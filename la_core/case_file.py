@@ -43,6 +43,9 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/gravity": scene.gravity,
         "scene/plane": assembly.effects.plane,
         "scene/effects": json.dumps(asdict(assembly.effects), sort_keys=True),
+        "scene/displacement": assembly.effects.displacement,
+        "scene/least_gap": analysis.least_gap,
+        "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
         "scene/settings": json.dumps(scene.yade, sort_keys=True),
@@ -98,7 +101,8 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
     coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb else {}
     path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
-    return LimitAnalysis(assembly, solutions("associated"), solutions("associated_sharp"), stiffness, path=path_followed, **coulomb)
+    rounded, sharp, gap = solutions("associated"), solutions("associated_sharp"), float(data["scene/least_gap"])
+    return LimitAnalysis(assembly, rounded, sharp, stiffness, gap, path=path_followed, **coulomb)
 
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     Raises SceneError for blocks that overlap and for blocks that touch nothing, by name.
     """
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)
-    pairs = _near_pairs(blocks, TOUCH * size)
+    pairs = near_pairs(blocks, TOUCH * size)
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
     pair, face_a, face_b = _opposite_faces(blocks, pairs, tolerance, size)
     overlap, corners, ring = _overlap_polygons(blocks, pair, face_a, face_b, tolerance)
@@ -70,8 +70,8 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     return Interfaces(a, b, blocks.face_normal[face_a[overlap]], area, corners, start)
 
 
-def _near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2), a < b, whose bounding boxes touch.
+def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2), a < b, whose bounding boxes touch, each enlarged by its block's margin (B,), m.
 
     Blocks are sorted into classes of size, each a factor of two wide, with a tree of centres each: a few large blocks, such as
     a foundation, then do not make every small one a neighbour, and the search grows as N log N.
@@ -100,7 +100,7 @@ def _expand(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
     """Separating faces settle almost every pair; for the few left, a linear programme seeks the largest ball in both blocks."""
-    apart = _parted_by_a_face(blocks, pairs, tolerance) | _parted_by_a_face(blocks, pairs[:, ::-1], tolerance)
+    apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
     for (a, b), limit in zip(pairs[~apart], tolerance[~apart], strict=True):
         faces = np.isin(blocks.face_block, (a, b))
         normal, offset = blocks.face_normal[faces], blocks.face_offset[faces]
@@ -112,8 +112,8 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
             raise SceneError(names, f"overlap by about {2.0 * ball.x[3]:.3g} m", hint="blocks may touch but not share volume")
 
 
-def _parted_by_a_face(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> np.ndarray:
-    """Whether some face of the first block has the whole second block outside, within tolerance."""
+def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
+    """Largest distance (P,), m, of the whole second block of each pair (P, 2) from a face of the first, positive outside."""
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     first, second = pairs.T
     pair, place = _expand(np.diff(face_start)[first])
@@ -125,7 +125,7 @@ def _parted_by_a_face(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) 
     np.minimum.at(nearest, row, distance)
     apart = np.full(len(pairs), -np.inf)
     np.maximum.at(apart, pair, nearest)
-    return apart >= -tolerance
+    return apart
 
 
 def _opposite_faces(

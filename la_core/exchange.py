@@ -19,6 +19,7 @@ import numpy as np
 
 VERSION = 1
 FREE, FIXED, SUPPORT = 0, 1, 2
+POSES = 40  # states of a YADE run over its full travel
 RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
 
 # Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
@@ -52,6 +53,9 @@ CASE_FIELDS = (
     Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
     Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
     Field("scene/effects", "str", (), "", "effects as they were settled, with their reasons, a JSON object"),
+    Field("scene/displacement", "str", (), "", "small: contacts are those listed; finite: new ones are looked for"),
+    Field("scene/least_gap", "f8", (), "m", "blocks without a joint are at least so far apart; NaN where nobody looked"),
+    Field("scene/recording", "str", (), "", "states stored: plateau (at rest and on the plateau) or states (all along)"),
     Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
     Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
     Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),

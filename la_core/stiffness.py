@@ -49,7 +49,7 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     _refuse_impossible(settings, inset)
     asked = {name: float(settings[name]) for name in _ASKED if name in settings}
     has_spheres = inset > 0.0 and not assembly.has_live_load
-    reach = _support_reach(assembly)
+    reach = support_reach(assembly)
     longest = TRAVEL_OVER_SIZE * _block_size(assembly)
     if has_spheres:
         longest = min(longest, TRAVEL_OVER_INSET * inset)
@@ -85,7 +85,7 @@ def _block_size(assembly: Assembly) -> float:
     return float(np.median(extent[:, [0, 2] if assembly.effects.plane else [0, 1, 2]].max(axis=1)))
 
 
-def _support_reach(assembly: Assembly) -> float:
+def support_reach(assembly: Assembly) -> float:
     """Largest speed of a contact point of the support per unit of its motion: 1 for translations and live loads, m for rotations."""
     if assembly.has_live_load:
         return 1.0

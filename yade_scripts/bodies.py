@@ -26,6 +26,7 @@ from yade import (
     TranslationEngine,
     ViscElMat,
 )
+from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
 from yade_scripts.settings import Settings
@@ -90,6 +91,8 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
     _settle_inertia(case, carriers, clumps)
     for block, clump in enumerate(clumps):
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
+    if case.displacement == "small":
+        _pair(case, spheres, faces)
     integrator, drive, watch = _engines(case, settings, clumps, watch_command)
     states = [omega.bodies[clump].state for clump in clumps]
     position = np.array([state.pos for state in states])
@@ -215,11 +218,23 @@ def _blocked(case: Case, block: int) -> str:
     return _PLANE_BLOCKED if case.plane else ""
 
 
-def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
-    """Set YADE's engines; the support's drive runs before the integrator, at rest until its velocity is set."""
+def _pair(case: Case, spheres: list[int], faces: list[int]) -> None:
+    """Set every sphere against its target's face for good: without a collider a pair that opens stays listed and may close again."""
+    for sphere, target in zip(spheres, case.target, strict=True):
+        createInteraction(sphere, faces[target], virtualI=True)
+
+
+def _collider(settings: Settings) -> InsertionSortCollider:
+    """Looks for spheres and faces that come near each other, once something has moved by the margin of their bounds."""
     collider = InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Polyhedra_Aabb()])
     collider.verletDist = _BOUND_MARGIN * settings.sphere_radius
     collider.avoidSelfInteractionMask = _NO_PAIRS_OF_EQUALS
+    return collider
+
+
+def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
+    """Set YADE's engines; the support's drive runs before the integrator, at rest until its velocity is set."""
+    colliders = [_collider(settings)] if case.displacement == "finite" else []
     contacts = InteractionLoop(
         [Ig2_Box_Sphere_ScGeom(), Ig2_Sphere_Polyhedra_ScGeom()],
         [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
@@ -229,7 +244,7 @@ def _engines(case: Case, settings: Settings, clumps: list[int], command: str) ->
     drive = _drive(case, [clumps[block] for block in case.supports])
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
     omega = Omega()
-    omega.engines = [ForceResetter(), collider, contacts, drive, integrator, watch]
+    omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch]
     omega.dt = settings.time_step
     return integrator, drive, watch
 

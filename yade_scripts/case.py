@@ -26,6 +26,7 @@ class Case:
 
     role (B,): 0 free, 1 fixed, 2 support. boxes: low and high corner of axis-aligned boxes, None for others.
     mass (B,) kg; centroid (B, 3) m; inertia (B, 3, 3) kg m2, global axes.
+    displacement: "small" (contacts are those listed) or "finite" (new ones are looked for). recording: "plateau" or "states".
     vertices: one (n, 3) array per block, m. block_a, block_b (C,); normal (C, 3); position (C, 3) m; friction (C,).
     support_twist (6,): velocity of the global origin and angular velocity per unit settlement.
     normal_stiffness, shear_stiffness: of one contact point, N/m. travel: largest settlement, m or rad. sag: largest displacement
@@ -34,6 +35,8 @@ class Case:
 
     name: str
     plane: bool
+    displacement: str
+    recording: str
     inset: float
     gravity: np.ndarray
     support_twist: np.ndarray
@@ -96,6 +99,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),
+        displacement=data["scene/displacement"],
+        recording=data["scene/recording"],
         inset=float(data["scene/inset"]),
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
@@ -148,6 +153,8 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
     if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
         raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
+    if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
+        raise CaseError(f"scene: displacement is {case.displacement!r}, recording {case.recording!r}; not known here")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
     for name in _JOINT_NUMBERS:

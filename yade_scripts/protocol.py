@@ -70,6 +70,8 @@ class Protocol:
             self._settle()
         if self.status is None:
             self._judge_full_travel()
+        if self.case.recording == "plateau":
+            self.record.keep_plateau(self.plateau.start)
 
     def _wedge(self) -> None:
         """Close the joints against the settlement while nothing has weight yet.

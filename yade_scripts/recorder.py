@@ -1,11 +1,12 @@
 """What a run remembers: rows of reaction and energy, poses with contact forces, and contacts the case does not list."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 from yade import Omega
 
-from yade_scripts.bodies import Model
+from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
 
 GRAVITY, SETTLEMENT = 0, 1
@@ -28,6 +29,11 @@ class Row:
     displacement: float
 
 
+def _array(vectors: Iterable[Vector3]) -> np.ndarray:
+    """YADE's vectors as (N, 3); taken apart by index, because numpy asks each one ten times as long for its entries."""
+    return np.array([(vector[0], vector[1], vector[2]) for vector in vectors]).reshape(-1, 3)
+
+
 @dataclass
 class Record:
     """Rows and poses of one run, read from YADE's scene of `model`."""
@@ -43,11 +49,11 @@ class Record:
         case, omega = self.case, Omega()
         free = case.free
         states = [omega.bodies[self.model.clump[block]].state for block in free]
-        velocity, spin = np.array([s.vel for s in states]), np.array([s.angVel for s in states])
-        moved = np.array([s.pos for s in states]) - self.model.position[free]
+        velocity, spin = _array(s.vel for s in states), _array(s.angVel for s in states)
+        moved = _array(s.pos for s in states) - self.model.position[free]
         mass = case.mass[free]
         rotational = np.einsum("bi,bij,bj->", spin, case.inertia[free], spin)
-        force = np.array([omega.forces.f(self.model.clump[block]) for block in free]) + mass[:, None] * case.gravity
+        force = _array(omega.forces.f(self.model.clump[block]) for block in free) + mass[:, None] * case.gravity
         wrench = self.support_wrench()
         row = Row(
             stage=stage,
@@ -97,15 +103,21 @@ class Record:
     def contact_forces(self) -> np.ndarray:
         """Force (C, 3), N, on block b at every contact point: what the contact's sphere feels, or its opposite."""
         forces = Omega().forces
-        on_host = np.array([forces.f(sphere) for sphere in self.model.sphere])
+        on_host = _array(forces.f(sphere) for sphere in self.model.sphere)
         return np.where(self.case.host == self.case.block_b, 1.0, -1.0)[:, None] * on_host
 
     def store_pose(self) -> None:
         """Keep displacements, rotations and contact forces of the present state, and look for contacts nobody listed."""
-        blocks = range(len(self.case.role))
-        moved, turned = np.array([self.displacement(b) for b in blocks]), np.array([self.rotation(b) for b in blocks])
+        bodies = Omega().bodies
+        moved = _array(bodies[clump].state.pos for clump in self.model.clump) - self.model.position
+        turned = np.array([self.rotation(block) for block in range(len(self.case.role))])
         self.poses.append((self.settlement(), moved, turned, self.contact_forces()))
         self._note_extra_contacts()
+
+    def keep_plateau(self, start: float) -> None:
+        """Forget the states between rest and the settlement `start` where the plateau begins; the last one stays."""
+        first, last = 0, len(self.poses) - 1
+        self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose[0] >= start]
 
     def _note_extra_contacts(self) -> None:
         expected = {

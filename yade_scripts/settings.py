@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import RADIUS_OVER_INSET
+from la_core.exchange import POSES, RADIUS_OVER_INSET
 from yade_scripts import elasticity
 from yade_scripts.case import Case, CaseError
 
@@ -63,7 +63,7 @@ def derive(case: Case) -> Settings:
     def settle(**values: float) -> None:
         chosen.update({name: asked.get(name, value) for name, value in values.items()})
 
-    settle(damping_ratio=0.3, time_step_share=0.6, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=40)
+    settle(damping_ratio=0.3, time_step_share=0.6, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES)
     settle(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01)
     settle(settings_uncertainty=2e-4, time_limit=3600.0)
     settle(sphere_radius=RADIUS_OVER_INSET * case.inset)
