@@ -44,7 +44,7 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     gap, pair = least_gap(assembly, reach)
     if pair is None:
         why = f"blocks without a joint between them are at least {gap:.3g} m apart, and the support moves {travel:.3g} m: {_LISTED}"
-        return "small", why, gap
+        return "small", f"asked for in the scene, and {why}" if asked == "small" else why, gap
     names = f'blocks "{assembly.blocks.names[pair[0]]}" and "{assembly.blocks.names[pair[1]]}"'
     near = f"{names} are {gap:.3g} m apart without a joint"
     if asked == "small":
