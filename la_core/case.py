@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from la_core import reach
 from la_core.assembly import Assembly, assemble
-from la_core.coulomb import CoulombSolution, predict
+from la_core.coulomb import CoulombSolution, predict, reaction_at_rest
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve
 from la_core.path import Path as FollowedPath
@@ -65,7 +66,8 @@ def smallest_inset(assembly: Assembly) -> float:
 def analyse(scene: Scene, with_path: bool = False) -> LimitAnalysis:
     """Assemble and solve a scene, at the inset that both methods share and for sharp arrises.
 
-    The path is followed where the scene asks for it, or with_path does.
+    The bounds and the path are those of the whole structure, so is the reaction at rest; the prediction is that of the region within
+    `reach` where it is proven to be the whole structure's. The path is followed where the scene asks for it, or with_path does.
     """
     assembly = assemble(scene)
     sharp_assembly = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
@@ -74,17 +76,71 @@ def analyse(scene: Scene, with_path: bool = False) -> LimitAnalysis:
     stiffness = _stiffness(scene, assembly)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly is sharp_assembly else dict(_solve_all(scene, sharp_assembly))
-    analysis = LimitAnalysis(assembly, rounded, sharp, stiffness)
-    if assembly.effects.friction != "coulomb":
-        return analysis
-    wedging, main = scene.yade.get("wedging", 0.0), analysis.main
-    coulomb = predict(assembly, stiffness, rounded[main], wedging)
-    coulomb_sharp = coulomb if sharp is rounded else predict(sharp_assembly, stiffness, sharp[main], wedging)
+    whole = LimitAnalysis(assembly, rounded, sharp, stiffness)
+    analysis = _within_reach(scene, whole, sharp_assembly)
     path = None
-    if (scene.path_asked or with_path) and rounded[main].status is Status.SOLVED:
+    if assembly.effects.friction == "coulomb" and (scene.path_asked or with_path) and rounded[whole.main].status is Status.SOLVED:
         asked = scene.path_asked or PathAsked()
-        path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, wedging)
-    return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp, path=path)
+        path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, _wedging(scene))
+    return replace(analysis, path=path)
+
+
+def _within_reach(scene: Scene, whole: LimitAnalysis, sharp_assembly: Assembly) -> LimitAnalysis:
+    """The analysis with its prediction, by the smallest region whose answer counts for the whole structure."""
+    masks, reason = reach.choices(scene, whole.assembly)
+    if masks and whole.rounded[whole.main].status is not Status.SOLVED:
+        masks, reason = [], f"the whole structure is {whole.rounded[whole.main].status}"
+    for aside in masks:
+        part, sharp_part = _without(whole, sharp_assembly, aside), reach.set_aside(sharp_assembly, aside)
+        part = _with_prediction(scene, part, sharp_part)
+        answer, sharp_answer = part.coulomb or part.rounded[part.main], part.coulomb_sharp or part.sharp[part.main]
+        obstacle = reach.obstacle(whole.assembly, part.assembly, answer.twists, answer.forces)
+        obstacle = obstacle or reach.obstacle(sharp_assembly, sharp_part, sharp_answer.twists, sharp_answer.forces)
+        if not obstacle:
+            return _at_rest(scene, _because(part, True, reach.reason(part.assembly)), whole.assembly, sharp_assembly)
+        reason = f"the whole structure is modelled after all: {obstacle}"
+    return _with_prediction(scene, _because(whole, False, reason), sharp_assembly)
+
+
+def _because(analysis: LimitAnalysis, is_reach: bool, reason: str) -> LimitAnalysis:
+    effects = analysis.assembly.effects
+    effects = replace(effects, reach=is_reach, reasons=effects.reasons | {"reach": reason})
+    return replace(analysis, assembly=replace(analysis.assembly, effects=effects))
+
+
+def _without(whole: LimitAnalysis, sharp_assembly: Assembly, aside: np.ndarray) -> LimitAnalysis:
+    """The whole structure's analysis with `aside` (B,) held: bounds keep their mechanisms, and forces where contacts are left."""
+
+    def left(solutions: dict[Drive, Solution], assembly: Assembly) -> dict[Drive, Solution]:
+        kept = reach.kept_points(assembly, aside)
+        return {drive: replace(solution, forces=solution.forces[kept]) for drive, solution in solutions.items()}
+
+    rounded, sharp = left(whole.rounded, whole.assembly), left(whole.sharp, sharp_assembly)
+    return replace(whole, assembly=reach.set_aside(whole.assembly, aside), rounded=rounded, sharp=sharp)
+
+
+def _with_prediction(scene: Scene, analysis: LimitAnalysis, sharp_assembly: Assembly) -> LimitAnalysis:
+    """With Coulomb's prediction, where the scene calls for it."""
+    if analysis.assembly.effects.friction != "coulomb":
+        return analysis
+    rounded, sharp, main = analysis.rounded, analysis.sharp, analysis.main
+    coulomb = predict(analysis.assembly, analysis.stiffness, rounded[main], _wedging(scene))
+    alike = sharp is rounded
+    coulomb_sharp = coulomb if alike else predict(sharp_assembly, analysis.stiffness, sharp[main], _wedging(scene))
+    return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp)
+
+
+def _at_rest(scene: Scene, analysis: LimitAnalysis, assembly: Assembly, sharp_assembly: Assembly) -> LimitAnalysis:
+    """With the reactions at rest of the whole assemblies: the region beside unyielding blocks sags in another way."""
+    if analysis.coulomb is None or analysis.coulomb_sharp is None:
+        return analysis
+    at_rest = [reaction_at_rest(one, analysis.stiffness, _wedging(scene)) for one in (assembly, sharp_assembly)]
+    coulomb, coulomb_sharp = replace(analysis.coulomb, at_rest=at_rest[0]), replace(analysis.coulomb_sharp, at_rest=at_rest[1])
+    return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp)
+
+
+def _wedging(scene: Scene) -> float:
+    return float(scene.yade.get("wedging", 0.0))
 
 
 def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:

@@ -1,16 +1,17 @@
 """`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from la_core import exchange
+from la_core import exchange, reach
 from la_core.assembly import assemble
 from la_core.case import LimitAnalysis, drives
 from la_core.coulomb import CoulombSolution
-from la_core.effects import decide
+from la_core.effects import Effects, decide
 from la_core.limit import Drive, Solution, Status
 from la_core.path import Path as FollowedPath
 from la_core.scene import Scene
@@ -48,8 +49,10 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/plane": assembly.effects.plane,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
+        "scene/effects": json.dumps(dataclasses.asdict(assembly.effects)),
         "scene/settings": json.dumps(scene.yade, sort_keys=True),
         "blocks/name": list(blocks.names),
+        "blocks/aside": assembly.aside,
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
         **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
         **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
@@ -79,7 +82,9 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
     """
     data = exchange.read(path, _fields(scene, exchange.holds(path, "path")))
-    assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    whole = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
+    assembly = dataclasses.replace(assembly, effects=Effects(**json.loads(data["scene/effects"])))
     own = {
         "contacts/position": assembly.points.position,
         "contacts/friction": assembly.points.friction,

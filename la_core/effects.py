@@ -36,6 +36,8 @@ def decide(scene: Scene) -> Effects:
     if asked is True and obstacle:
         raise SceneError("effects.plane", obstacle, value=True, hint='leave it out or say "auto"')
     plane = not obstacle if asked == "auto" else bool(asked)
+    if scene.effects.reach is True and scene.live is not None:
+        raise SceneError("effects.reach", "a live load acts on every block", value=True, hint='leave it out or say "auto"')
     low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
     friction = "coulomb" if scene.effects.friction == "auto" else scene.effects.friction
@@ -43,7 +45,7 @@ def decide(scene: Scene) -> Effects:
         plane,
         friction,
         elasticity="plateau" if friction == "coulomb" else "none",
-        reach=False,
+        reach=False,  # until its answer is proven, see `la_core.reach`
         displacement="finite",
         recording="states",
         reasons={
