@@ -60,10 +60,11 @@ def text(
     live: Sequence[float] | None = None,
     plane: bool | str = "auto",
     model: str = "associated",
+    reach: bool | str = "auto",
 ) -> str:
     """A whole scene file; `live` replaces `settlement`, which is a direction or a table."""
     lines = [f"gravity = {inline(gravity)}", table("stone", density=density), table("joint", friction=friction, inset=inset), *parts]
-    lines.append(table("effects", plane=plane, friction=model))
+    lines.append(table("effects", plane=plane, friction=model, reach=reach))
     if live is not None:
         lines.append(table("live", direction=live))
     elif settlement is not None:
