@@ -4,7 +4,7 @@ import numpy as np
 
 from comparison.check import Check, Verdict
 from comparison.record import Run
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.shapes import Blocks
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from comparison.check import Check, Verdict
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.lift import residual_in_space
 from la_core.limit import Status
 

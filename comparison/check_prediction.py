@@ -13,7 +13,7 @@ from comparison.check import Check, Verdict, inside, within
 from comparison.record import Run
 from comparison.tolerances import HISTORY, REACTION, is_broad, reaction_tolerance
 from la_core import evidence, mechanism
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
@@ -183,7 +183,7 @@ def _check_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, prediction
         yield Check("mechanism similarity", Verdict.INCONCLUSIVE, reason=reason)
         return
     differ = mechanism.moving(blocks, prediction.twists) != mechanism.moving(blocks, found)
-    mass = float(blocks.mass[differ].sum() / blocks.mass[blocks.free].sum())
+    mass = float(blocks.mass[differ].sum() / analysis.assembly.movable_mass)
     if prediction.slides and analysis.coulomb is None:
         other, why = Verdict.INCONCLUSIVE, " The associated mechanism dilates where joints slide; real friction does not."
     elif prediction.slides:
@@ -197,7 +197,7 @@ def _check_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, prediction
     yield Check("mechanism similarity", Verdict.AGREE if same else other, 1.0, alike, alike - 1.0, 1.0 - SIMILAR, "", reason)
     same = mass <= SAME_MASS
     reason = "" if same else f"Blocks with {mass:.0%} of the mass move in one method only.{why}"
-    shares = [mechanism.moving_mass_share(blocks, twists) for twists in (prediction.twists, found)]
+    shares = [mechanism.moving_mass_share(analysis.assembly, twists) for twists in (prediction.twists, found)]
     yield Check("moving blocks", Verdict.AGREE if same else other, shares[0], shares[1], mass, SAME_MASS, "of the mass", reason)
 
 

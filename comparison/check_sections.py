@@ -8,7 +8,7 @@ from comparison.check import Check, inside, within
 from comparison.record import Run
 from comparison.tolerances import reaction_tolerance
 from la_core import evidence, sections
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.contacts import plane_axes
 from la_core.limit import Drive
 from la_core.scene import Scene

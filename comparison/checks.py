@@ -8,11 +8,12 @@ from comparison.check import Check, Verdict, inside, within
 from comparison.check_displacement import check_displacement
 from comparison.check_effects import check_effects
 from comparison.check_prediction import check_prediction
+from comparison.check_reach import check_reach
 from comparison.check_sections import check_sections
 from comparison.record import Run
 from comparison.tolerances import reaction_tolerance
 from la_core import evidence
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
@@ -65,6 +66,7 @@ def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason)]
     checks.append(_check_bounds(scene, analysis, run))
+    checks += check_reach(scene, analysis, run)
     return [*checks, *check_prediction(scene, analysis, run), *check_sections(scene, analysis, run)]
 
 

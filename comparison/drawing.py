@@ -23,8 +23,9 @@ LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: told apart in greyscal
 YADE = "#f39c34"
 INK = "#222222"
 FAINT = "#9a9a9a"
-ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4"}
-ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "...."}
+ASIDE = 3  # drawn as a role of its own: a free block of the scene that is held, out of the motion's reach
+ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
+ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
 LINE = 0.5  # pt, block outlines
 FEW = 25  # blocks that are named, and seen through for their contact points
 MARGIN = 0.12  # of the structure's size: room for arrows around it
@@ -37,6 +38,11 @@ HALO = [matplotlib.patheffects.withStroke(linewidth=2.0, foreground="white")]
 def method_colour(label: str) -> str:
     """Colour of a method by its label: YADE's, or limit analysis'."""
     return YADE if label.casefold().startswith("yade") else LIMIT_ANALYSIS
+
+
+def roles(assembly: Assembly) -> list[int]:
+    """Role of each block as it is drawn."""
+    return [int(role) for role in np.where(assembly.aside, ASIDE, assembly.blocks.role)]
 
 
 def tint(colour: str) -> str:

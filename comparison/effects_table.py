@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import PLANE_FREEDOMS, Assembly
-from la_core.case import LimitAnalysis
 from la_core.contacts import contact_points
 from la_core.coulomb import STEPS
 from la_core.scene import Scene

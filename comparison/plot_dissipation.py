@@ -87,9 +87,9 @@ def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -
     blocks = assembly.blocks
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
     vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, owner)
-    moves = mechanism.moving(blocks, displacement)
-    face = [MOVES if own else ROLE_FACE[int(role)] for own, role in zip(moves, blocks.role, strict=True)]
-    canvas.solids(vertices, face, [ROLE_HATCH[int(role)] for role in blocks.role])
+    moves, roles = mechanism.moving(blocks, displacement), drawing.roles(assembly)
+    face = [MOVES if own else ROLE_FACE[role] for own, role in zip(moves, roles, strict=True)]
+    canvas.solids(vertices, face, [ROLE_HATCH[role] for role in roles])
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
 
 

@@ -26,7 +26,7 @@ from comparison.plot_reaction_lines import (
 from comparison.plot_words import Word, write_words
 from comparison.record import Run
 from comparison.report_numbers import number
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
 

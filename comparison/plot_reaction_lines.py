@@ -7,7 +7,7 @@ import numpy as np
 
 from comparison.record import Run
 from comparison.report_numbers import POINT
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Solution
 from la_core.scene import Scene
 

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison import drawing
-from comparison.drawing import FAINT, FEW, INK, ROLE_FACE, ROLE_HATCH, Canvas
+from comparison.drawing import ASIDE, FAINT, FEW, INK, ROLE_FACE, ROLE_HATCH, Canvas
 from comparison.plot_reaction import reaction_figure
 from la_core import mechanism
 from la_core.assembly import Assembly
@@ -31,7 +31,7 @@ DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mec
 SHORT = 0.2  # of the longest arrow: shorter ones of a turning support are left out
 ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
-ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support"}
+ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
 SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 
@@ -58,7 +58,7 @@ def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
         canvas.names()
     driven = _draw_drive(canvas, assembly)
     canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
-    present = [role for role in ROLE_NAME if role in blocks.role]
+    present = [role for role in ROLE_NAME if role in drawing.roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
     _legend(figure, [*handles, _mark("contact point", POINT), _arrow_key(driven, INK), _arrow_key("gravity", FAINT)])
     return figure
@@ -142,7 +142,7 @@ def _why_none(falling: Sequence[str]) -> str:
 def _looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:
     """Face colour and hatch of every block: by its role, or those given for the blocks of the mask `marked` (B,)."""
     mask = np.zeros(len(assembly.blocks), dtype=bool) if marked is None else marked
-    roles = [int(role) for role in assembly.blocks.role]
+    roles = drawing.roles(assembly)
     face = [colour if own else ROLE_FACE[role] for own, role in zip(mask, roles, strict=True)]
     return face, [hatch if own else ROLE_HATCH[role] for own, role in zip(mask, roles, strict=True)]
 

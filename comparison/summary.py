@@ -8,7 +8,7 @@ from typing import Any
 from comparison.check import Check, overall
 from comparison.effects_table import effects_summary
 from comparison.record import Run
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.dissipation import measure
 from la_core.exchange import RUN_FIELDS
 from la_core.limit import Drive, Solution, Status

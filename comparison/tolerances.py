@@ -1,7 +1,7 @@
 """How near a reaction has to come, and what a reaction of zero is judged by."""
 
 from comparison.record import Run
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.scene import Scene
 
 REACTION = 5e-3  # of the reaction: finite stiffness, settlement and speed of a YADE run, measured on cases with exact values

@@ -19,7 +19,7 @@ from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
 from la_core import case, case_file, exchange
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.dissipation import measure
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene

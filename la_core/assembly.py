@@ -26,6 +26,7 @@ class Assembly:
 
     inset: of the contact points, m. dead_load, live_load (B, 6): wrenches about the centroids, N and N m; live_load is per unit
     multiplier and zero for a settlement. support_twist (B, 6): unit motion of each support block about its centroid, else zero.
+    aside (B,): free blocks of the scene that are held at rest here, out of the motion's reach (`la_core.reach`).
     """
 
     blocks: Blocks
@@ -36,6 +37,7 @@ class Assembly:
     dead_load: np.ndarray
     live_load: np.ndarray
     support_twist: np.ndarray
+    aside: np.ndarray
 
     @property
     def weight(self) -> float:
@@ -51,6 +53,11 @@ class Assembly:
     def length(self) -> float:
         """Mean size of a free block, m: what moments are scaled by."""
         return float(np.linalg.norm(self.blocks.high - self.blocks.low, axis=1)[self.blocks.free].mean() / np.sqrt(3.0))
+
+    @property
+    def movable_mass(self) -> float:
+        """Mass of all free blocks of the scene, kg, also of those set aside: what shares of the mass are relative to."""
+        return float(self.blocks.mass[self.blocks.free | self.aside].sum())
 
     @property
     def has_live_load(self) -> bool:
@@ -137,7 +144,8 @@ def _assemble(scene: Scene) -> Assembly:
         velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
         support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
         support_twist[support, 3:] = spin
-    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist)
+    aside = np.zeros(len(blocks), dtype=bool)
+    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside)
 
 
 def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:

@@ -2,52 +2,27 @@
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
+from la_core import reach
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
-from la_core.coulomb import CoulombSolution, predict
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve
-from la_core.path import Path as FollowedPath
 from la_core.path import follow_path
+from la_core.prediction import search_sliding, wedging, with_prediction
 from la_core.run_effects import settle_run
 from la_core.scene import Scene
 from la_core.schema import Path as PathAsked
-from la_core.sliding import Sliding, look_for_sliding, may_leave_out_friction, settled_effects
+from la_core.sliding import may_leave_out_friction, settled_effects
 from la_core.stiffness import JointStiffness, joint_stiffness
 
 SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the narrowest interface
 SMALLEST_INSET_SHARE = 0.02
-
-
-@dataclass(frozen=True)
-class LimitAnalysis:
-    """Solutions of a scene at the inset the methods share and for sharp arrises.
-
-    assembly: contact points at the shared inset: the scene's, or the smallest that YADE can take where the scene has none.
-    rounded, sharp: solution by drive at that inset and at inset 0. stiffness: of the joints, at the shared inset.
-    coulomb, coulomb_sharp: the same with friction that does not dilate, None where the scene does not call for it.
-    least_gap: bound of the gap between blocks without a joint, m, see `settle_run`; NaN where nobody looked.
-    path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
-    """
-
-    assembly: Assembly
-    rounded: dict[Drive, Solution]
-    sharp: dict[Drive, Solution]
-    stiffness: JointStiffness
-    least_gap: float = float("nan")
-    coulomb: CoulombSolution | None = None
-    coulomb_sharp: CoulombSolution | None = None
-    path: FollowedPath | None = None
-
-    @property
-    def main(self) -> Drive:
-        """The drive whose answer the scene asks for."""
-        return Drive.LIVE if Drive.LIVE in self.rounded else Drive.YIELDING
 
 
 def drives(scene: Scene) -> tuple[Drive, ...]:
@@ -69,50 +44,43 @@ def smallest_inset(assembly: Assembly) -> float:
 def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAnalysis:
     """Assemble and solve a scene, at the inset that both methods share and for sharp arrises.
 
-    The path is followed where the scene asks for it, or with_path does. slides: why joints are known to slide, which keeps friction
-    in where "auto" might leave it out.
+    The bounds, the path and the reaction at rest are those of the whole structure; the prediction is that of the region within reach
+    where it is proven to be the whole structure's. The path is followed where the scene asks for it, or with_path does. slides: why
+    joints are known to slide, which keeps friction in where "auto" might leave it out.
     """
     assembly, sharp_assembly = _assemblies(scene)
     stiffness = _stiffness(scene, assembly)
     assembly, least_gap = settle_run(scene, assembly, stiffness)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly.inset == sharp_assembly.inset else dict(_solve_all(scene, sharp_assembly))
-    analysis = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
-    main, wedging = analysis.main, _wedging(scene)
-    if assembly.effects.friction != "coulomb":
-        return analysis
-    if may_leave_out_friction(scene) and not with_path:
-        search = Sliding(True, slides) if slides else look_for_sliding(assembly, stiffness, rounded[main], wedging)
-        search = search.unless_sliding(sharp_assembly, sharp[main])
-        analysis = replace(analysis, assembly=replace(assembly, effects=settled_effects(scene, assembly.effects, search)))
-        if not search.found:
-            coulomb, coulomb_sharp = (search.as_coulomb(*pair) for pair in ((assembly, rounded[main]), (sharp_assembly, sharp[main])))
-            return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb if sharp is rounded else replace(coulomb_sharp, seconds=0.0))
-    coulomb = predict(assembly, stiffness, rounded[main], wedging)
-    coulomb_sharp = coulomb if sharp is rounded else predict(sharp_assembly, stiffness, sharp[main], wedging)
-    path = None
-    if (assembly.effects.elasticity == "path" or with_path) and rounded[main].status is Status.SOLVED:
+    bounds = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
+    analysis, path = with_prediction(scene, bounds, sharp_assembly, slides, with_path), None
+    is_followed = with_path or analysis.assembly.effects.elasticity == "path"
+    if is_followed and assembly.effects.friction == "coulomb" and rounded[bounds.main].status is Status.SOLVED:
         asked = scene.path_asked or PathAsked()
-        path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, wedging)
-    return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb_sharp, path=path)
+        path = follow_path(assembly, stiffness, asked.settlement or stiffness.travel, asked.increments, wedging(scene))
+    return replace(analysis, path=path)
 
 
 def settled(scene: Scene) -> Assembly:
-    """The assembly at the shared inset with its effects settled, at the price of one bound and a few elastic steps."""
+    """The assembly at the shared inset with its effects settled, at the price of one bound and a few elastic steps.
+
+    Reach is what `analyse` will try first; only its answer can prove it.
+    """
     assembly, sharp_assembly = _assemblies(scene)
     stiffness = _stiffness(scene, assembly)
-    assembly, _ = settle_run(scene, assembly, stiffness)
-    if assembly.effects.friction != "coulomb" or not may_leave_out_friction(scene):
-        return assembly
-    main = drives(scene)[0]
-    search = look_for_sliding(assembly, stiffness, solve(assembly, main), _wedging(scene))
-    if not search.found and sharp_assembly.inset != assembly.inset:
-        search = search.unless_sliding(sharp_assembly, solve(sharp_assembly, main))
-    return replace(assembly, effects=settled_effects(scene, assembly.effects, search))
-
-
-def _wedging(scene: Scene) -> float:
-    return float(scene.yade.get("wedging", 0.0))
+    assembly, least_gap = settle_run(scene, assembly, stiffness)
+    main, effects = drives(scene)[0], assembly.effects
+    if effects.friction == "coulomb" and may_leave_out_friction(scene):
+        bounds = LimitAnalysis(assembly, {main: solve(assembly, main)}, {}, stiffness, least_gap)
+        search = search_sliding(scene, bounds)
+        if not search.found and sharp_assembly.inset != assembly.inset:
+            search = search.unless_sliding(sharp_assembly, solve(sharp_assembly, main))
+        effects = settled_effects(scene, effects, search)
+    masks, reason = reach.choices(scene, assembly)
+    part = reach.set_aside(assembly, masks[0]) if masks else assembly
+    effects = effects.settled("reach", bool(masks), f"{reach.reason(part)}, if the answer proves it" if masks else reason)
+    return replace(part, effects=effects)
 
 
 def _assemblies(scene: Scene) -> tuple[Assembly, Assembly]:

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from la_core import exchange
+from la_core import exchange, reach
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import assemble
-from la_core.case import LimitAnalysis, drives
+from la_core.case import drives
 from la_core.coulomb import CoulombSolution
 from la_core.effects import Effects
 from la_core.limit import Drive, Solution, Status
@@ -50,6 +51,7 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/support_twist": _motion(scene),
         "scene/settings": json.dumps(scene.yade, sort_keys=True),
         "blocks/name": list(blocks.names),
+        "blocks/aside": assembly.aside,
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
         **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
         **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
@@ -80,7 +82,8 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     """
     has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
     data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
-    assembly = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    whole = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
     assembly = replace(assembly, effects=Effects(**json.loads(data["scene/effects"])))
     own = {
         "contacts/position": assembly.points.position,

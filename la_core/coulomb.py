@@ -84,6 +84,13 @@ def predict(
     return replace(best, status=Status.INACCURATE if soft else best.status, seconds=joints.seconds, iterations=joints.solves)
 
 
+def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:
+    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest."""
+    joints = ElasticJoints(assembly, stiffness)
+    step = next(follow(joints, np.zeros(0), stiffness, wedging))
+    return value_of(joints, step) if step.trial.solved else float("nan")
+
+
 def follow(
     joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0, most_solves: int | None = None
 ) -> Iterator[Step]:

@@ -69,7 +69,7 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
         dissipated_power=total,
         dissipated_share=total / settling if settling > 0.0 else float("nan"),
         participation_index=participation_index(dissipation),
-        moving_mass_share=mechanism.moving_mass_share(assembly.blocks, twists) if known else float("nan"),
+        moving_mass_share=mechanism.moving_mass_share(assembly, twists) if known else float("nan"),
     )
 
 

@@ -41,6 +41,8 @@ def decide(scene: Scene) -> Effects:
     Raises SceneError for what a scene asks for and does not allow.
     """
     plane, why_plane = _decide_plane(scene)
+    if scene.effects.reach is True and scene.live is not None:
+        raise SceneError("effects.reach", "a live load acts on every block", value=True, hint='leave it out or say "auto"')
     friction, elasticity = scene.effects.friction, scene.effects.elasticity
     if elasticity == "auto":
         elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
@@ -56,7 +58,7 @@ def decide(scene: Scene) -> Effects:
         plane,
         "coulomb" if friction == "auto" else friction,
         elasticity,
-        reach=False,
+        reach=False,  # until its answer is proven, see `la_core.reach`
         displacement="finite",
         recording="states",
         reasons=reasons,

@@ -61,6 +61,7 @@ CASE_FIELDS = (
     Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),
     Field("blocks/name", "str", ("B",), "", "unique block names"),
     Field("blocks/role", "i8", ("B",), "", "0 free, 1 fixed, 2 support"),
+    Field("blocks/aside", "u1", ("B",), "", "1: a free block of the scene, held here, out of the motion's reach"),
     Field("blocks/mass", "f8", ("B",), "kg", "density times volume"),
     Field("blocks/centroid", "f8", ("B", 3), "m", "centre of mass"),
     Field("blocks/inertia", "f8", ("B", 3, 3), "kg m2", "inertia about the centroid, global axes"),

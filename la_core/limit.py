@@ -203,12 +203,8 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
 
     Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
     """
-    size, split = len(problem.power), problem.cones.equalities
-    limits = sparse.vstack([sparse.identity(size), -sparse.identity(size)])
-    rows = sparse.vstack([problem.rows[:split], limits, problem.rows[split:]]).tocsr()
-    offset = np.zeros(rows.shape[0])
-    offset[split : split + 2 * size] = 1.0
-    fall = maximise(problem.power, rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size))
+    rows, offset, cones = box_limits(problem)
+    fall = maximise(problem.power, rows, offset, cones)
     twists, sinking = twists_of(assembly, fall.x), np.zeros(len(assembly.blocks))
     power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
     if not power.sum() > LEAST_FALL * assembly.weight or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
@@ -216,6 +212,16 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
     np.divide(power, weight, out=sinking, where=weight > 0.0)
     names = tuple(assembly.blocks.names[k] for k in np.flatnonzero(sinking >= FALLING_SHARE * sinking.max()))
     return _without_value(assembly, Status.INFEASIBLE, answer, names)
+
+
+def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
+    """Rows, offset and cones with every unknown limited to -1..1 and the supports at rest; the limits stand after the equalities."""
+    size, split = len(problem.power), problem.cones.equalities
+    limits = sparse.vstack([sparse.identity(size), -sparse.identity(size)])
+    rows = sparse.vstack([problem.rows[:split], limits, problem.rows[split:]]).tocsr()
+    offset = np.zeros(rows.shape[0])
+    offset[split : split + 2 * size] = 1.0
+    return rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size)
 
 
 def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer) -> Solution:

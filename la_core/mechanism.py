@@ -33,9 +33,9 @@ def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
     return blocks.free & (speed > MOVING_SHARE * speed.max())
 
 
-def moving_mass_share(blocks: Blocks, twists: np.ndarray) -> float:
-    """Mass of the moving blocks over that of all free blocks."""
-    return float(blocks.mass[moving(blocks, twists)].sum() / blocks.mass[blocks.free].sum())
+def moving_mass_share(assembly: Assembly, twists: np.ndarray) -> float:
+    """Mass of the moving blocks over that of all free blocks of the scene."""
+    return float(assembly.blocks.mass[moving(assembly.blocks, twists)].sum() / assembly.movable_mass)
 
 
 def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:

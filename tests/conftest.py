@@ -13,7 +13,7 @@ import scenes_for_tests
 from comparison import shipped
 from comparison.record import Run, read_run
 from comparison.workflow import run_scene
-from la_core.case import LimitAnalysis
+from la_core.analysis import LimitAnalysis
 from la_core.case_file import read_case
 from la_core.scene import Scene, load_scene
 

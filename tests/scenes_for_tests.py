@@ -61,10 +61,11 @@ def text(
     plane: bool | str = "auto",
     model: str = "associated",
     effects: dict[str, Any] | None = None,
+    reach: bool | str = "auto",
 ) -> str:
     """A whole scene file; `live` replaces `settlement`, which is a direction or a table; `effects` adds to plane and model."""
     lines = [f"gravity = {inline(gravity)}", table("stone", density=density), table("joint", friction=friction, inset=inset), *parts]
-    lines.append(table("effects", **({"plane": plane, "friction": model} | (effects or {}))))
+    lines.append(table("effects", **({"plane": plane, "friction": model, "reach": reach} | (effects or {}))))
     if live is not None:
         lines.append(table("live", direction=live))
     elif settlement is not None:

@@ -12,8 +12,9 @@ from comparison.checks import check_expected, check_run
 from comparison.record import Run
 from comparison.shipped import find
 from la_core import mechanism
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly
-from la_core.case import LimitAnalysis, analyse
+from la_core.case import analyse
 from la_core.limit import Drive, Status, solve
 from la_core.scene import Scene, load_scene
 

@@ -9,8 +9,9 @@ import scenes_for_tests as scenes
 from comparison import check_effects, check_prediction, workflow
 from comparison.check import Verdict
 from comparison.effects_table import EFFECTS, effects_summary
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
-from la_core.case import LimitAnalysis, analyse, settled
+from la_core.case import analyse, settled
 from la_core.case_file import read_case, write_case
 from la_core.errors import SceneError
 from la_core.full_model import full_model

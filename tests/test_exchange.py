@@ -10,7 +10,8 @@ import pytest
 import scenes_for_tests as scenes
 
 from la_core import exchange
-from la_core.case import LimitAnalysis, analyse, digest
+from la_core.analysis import LimitAnalysis
+from la_core.case import analyse, digest
 from la_core.case_file import read_case, write_case
 from la_core.exchange import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
 from la_core.limit import Drive, Solution

@@ -18,7 +18,8 @@ from comparison.cli import main
 from comparison.export import export
 from comparison.record import Run
 from comparison.vtu import VERTEX, Grid, write_grid
-from la_core.case import LimitAnalysis, analyse
+from la_core.analysis import LimitAnalysis
+from la_core.case import analyse
 from la_core.exchange import FREE
 
 BALANCED = 1e-5  # of the weight: equilibrium residuals of a solved answer, summed over the contact points

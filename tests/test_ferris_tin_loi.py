@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.case import LimitAnalysis, analyse
+from la_core.analysis import LimitAnalysis
+from la_core.case import analyse
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Status
 from la_core.path import follow_path

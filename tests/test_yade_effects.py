@@ -16,8 +16,9 @@ from comparison.check_displacement import check_displacement, largest_displaceme
 from comparison.checks import check_run
 from comparison.record import Run, read_run
 from la_core import run_effects
+from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
-from la_core.case import LimitAnalysis, analyse
+from la_core.case import analyse
 from la_core.case_file import read_case, write_case
 from la_core.effects import Effects
 from la_core.errors import SceneError

@@ -1,6 +1,5 @@
 """One case as YADE needs it: blocks, contact points and the support's unit motion, from the fields of `case.h5`."""
 
-import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +20,8 @@ class CaseError(Exception):
 @dataclass(frozen=True)
 class Case:
     """B blocks, C contact points. SI units, z up; contact normals point from the lower block index a to the higher b.
+
+    Blocks set aside that carry no contact point are left out: `index` (B,) is where each block stands among the `total` of the file.
 
     The sphere of a contact point sits on block `host` (C,), its face is that of block `target` (C,).
 
@@ -57,6 +58,8 @@ class Case:
     sag: float
     boxes: tuple[tuple[np.ndarray, np.ndarray] | None, ...]
     host: np.ndarray
+    index: np.ndarray
+    total: int
 
     @property
     def target(self) -> np.ndarray:
@@ -94,7 +97,12 @@ class Case:
 def from_fields(data: Mapping[str, Any]) -> Case:
     """Case from the fields of `case.h5`. Raises CaseError when it has nothing to run."""
     start, interface = data["blocks/vertex_start"], data["contacts/interface"]
-    vertices = tuple(data["blocks/vertices"][a:b] for a, b in itertools.pairwise(start))
+    block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
+    total = len(data["blocks/role"])
+    index = np.flatnonzero((data["blocks/aside"] == 0) | np.isin(np.arange(total), [block_a, block_b]))
+    place = np.zeros(total, dtype=int)
+    place[index] = np.arange(len(index))
+    vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
     boxes = tuple(hosting.box_extents(points) for points in vertices)
     case = Case(
         name=data["scene/name"],
@@ -105,25 +113,28 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
         overrides=_overrides(data["scene/settings"]),
-        role=data["blocks/role"],
-        mass=data["blocks/mass"],
-        centroid=data["blocks/centroid"],
-        inertia=data["blocks/inertia"],
+        role=data["blocks/role"][index],
+        mass=data["blocks/mass"][index],
+        centroid=data["blocks/centroid"][index],
+        inertia=data["blocks/inertia"][index],
         vertices=vertices,
-        block_a=data["interfaces/block_a"][interface],
-        block_b=data["interfaces/block_b"][interface],
+        block_a=place[block_a],
+        block_b=place[block_b],
         normal=data["interfaces/normal"][interface],
         position=data["contacts/position"],
         friction=data["contacts/friction"],
         **{name: float(data[f"joints/{name}"]) for name in _JOINT_NUMBERS},
         boxes=boxes,
-        host=_hosts(data, np.array([box is not None for box in boxes])),
+        host=place[_hosts(data, index[[box is not None for box in boxes]])],
+        index=index,
+        total=total,
     )
     _refuse_unrunnable(case)
     return case
 
 
-def _hosts(data: Mapping[str, Any], is_box: np.ndarray) -> np.ndarray:
+def _hosts(data: Mapping[str, Any], boxes: np.ndarray) -> np.ndarray:
+    """Host (C,) of each contact point, in the file's numbers as are the `boxes`."""
     interface = data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
     position, normal, plane = data["contacts/position"], data["interfaces/normal"][interface], bool(data["scene/plane"])
@@ -131,6 +142,7 @@ def _hosts(data: Mapping[str, Any], is_box: np.ndarray) -> np.ndarray:
     faces = (data["blocks/face_block"], *planes)
     on_a = hosting.depth_in_faces(position, normal, block_a, faces, plane)
     on_b = hosting.depth_in_faces(position, -normal, block_b, faces, plane)
+    is_box = np.isin(np.arange(len(data["blocks/role"])), boxes)
     return hosting.hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
 
 

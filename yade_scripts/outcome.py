@@ -52,13 +52,19 @@ def _rows(rows: list[Row]) -> dict[str, Any]:
 
 
 def _poses(run: Protocol) -> dict[str, Any]:
+    """Stored states; blocks that the case leaves out rest."""
     names = ("settlement", "displacement", "rotation", "forces")
-    return {f"poses/{name}": np.array([pose[i] for pose in run.record.poses]) for i, name in enumerate(names)}
+    poses = {name: np.array([pose[i] for pose in run.record.poses]) for i, name in enumerate(names)}
+    for name in ("displacement", "rotation"):
+        every = np.zeros((len(run.record.poses), run.case.total, 3))
+        every[:, run.case.index] = poses[name]
+        poses[name] = every
+    return {f"poses/{name}": value for name, value in poses.items()}
 
 
 def _extra(run: Protocol) -> dict[str, Any]:
     found = sorted(run.record.extra.items())
     return {
-        "extra_contacts/blocks": np.array([pair for pair, _ in found], dtype=int).reshape(-1, 2),
+        "extra_contacts/blocks": run.case.index[np.array([pair for pair, _ in found], dtype=int).reshape(-1, 2)],
         "extra_contacts/position": np.array([point for _, point in found], dtype=float).reshape(-1, 3),
     }
