@@ -3,10 +3,14 @@
 from typing import Any
 
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import PLANE_FREEDOMS, Assembly
+from la_core.assembly import PLANE_FREEDOMS, Assembly, assemble
 from la_core.contacts import contact_points
 from la_core.coulomb import STEPS
+from la_core.exchange import POSES
 from la_core.scene import Scene
+
+BODIES_OF_BLOCK = 3  # clump, carrier and face
+PLATEAU_SHARE = 0.4  # of the travel, before which no state of the plateau is recorded
 
 EFFECTS = {  # as it is modelled where the effect is left out
     "plane": True,
@@ -58,13 +62,22 @@ def _modelled(name: str, choice: bool | str) -> str:
 
 def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
     """What each effect saves where it is left out, against the same model with it."""
-    free, points, plane = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane
+    free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
         "friction": {"cone programmes": 2 * (STEPS + 1)},
         "elasticity": {"unknowns of a programme": points * components},
         "displacement": {"engines in YADE": 1},
+        "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }
+    if aside:
+        whole = len(assemble(scene).with_inset(scene, assembly.inset).points)
+        saved["reach"] = {
+            "unknowns": freedoms * aside,
+            "contact points": whole - points,
+            "bodies in YADE": BODIES_OF_BLOCK * aside,
+            "spheres in YADE": whole - points,
+        }
     if plane:
         solid = len(contact_points(assembly.blocks, assembly.interfaces, scene.friction, assembly.inset, plane=False))
         saved["plane"] = {
