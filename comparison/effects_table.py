@@ -6,11 +6,10 @@ from la_core.analysis import LimitAnalysis
 from la_core.assembly import PLANE_FREEDOMS, Assembly, assemble
 from la_core.contacts import contact_points
 from la_core.coulomb import STEPS
-from la_core.exchange import POSES
+from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.scene import Scene
 
 BODIES_OF_BLOCK = 3  # clump, carrier and face
-PLATEAU_SHARE = 0.4  # of the travel, before which no state of the plateau is recorded
 
 EFFECTS = {  # as it is modelled where the effect is left out
     "plane": True,

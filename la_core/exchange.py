@@ -20,6 +20,7 @@ import numpy as np
 VERSION = 1
 FREE, FIXED, SUPPORT = 0, 1, 2
 POSES = 40  # states of a YADE run over its full travel
+PLATEAU_SHARE = 0.4  # of the travel is covered before a run in YADE may stop
 RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
 
 # Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.

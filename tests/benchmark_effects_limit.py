@@ -24,8 +24,8 @@ from la_core.scene import Scene
 ROUNDS = 3
 LONG = 20.0  # s: what takes longer is measured once
 BLOCK = (0.4, 0.2, 0.2)  # m
-FACADE = (120, 12)  # blocks per course, courses
-END = 4.0  # m of the facade that settle
+FACADE = (60, 8)  # blocks per course, courses
+END = 2.4  # m of the facade that settle
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import POSES, RADIUS_OVER_INSET
+from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET
 from yade_scripts import elasticity
 from yade_scripts.case import Case, CaseError
 
@@ -17,7 +17,6 @@ GRAVITY_PERIODS = 500.0  # longest gravity stage
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 RAMP_SHARE = 0.25  # of the travel is covered while the support speeds up
 TRAVEL_PERIODS = 600.0  # the full travel takes this many periods of the structure sagging under its weights
-PLATEAU_SHARE = 0.4  # of the travel is covered before the run may stop
 
 _MAY_VANISH = frozenset(("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging"))
 _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
