@@ -44,7 +44,7 @@ def choices(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
         return [], "a live load acts on every block"
     if asked is False:
         return [], "the whole structure is asked for in the scene"
-    if asked == "auto" and scene.path_asked is not None:
+    if asked == "auto" and assembly.effects.elasticity == "path":
         return [], "a path is asked for, and at its start every block sags"
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
