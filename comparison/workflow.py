@@ -9,9 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from comparison import plots, provenance
+from comparison import plots, provenance, turn_back
 from comparison.check import Check, Verdict
-from comparison.check_prediction import slides_unforeseen
 from comparison.checks import check_expected, check_run
 from comparison.files import copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
@@ -70,11 +69,13 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     run_inputs = _digest(inputs, "yade_scripts")
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
     run, yade = _yade(scene, analysis, run_inputs, folder, listener, limit)
-    if run is not None and slides_unforeseen(analysis, run) and scene.effects.elasticity != "none":
-        listener.stage(scene.name, "limit analysis", "done again with friction: joints slide in YADE")
-        aside, analysis = analysis.assembly.aside, case.analyse(scene, slides="joints slide in YADE's mechanism")
+    if run is not None and (needed := turn_back.needed(scene, analysis, run)):
+        words = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
+        listener.stage(scene.name, "limit analysis", f"done again with what was left out ({words})")
+        aside, analysis = analysis.assembly.aside, turn_back.analyse_with(scene, needed)
         case_file.write_case(folder / "case.h5", scene, analysis, inputs)
-        if not np.array_equal(aside, analysis.assembly.aside):  # YADE ran on another region
+        if set(needed) != {"friction"} or not np.array_equal(aside, analysis.assembly.aside):  # YADE ran on another model
+            (folder / "run.h5").unlink(missing_ok=True)
             run, yade = _yade(scene, analysis, run_inputs, folder, listener, limit)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison import check_effects, check_prediction, workflow
-from comparison.check import Verdict
+from comparison import check_effects, check_prediction, turn_back, workflow
+from comparison.check import Check, Verdict
 from comparison.effects_table import EFFECTS, effects_summary
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
@@ -93,7 +93,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     """A YADE run whose joints slide where limit analysis found none that does: limit analysis is done again in full."""
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
-    monkeypatch.setattr(workflow, "slides_unforeseen", lambda analysis, run: analysis.assembly.effects.friction == "none-slides")
+    monkeypatch.setattr(turn_back, "slides_unforeseen", lambda analysis, run: analysis.assembly.effects.friction == "none-slides")
     monkeypatch.setattr(workflow, "_yade", lambda *_: (found.run, dict(found.run.result)))
     heard: list[str] = []
 
@@ -105,7 +105,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
             pass
 
     summary = workflow.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
-    assert any("done again with friction" in one for one in heard)
+    assert any("done again with what was left out (friction: joints slide" in one for one in heard)
     assert summary["effects"]["friction"] == "coulomb"
     assert summary["effects"]["reasons"]["friction"] == "joints slide in YADE's mechanism"
     assert summary["verdict"] == "agree"
@@ -124,6 +124,33 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
 
 def without_friction(assembly: Assembly) -> Assembly:
     return dataclasses.replace(assembly, effects=assembly.effects.settled("friction", "none-slides", "made up"))
+
+
+def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_up(tmp_path, monkeypatch, cross_checked) -> None:
+    """The guards' complaints, made up: the whole structure is run again in YADE with finite displacements, and says why."""
+    found = cross_checked("arch_spreading")
+    complaints = {"reach": "made up for reach", "displacement": "made up for displacement"}
+
+    def complain(effect: str, left_out: object):
+        def guard(analysis: LimitAnalysis) -> list[Check]:
+            bad = getattr(analysis.assembly.effects, effect) == left_out
+            return [Check(effect, Verdict.INCONCLUSIVE if bad else Verdict.AGREE, reason=complaints[effect] if bad else "")]
+
+        return guard
+
+    reach, displacement = complain("reach", True), complain("displacement", "small")
+    monkeypatch.setattr(turn_back, "check_reach", lambda scene, analysis, run: reach(analysis))
+    monkeypatch.setattr(turn_back, "check_displacement", lambda analysis, run: displacement(analysis)[0])
+    assembly = found.analysis.assembly
+    reduced = dataclasses.replace(assembly, effects=assembly.effects.settled("reach", True, "made up"))
+    first = dataclasses.replace(found.analysis, assembly=reduced)
+    assert first.assembly.effects.displacement == "small"
+    asked = turn_back.needed(found.scene, first, found.run)
+    assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
+    again = turn_back.analyse_with(found.scene, asked)
+    assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
+    assert again.assembly.effects.reasons["reach"] == complaints["reach"]
+    assert not turn_back.needed(found.scene, again, found.run)
 
 
 # --- joints that cannot slide ----------------------------------------------------------------------------------------------------
