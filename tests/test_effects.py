@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import scenes_for_tests as scenes
+from conftest import every_shipped_scene
 
 from comparison import check_effects, check_prediction, turn_back, workflow
 from comparison.check import Check, Verdict
@@ -285,6 +286,17 @@ def test_every_effect_is_listed_with_its_reason_and_what_it_saves() -> None:
     assert rows["plane"]["saved"]["contact points"] == len(in_space.points) - len(analysis.assembly.points)
     assert rows["plane"]["saved"]["unknowns"] == 3 * int(scene.blocks.free.sum())
     assert all(row["reason"] for row in summary["table"])
+
+
+@every_shipped_scene
+def test_every_shipped_scene_says_what_it_does_without_before_it_is_solved(name: str) -> None:
+    scene = scenes.shipped(name)
+    summary = effects_summary(scene, settled(scene))
+    assert [row["effect"] for row in summary["table"]] == list(EFFECTS)
+    for row in summary["table"]:
+        assert row["reason"] and row["modelled"]
+        assert bool(row["saved"]) == (not row["on"])
+        assert all(count > 0 for count in row["saved"].values())
 
 
 def test_settled_effects_come_back_from_the_file(tmp_path) -> None:

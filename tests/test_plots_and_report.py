@@ -335,7 +335,16 @@ def comparison_of(**changes: Any) -> dict[str, Any]:
         "free_blocks": 1,
         "interfaces": 2,
         "contact_points": 4,
-        "effects": {"plane": True, "friction": "coulomb", "reasons": {"plane": HOSTILE}},
+        "effects": {
+            "plane": True,
+            "friction": "coulomb",
+            "reasons": {"plane": HOSTILE},
+            "table": [
+                {"effect": "plane", "what": HOSTILE, "on": False, "modelled": "plane", "reason": HOSTILE, "saved": {"unknowns": 3}}
+                | {"seconds": None},
+                {"effect": "friction", "what": "sliding", "on": True, "modelled": "coulomb", "reason": "", "saved": {}, "seconds": 0.25},
+            ],
+        },
         "expected": {"reaction_over_weight": 0.16667, "reaction_max_over_weight": None, "tolerance": 1e-4, "kind": "exact"},
         "limit_analysis": {
             "associated": {
@@ -571,3 +580,10 @@ def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> N
     rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
+
+
+def test_the_report_says_what_was_left_out_why_and_what_that_saves(tmp_path: Path) -> None:
+    report.write_report(tmp_path, [comparison_of()], {})
+    for name in ("report.html", "report.md"):
+        page = (tmp_path / name).read_text(encoding="utf-8")
+        assert "saves 3 unknowns" in page and "took 0.25 s" in page
