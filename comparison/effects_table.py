@@ -66,7 +66,7 @@ def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
     saved = {
         "friction": {"cone programmes": 2 * (STEPS + 1)},
         "elasticity": {"unknowns of a programme": points * components},
-        "displacement": {"engines in YADE": 1},
+        "displacement": {"engine in YADE, the collider": 1},
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }
     if aside:

@@ -82,6 +82,7 @@ def mechanism_figure(
     heading = "\n".join(part for part in (_wrapped(title), _scale_words(assembly, factor) if known else "") if part)
     figure = _figure(assembly, len(mechanisms), heading)
     handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
+    handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
     for canvas, (label, twists) in zip(drawing.canvases(figure, assembly, len(mechanisms)), mechanisms.items(), strict=True):
         colour = drawing.tint(drawing.method_colour(label))
         if np.isfinite(twists).all():

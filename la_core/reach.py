@@ -49,7 +49,8 @@ def choices(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
     least = 1 if asked is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())
-    few = f"the motion of the support may reach all but {small.sum()} of {free.sum()} free blocks"
+    spared = f"all but {small.sum()} of {free.sum()} free blocks" if small.any() else "every free block"
+    few = f"the motion of the support may reach {spared}"
     return [mask for mask in masks if mask.sum() >= least], few
 
 

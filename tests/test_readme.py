@@ -12,9 +12,11 @@ from scenes_for_tests import load
 
 from comparison import shipped, tables
 from comparison.cli import main
+from comparison.effects_table import effects_summary
 from la_core.assembly import assemble
-from la_core.case import analyse
+from la_core.case import analyse, settled
 from la_core.classic import iterate
+from la_core.full_model import full_model
 from la_core.limit import Drive, Status
 from la_core.scene import load_scene
 
@@ -22,6 +24,7 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
 ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
+HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
 OTHER_MACHINE = 3.0  # stated uncertainties by which YADE's reaction may differ under another compiler or processor
 
 
@@ -29,8 +32,14 @@ def _blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
 
 
+def _table(head: str) -> dict[str, list[str]]:
+    """Cells of the table that begins with these headings, by the scene that a row names."""
+    (table,) = re.findall(rf"^{re.escape(head)}.*?\n\n", README, re.MULTILINE | re.DOTALL)
+    return {name: [cell.strip() for cell in cells.split("|")] for name, cells in RESULT_ROW.findall(table)}
+
+
 def _results() -> dict[str, list[str]]:
-    return {name: [cell.strip() for cell in cells.split("|")] for name, cells in RESULT_ROW.findall(README.split("## Results")[1])}
+    return _table("| scene | R_min/W |")
 
 
 def test_every_command_of_the_line_shows_what_the_readme_shows(capsys: pytest.CaptureFixture[str]) -> None:
@@ -122,6 +131,38 @@ def test_yade_of_the_results_table(name: str, cross_checked: Callable[[str], Cro
     reaction, own = (found.run.result[key] / found.scene.weight for key in ("reaction", "uncertainty"))
     last_digit = 10.0 ** -len(yade.split(" ± ")[0].split(".")[1])
     assert abs(value - reaction) <= OTHER_MACHINE * max(uncertainty, own) + last_digit
+
+
+def test_the_full_model_stands_beside_the_reduced_one_and_agrees() -> None:
+    rows = _table("| scene | left out |")
+    assert list(rows) == [name for name in shipped.names() if name not in shipped.LONG]
+    for name, (_, predicted, with_everything, yade, yade_with_everything, verdict, *_) in rows.items():
+        results = _results()[name]
+        assert (predicted, yade, verdict) == (results[1], results[5], results[6])
+        assert float(with_everything) == pytest.approx(float(predicted), rel=HISTORY)
+        if yade != "–":
+            (value, own), (full, other) = ((float(part) for part in cell.split(" ± ")) for cell in (yade, yade_with_everything))
+            assert abs(value - full) <= own + other + HISTORY * abs(full)
+
+
+LEFT_OUT = {"plane": "plane", "friction": "sliding", "reach": "reach", "displacement": "new contacts", "recording": "states"}
+
+
+@pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
+def test_what_the_readme_says_is_left_out(name: str) -> None:
+    scene = load_scene(shipped.find(name))
+    off = [row["effect"] for row in effects_summary(scene, settled(scene))["table"] if not row["on"]]
+    words = ", ".join(LEFT_OUT[effect] for effect in off if effect in LEFT_OUT) or "nothing"
+    assert _table("| scene | left out |")[name][0] == words
+
+
+@pytest.mark.parametrize("name", ["arch_spreading", "two_pads", "trilith", "slab_four_corners", "stack_bond_wall", "ferris_tin_loi_1"])
+def test_limit_analysis_of_the_full_model(name: str) -> None:
+    scene = full_model(load_scene(shipped.find(name)))
+    coulomb = analyse(scene).coulomb
+    assert coulomb is not None
+    shown = float(_table("| scene | left out |")[name][2])
+    assert shown == pytest.approx(coulomb.value / (1.0 if scene.live is not None else scene.weight), rel=ROUND_OFF)
 
 
 def test_the_table_of_friction_is_that_of_the_results() -> None:
