@@ -5,6 +5,8 @@ from collections.abc import Callable
 import pytest
 from conftest import CrossChecked
 
+from comparison.check_prediction import SIMILAR
+from la_core import mechanism
 from la_core.limit import Drive, Status
 
 CrossCheck = Callable[[str], CrossChecked]
@@ -69,8 +71,13 @@ def test_the_path_runs_along_yade_s_record(name: str, cross_checked: CrossCheck)
 
 @pytest.mark.long
 def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked: CrossCheck) -> None:
-    """Start it with `make test-long`: limit analysis takes minutes, YADE most of an hour."""
+    """Start it with `make test-long`: half an hour. It sticks and slips, so YADE may stay undecided within the mechanism's interval."""
     found = cross_checked("building_corner")
+    coulomb, result = found.analysis.coulomb, found.run.result
     assert found.summary["free_blocks"] >= 1000
+    assert found.analysis.assembly.effects.reach
+    assert coulomb is not None and coulomb.status is Status.SOLVED
     assert found.run.status == "plateau"
-    assert found.summary["verdict"] == "agree", found.summary["reason"]
+    assert coulomb.interval[0] - result["uncertainty"] <= result["reaction"] <= coulomb.interval[1] + result["uncertainty"]
+    assert mechanism.similarity(found.scene.blocks, coulomb.twists, found.run.mechanism()) >= SIMILAR
+    assert found.summary["verdict"] in ("agree", "inconclusive"), found.summary["reason"]
