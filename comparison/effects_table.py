@@ -11,13 +11,13 @@ from la_core.scene import Scene
 
 BODIES_OF_BLOCK = 3  # clump, carrier and face
 
-EFFECTS = {  # as it is modelled where the effect is left out
-    "plane": True,
-    "friction": "none-slides",
-    "elasticity": "none",
-    "reach": True,
-    "displacement": "small",
-    "recording": "plateau",
+EFFECTS: dict[str, tuple[bool | str, ...]] = {  # as it is modelled where the effect is left out
+    "plane": (True,),
+    "friction": ("none-slides", "associated"),
+    "elasticity": ("none",),
+    "reach": (True,),
+    "displacement": ("small",),
+    "recording": ("plateau",),
 }
 WORDS = {  # what is on or off
     "plane": "motion out of the plane",
@@ -41,7 +41,7 @@ def effects_summary(scene: Scene, assembly: Assembly, analysis: LimitAnalysis | 
         {
             "effect": name,
             "what": WORDS[name],
-            "on": (on := getattr(effects, name) != left_out),
+            "on": (on := getattr(effects, name) not in left_out),
             "modelled": _modelled(name, getattr(effects, name)),
             "reason": effects.reasons.get(name, ""),
             "saved": {} if on else saved.get(name, {}),

@@ -80,7 +80,7 @@ def _predicted(scene: Scene, analysis: LimitAnalysis, sharp_assembly: Assembly, 
 
 def _at_rest(scene: Scene, analysis: LimitAnalysis, assembly: Assembly, sharp_assembly: Assembly) -> LimitAnalysis:
     """With the reactions at rest of the whole assemblies: the region beside unyielding blocks sags in another way."""
-    if analysis.coulomb is None or analysis.coulomb_sharp is None or assembly.effects.friction == "none-slides":
+    if analysis.coulomb is None or analysis.coulomb_sharp is None or assembly.effects.friction != "coulomb":
         return analysis
     at_rest = [reaction_at_rest(one, analysis.stiffness, wedging(scene)) for one in (assembly, sharp_assembly)]
     coulomb, coulomb_sharp = replace(analysis.coulomb, at_rest=at_rest[0]), replace(analysis.coulomb_sharp, at_rest=at_rest[1])

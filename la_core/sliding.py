@@ -28,10 +28,14 @@ STATIONS = np.array([0.5, 1.0])  # of the travel
 
 @dataclass(frozen=True)
 class Sliding:
-    """What was found: whether a joint slides, why this is known, the value at rest (N, N m, -), and what the search took."""
+    """What was found: whether a joint slides, why this is known, the value at rest (N, N m, -), and what the search took.
+
+    law: what the scene does with where none was found.
+    """
 
     found: bool
     reason: str
+    law: str = "none-slides"
     at_rest: float = float("nan")
     seconds: float = 0.0
     solves: int = 0
@@ -57,8 +61,8 @@ def may_leave_out_friction(scene: Scene) -> bool:
 def settled_effects(scene: Scene, effects: Effects, search: Sliding) -> Effects:
     """Friction and elasticity as the search settles them; raises SceneError where the scene forbids what friction needs."""
     if not search.found:
-        effects = effects.settled("friction", "none-slides", search.reason)
-        return effects.settled("elasticity", "none", "no joint slides, so that the joints' strain decides nothing")
+        effects = effects.settled("friction", search.law, search.reason)
+        return effects.settled("elasticity", "none", "nothing dilates, so that the joints' strain decides nothing")
     if scene.effects.elasticity == "none":
         reason = f"{search.reason}, and friction without dilatancy follows the joints' strain"
         hint = 'leave it out, or take friction = "associated" for the bounds alone'
@@ -70,13 +74,21 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
     """Look at the associated mechanism, then at few elastic steps. wedging: as in `la_core.coulomb.predict`."""
     if associated.status is not Status.SOLVED:
         return Sliding(True, f"the associated answer is {associated.status}")
+    if not assembly.points.friction.any():
+        return Sliding(False, "without friction joints slide without dilating, so that the associated answer is Coulomb's", "associated")
     if slides_in_mechanism(assembly, associated):
         return Sliding(True, f"{_sliding_joint(assembly, associated)} slides in the mechanism")
     weaker = replace(assembly, points=replace(assembly.points, friction=LESS_FRICTION * assembly.points.friction))
     joints = ElasticJoints(weaker, stiffness)
     steps = list(follow(joints, STATIONS, stiffness, wedging, most_solves=1))
     found, reason = _judge(joints, steps, associated)
-    return Sliding(found, reason, value_of(joints, steps[0]) if steps[0].trial.solved else float("nan"), joints.seconds, joints.solves)
+    return Sliding(
+        found,
+        reason,
+        at_rest=value_of(joints, steps[0]) if steps[0].trial.solved else float("nan"),
+        seconds=joints.seconds,
+        solves=joints.solves,
+    )
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:

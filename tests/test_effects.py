@@ -69,6 +69,14 @@ def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
     assert "the joint between" in effects.reasons["friction"]
 
 
+def test_without_friction_joints_slide_and_nothing_dilates() -> None:
+    scene = scenes.build(*scenes.wall(4, 3, 1.0), friction=0.0, inset=0.001, model="auto")
+    short, full = analyse(scene), analyse(with_friction(scene, "coulomb"))
+    assert short.assembly.effects.friction == "associated"
+    assert short.coulomb is not None and full.coulomb is not None
+    assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=SOLVER)
+
+
 def test_a_wall_without_sliding_is_another_structure() -> None:
     scene = scenes.shipped("wall_third")
     heyman, full = analyse(with_friction(scene, "none-slides")), analyse(scene)
