@@ -82,13 +82,8 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
     joints = ElasticJoints(weaker, stiffness)
     steps = list(follow(joints, STATIONS, stiffness, wedging, most_solves=1))
     found, reason = _judge(joints, steps, associated)
-    return Sliding(
-        found,
-        reason,
-        at_rest=value_of(joints, steps[0]) if steps[0].trial.solved else float("nan"),
-        seconds=joints.seconds,
-        solves=joints.solves,
-    )
+    at_rest = value_of(joints, steps[0]) if steps[0].trial.solved else float("nan")
+    return Sliding(found, reason, at_rest=at_rest, seconds=joints.seconds, solves=joints.solves)
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
