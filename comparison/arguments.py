@@ -1,9 +1,57 @@
-"""Kinds of arguments of the command line; each raises argparse's error for a text that is none."""
+"""The words of the command line, and kinds of arguments, each of which raises argparse's error for a text that is none."""
 
 import argparse
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from comparison.provenance import version
+
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
+RESULTS = Path("crosscheck-results")
+
+
+def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:
+    """The whole command line; `commands` are what its words run, called with the options."""
+    whole = argparse.ArgumentParser(
+        prog="crosscheck",
+        description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
+        epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
+    )
+    whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
+    words = whole.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(name: str, text: str) -> argparse.ArgumentParser:
+        sub = words.add_parser(name, help=text, description=text)
+        sub.set_defaults(command=commands[name])
+        sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
+        sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
+        return sub
+
+    scene_help = "path of a scene file, or the name of a shipped scene"
+    add("scenes", "list the shipped scenes: title, expected value, kind, source")
+    show = add("show", "draw a scene: blocks, roles, contact points; counts and weight")
+    show.add_argument("scene", metavar="SCENE", help=scene_help)
+    show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
+    solve = add("solve", "limit analysis alone")
+    solve.add_argument("scene", metavar="SCENE", help=scene_help)
+    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
+    solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
+    study = add("sensitivity", "how the classic iteration for friction depends on its own parameters")
+    study.add_argument("scene", metavar="SCENE", help=scene_help)
+    study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
+    run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
+    run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
+    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
+    run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
+    run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
+    report = add("report", "write the report again from stored results")
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
+    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
+    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+    add("doctor", "what is installed, what is missing, the command that mends it")
+    return whole
 
 
 def figure(text: str) -> Path:

@@ -11,7 +11,7 @@ import numpy as np
 
 from comparison.check import Check, Verdict, inside, within
 from comparison.record import Run
-from comparison.tolerances import HISTORY, REACTION, is_broad, reaction_tolerance
+from comparison.tolerances import HISTORY, REACH, REACTION, is_broad, reaction_tolerance
 from la_core import evidence, mechanism
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
@@ -56,6 +56,7 @@ def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
         share = HISTORY + abs(coulomb.drift) if slides else REACTION
+        share += REACH if assembly.effects.reach else 0.0
         residuals = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
         doubt = "" if coulomb.status is Status.SOLVED else f"The Coulomb iteration has not converged ({residuals})."
         if doubt and not (coulomb.dilatancy_residual <= DOUBTFUL and abs(coulomb.drift) <= DOUBTFUL):

@@ -54,13 +54,15 @@ def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
     least = analysis.rounded[Drive.YIELDING]
     if run.status not in ("plateau", "no plateau", "collapsed"):
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=f"YADE's run ended as {run.status}: {run.result['message']}")]
-    if least.status is Status.INFEASIBLE or run.status == "collapsed":
+    if least.status is Status.INFEASIBLE:
         return [_check_standing(analysis, run)]
+    moved = list(check_displacement(analysis, run))
+    if run.status == "collapsed":
+        return [*(check for check in moved if check.reason), _check_standing(analysis, run)]
     if least.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
-    contacts = check_displacement if analysis.assembly.effects.displacement == "small" else _check_contacts
-    checks = [_check_settlement(scene, run), contacts(analysis, run), _check_equilibrium(analysis, run)]
+    checks = [_check_settlement(scene, run), *(moved or [_check_contacts(analysis, run)]), _check_equilibrium(analysis, run)]
     checks += check_effects(analysis)
     if run.status == "no plateau":
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"

@@ -13,14 +13,14 @@ from typing import Any
 from rich.console import Console
 
 from comparison import doctor, shipped, tables
-from comparison.arguments import figure, seconds
+from comparison.arguments import parser
 from comparison.check import overall
 from comparison.checks import check_expected
 from comparison.narration import Narration
-from comparison.provenance import describe, version
+from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
 from la_core.assembly import assemble
-from la_core.case import analyse, settled
+from la_core.case import analyse, model, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 from la_core.full_model import full_model
@@ -32,7 +32,6 @@ INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 PIPE_WIDTH = 120  # columns
-RESULTS = Path("crosscheck-results")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -42,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
-    options = _parser().parse_args(arguments)
+    options = parser(COMMANDS).parse_args(arguments)
     narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
     try:
         return int(options.command(options, narrator))
@@ -61,49 +60,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _complain(message: str, code: int) -> int:
     Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {message}", markup=False)
     return code
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="crosscheck",
-        description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
-        epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
-    )
-    parser.add_argument("--version", action="version", version=f"crosscheck {version()}")
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-
-    def add(name: str, command: Any, text: str) -> argparse.ArgumentParser:
-        sub = commands.add_parser(name, help=text, description=text)
-        sub.set_defaults(command=command)
-        sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
-        sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
-        return sub
-
-    scene_help = "path of a scene file, or the name of a shipped scene"
-    add("scenes", _scenes, "list the shipped scenes: title, expected value, kind, source")
-    show = add("show", _show, "draw a scene: blocks, roles, contact points; counts and weight")
-    show.add_argument("scene", metavar="SCENE", help=scene_help)
-    show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
-    solve = add("solve", _solve, "limit analysis alone")
-    solve.add_argument("scene", metavar="SCENE", help=scene_help)
-    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
-    solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
-    study = add("sensitivity", _sensitivity, "how the classic iteration for friction depends on its own parameters")
-    study.add_argument("scene", metavar="SCENE", help=scene_help)
-    study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
-    run = add("run", _run, "limit analysis, YADE, comparison and report; finished stages are not run again")
-    run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
-    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
-    run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
-    report = add("report", _report, "write the report again from stored results")
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
-    export = add("export", _export, "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
-    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
-    add("doctor", _doctor, "what is installed, what is missing, the command that mends it")
-    return parser
 
 
 def _stdout() -> Console:
@@ -186,7 +142,9 @@ def _sensitivity(options: argparse.Namespace, narrator: Console) -> int:
     figure = options.output or Path(f"{scene.name}-sensitivity.png")
     with Narration(narrator) as narration:
         result = sensitivity.study(
-            scene, analysis.assembly, progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}")
+            scene,
+            assemble(scene).with_inset(scene, analysis.assembly.inset),
+            progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}"),
         )
     plots.save(sensitivity_figure(result, references), figure)
     if options.json:
@@ -205,11 +163,17 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
         scenes = [full_model(scene) for scene in scenes]
     _refuse_names(scenes)
     for scene in scenes:
-        assemble(scene)  # a bad scene is refused before the first one runs
-    with Narration(narrator) as narration:
-        comparisons = [
-            run_scene(scene, options.output / scene.name, narration, not options.no_yade, options.time_limit) for scene in scenes
-        ]
+        model(scene)  # a bad scene is refused before the first one runs
+    comparisons: list[dict[str, Any]] = []
+    try:
+        with Narration(narrator) as narration:
+            for scene in scenes:
+                folder = options.output / scene.name
+                comparisons.append(run_scene(scene, folder, narration, not options.no_yade, options.time_limit))
+    except SceneError:  # what only an answer could tell: the scenes before it keep their report
+        if comparisons:
+            _conclude(options, narrator, [(options.output, comparisons)])
+        raise
     return _conclude(options, narrator, [(options.output, comparisons)])
 
 
@@ -294,6 +258,18 @@ def _doctor(options: argparse.Namespace, narrator: Console) -> int:
             if not finding.well:
                 _stdout().print(f"{finding.part}: {finding.remedy}", markup=False)
     return AGREE if all(finding.well for finding in findings) else TOOL
+
+
+COMMANDS = {
+    "scenes": _scenes,
+    "show": _show,
+    "solve": _solve,
+    "sensitivity": _sensitivity,
+    "run": _run,
+    "report": _report,
+    "export": _export,
+    "doctor": _doctor,
+}
 
 
 if __name__ == "__main__":

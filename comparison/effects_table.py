@@ -8,7 +8,9 @@ from la_core.contacts import contact_points
 from la_core.coulomb import STEPS
 from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.scene import Scene
+from la_core.sliding import STATIONS
 
+SEARCH = len(STATIONS) + 1  # programmes that look for a sliding joint
 BODIES_OF_BLOCK = 3  # clump, carrier and face
 
 EFFECTS: dict[str, tuple[bool | str, ...]] = {  # as it is modelled where the effect is left out
@@ -64,7 +66,7 @@ def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
-        "friction": {"cone programmes": 2 * (STEPS + 1)},
+        "friction": {"cone programmes, at least": (1 if scene.live is not None and scene.inset == 0.0 else 2) * (STEPS + 1) - SEARCH},
         "elasticity": {"unknowns of a programme": points * components},
         "displacement": {"engine in YADE, the collider": 1},
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},

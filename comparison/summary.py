@@ -9,6 +9,7 @@ from comparison.check import Check, overall
 from comparison.effects_table import effects_summary
 from comparison.record import Run
 from la_core.analysis import LimitAnalysis
+from la_core.assembly import assemble
 from la_core.dissipation import measure
 from la_core.exchange import RUN_FIELDS
 from la_core.limit import Drive, Solution, Status
@@ -21,6 +22,7 @@ EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "du
 def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
     """Scene, counts, effects and limit analysis: what `solve --json` prints."""
     assembly = analysis.assembly
+    whole = assemble(scene).with_inset(scene, assembly.inset) if assembly.aside.any() else assembly
     summary = {
         "scene": scene.name,
         "title": scene.title,
@@ -28,8 +30,8 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "weight": scene.weight,
         "unit": scene.unit,
         "free_blocks": int(scene.blocks.free.sum()),
-        "interfaces": len(assembly.interfaces),
-        "contact_points": len(assembly.points),
+        "interfaces": len(whole.interfaces),
+        "contact_points": len(whole.points),
         "effects": effects_summary(scene, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),

@@ -11,21 +11,24 @@ from comparison.check_reach import check_reach
 from comparison.record import Run
 from la_core import case
 from la_core.analysis import LimitAnalysis
+from la_core.limit import Status
 from la_core.scene import Scene
 
 
 def needed(scene: Scene, analysis: LimitAnalysis, run: Run) -> dict[str, tuple[bool | str, str]]:
-    """Choice and reason by effect: what the scene leaves to "auto" and a run on its plateau does not allow to be left out."""
-    if run.status != "plateau":
+    """Choice and reason by effect: what the scene leaves to "auto" and the run does not allow to be left out.
+
+    Only a plateau can be judged by more than how far blocks moved. Nothing is turned back where the scene forbids joints to strain, or
+    where the structure is proven to fall.
+    """
+    if scene.effects.elasticity == "none" or analysis.rounded[analysis.main].status is Status.INFEASIBLE:
         return {}
+    guards: dict[str, tuple[bool | str, Iterable[Check]]] = {"displacement": ("finite", check_displacement(analysis, run))}
     found: dict[str, tuple[bool | str, str]] = {}
-    if slides_unforeseen(analysis, run) and scene.effects.elasticity != "none":
-        found["friction"] = ("coulomb", "joints slide in YADE's mechanism")
-    guards: dict[str, tuple[bool | str, Iterable[Check]]] = {
-        "plane": (False, check_effects(analysis)),
-        "reach": (False, check_reach(scene, analysis, run)),
-        "displacement": ("finite", [check_displacement(analysis, run)] if analysis.assembly.effects.displacement == "small" else []),
-    }
+    if run.status == "plateau":
+        guards |= {"plane": (False, check_effects(analysis)), "reach": (False, check_reach(scene, analysis, run))}
+        if slides_unforeseen(analysis, run):
+            found["friction"] = ("coulomb", "joints slide in YADE's mechanism")
     for effect, (choice, checks) in guards.items():
         reasons = [check.reason for check in checks if check.verdict is not Verdict.AGREE]
         if reasons:
@@ -41,4 +44,11 @@ def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]]) -> Limi
     effects = analysis.assembly.effects
     for effect, (choice, reason) in found.items():
         effects = effects.settled(effect, choice, reason)
+    effects = replace(effects, called_back=tuple(found))
     return replace(analysis, assembly=replace(analysis.assembly, effects=effects))
+
+
+def called_back(analysis: LimitAnalysis) -> dict[str, tuple[bool | str, str]]:
+    """Choice and reason by effect of what an analysis has had turned back on before."""
+    effects = analysis.assembly.effects
+    return {effect: (getattr(effects, effect), effects.reasons[effect]) for effect in effects.called_back}

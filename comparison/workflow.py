@@ -1,5 +1,6 @@
 """The straight line of one scene: limit analysis, YADE, comparison, figures; each stage is redone only when its inputs change."""
 
+import dataclasses
 import hashlib
 import json
 from collections.abc import Callable
@@ -66,18 +67,23 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
         notes.append("A live load is a matter of limit analysis alone, so YADE was not run.")
     if scene.live is not None or not with_yade:
         return _compare(Stored(scene, analysis, None, None, notes, inputs), folder, listener)
-    run_inputs = _digest(inputs, "yade_scripts")
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
-    run, yade = _yade(scene, analysis, run_inputs, folder, listener, limit)
-    if run is not None and (needed := turn_back.needed(scene, analysis, run)):
+    run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
+    while run is not None and (needed := turn_back.needed(scene, analysis, run)):
         words = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
         listener.stage(scene.name, "limit analysis", f"done again with what was left out ({words})")
-        aside, analysis = analysis.assembly.aside, turn_back.analyse_with(scene, needed)
+        analysis = turn_back.analyse_with(scene, turn_back.called_back(analysis) | needed)
         case_file.write_case(folder / "case.h5", scene, analysis, inputs)
-        if set(needed) != {"friction"} or not np.array_equal(aside, analysis.assembly.aside):  # YADE ran on another model
-            (folder / "run.h5").unlink(missing_ok=True)
-            run, yade = _yade(scene, analysis, run_inputs, folder, listener, limit)
+        run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
+    run_inputs = _run_inputs(inputs, analysis)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
+
+
+def _run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
+    """Digest of what makes a run in YADE: the scene's, and which model of it `case.h5` carries."""
+    effects, aside = analysis.assembly.effects, analysis.assembly.aside
+    model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist()]
+    return _digest(json.dumps([inputs, model]), "yade_scripts")
 
 
 def read_results(folder: Path) -> tuple[Scene, LimitAnalysis, Run | None]:
@@ -160,7 +166,8 @@ def _digest(of: str, room: str) -> str:
 def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]:
     """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
     scene, analysis, run = stored.scene, stored.analysis, stored.run
-    inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes]), "comparison")
+    effects = dataclasses.asdict(analysis.assembly.effects)
+    inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes, effects], sort_keys=True), "comparison")
     figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
     previous = _stored_summary(folder)
     if previous.get("inputs") == inputs and all(path.is_file() for path in figures):

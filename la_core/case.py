@@ -48,9 +48,7 @@ def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAna
     where it is proven to be the whole structure's. The path is followed where the scene asks for it, or with_path does. slides: why
     joints are known to slide, which keeps friction in where "auto" might leave it out.
     """
-    assembly, sharp_assembly = _assemblies(scene)
-    stiffness = _stiffness(scene, assembly)
-    assembly, least_gap = settle_run(scene, assembly, stiffness)
+    assembly, sharp_assembly, stiffness, least_gap = model(scene)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly.inset == sharp_assembly.inset else dict(_solve_all(scene, sharp_assembly))
     bounds = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
@@ -67,9 +65,7 @@ def settled(scene: Scene) -> Assembly:
 
     Reach is what `analyse` will try first; only its answer can prove it.
     """
-    assembly, sharp_assembly = _assemblies(scene)
-    stiffness = _stiffness(scene, assembly)
-    assembly, least_gap = settle_run(scene, assembly, stiffness)
+    assembly, sharp_assembly, stiffness, least_gap = model(scene)
     main, effects = drives(scene)[0], assembly.effects
     if effects.friction == "coulomb" and may_leave_out_friction(scene):
         bounds = LimitAnalysis(assembly, {main: solve(assembly, main)}, {}, stiffness, least_gap)
@@ -83,20 +79,21 @@ def settled(scene: Scene) -> Assembly:
     return replace(part, effects=effects)
 
 
-def _assemblies(scene: Scene) -> tuple[Assembly, Assembly]:
-    """The assembly at the inset that both methods share, and that with sharp arrises."""
+def model(scene: Scene) -> tuple[Assembly, Assembly, JointStiffness, float]:
+    """What is solved: the assembly at the inset that both methods share and that with sharp arrises, their joints, the least gap (m).
+
+    Raises SceneError for all that a scene asks for and does not allow, but for what only an answer can tell.
+    """
     assembly = assemble(scene)
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0 and scene.live is None:
         assembly = assembly.with_inset(scene, smallest_inset(assembly))
-    return assembly, sharp
-
-
-def _stiffness(scene: Scene, assembly: Assembly) -> JointStiffness:
     try:
-        return joint_stiffness(assembly, assembly.inset, scene.yade)
+        stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)
     except SceneError as error:
         raise SceneError(str(scene.path), str(error)) from error
+    assembly, least_gap = settle_run(scene, assembly, stiffness)
+    return assembly, sharp, stiffness, least_gap
 
 
 def _solve_all(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:

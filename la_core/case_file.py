@@ -84,7 +84,8 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
     whole = assemble(scene).with_inset(scene, float(data["scene/inset"]))
     assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
-    assembly = replace(assembly, effects=Effects(**json.loads(data["scene/effects"])))
+    stored = json.loads(data["scene/effects"])
+    assembly = replace(assembly, effects=Effects(**{**stored, "called_back": tuple(stored["called_back"])}))
     own = {
         "contacts/position": assembly.points.position,
         "contacts/friction": assembly.points.friction,

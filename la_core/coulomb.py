@@ -159,10 +159,10 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
     )
 
 
-def without_sliding(assembly: Assembly, associated: Solution, at_rest: float, seconds: float, solves: int) -> CoulombSolution:
+def without_sliding(assembly: Assembly, associated: Solution, seconds: float, solves: int) -> CoulombSolution:
     """The associated answer as Coulomb's, where no joint slides: nothing dilates, and its mechanism leaves the value no interval.
 
-    at_rest, seconds, solves: of the look for sliding.
+    seconds, solves: of the look for sliding. The value at rest is not known: nobody needs it.
     """
     if associated.status is not Status.SOLVED:
         return _without_value(assembly, associated.status)
@@ -173,7 +173,7 @@ def without_sliding(assembly: Assembly, associated: Solution, at_rest: float, se
         (associated.value, associated.value),
         associated.twists,
         associated.forces,
-        at_rest=at_rest,
+        at_rest=nan,
         drift=nan,
         dilatancy_residual=mechanism.sliding_share(assembly, associated.twists, associated.forces),
         strain_residual=nan,

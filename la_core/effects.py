@@ -14,11 +14,11 @@ FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in t
 class Effects:
     """What is modelled, and why: reasons by effect.
 
-    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides"; sliding_excluded: by Heyman's law, asked
-    for, and not only absent from the answer. elasticity: of the joints in limit
-    analysis, "none", "plateau" (in steps to the plateau) or "path" (the whole curve). reach: only the blocks that the support's
-    motion can touch. displacement: of YADE's contacts, "small" (those listed) or "finite" (new ones are looked for).
-    recording: of YADE's states, "plateau" (at rest and on the plateau) or "states" (all along).
+    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides"; sliding_excluded: by Heyman's law, asked for,
+    and not only absent from the answer. elasticity: of the joints in limit analysis, "none", "plateau" (in steps to the plateau) or
+    "path" (the whole curve). reach: only the blocks that the support's motion can touch. displacement: of YADE's contacts, "small"
+    (those listed) or "finite" (new ones are looked for). recording: of YADE's states, "plateau" (at rest and on the plateau) or
+    "states" (all along). called_back: effects that were left out, and turned back on after a run in YADE.
     """
 
     plane: bool
@@ -29,6 +29,7 @@ class Effects:
     recording: str
     reasons: dict[str, str]
     sliding_excluded: bool = False
+    called_back: tuple[str, ...] = ()
 
     def settled(self, effect: str, choice: bool | str, reason: str) -> "Effects":
         """The same with one effect settled otherwise, for a reason."""

@@ -1,8 +1,8 @@
 """Whether a joint slides on the way to the answer; where none does, friction has no history and the associated answer is Coulomb's.
 
 The associated mechanism alone cannot tell: dilatancy wedges blocks that slide without it, such as the lunes of a dome. So the
-structure also goes from rest to half and to all of its travel on elastic joints with a little less friction. What slips on the way
-to the plateau does not matter where nothing slips on it and the value is the bound.
+structure also goes from rest to half and to all of its travel on elastic joints with a little less friction. Slip at rest does not
+matter where nothing slips from there on; slip on the way does, for it leaves another state of friction on the plateau.
 """
 
 from dataclasses import dataclass, replace
@@ -28,15 +28,15 @@ STATIONS = np.array([0.5, 1.0])  # of the travel
 
 @dataclass(frozen=True)
 class Sliding:
-    """What was found: whether a joint slides, why this is known, the value at rest (N, N m, -), and what the search took.
+    """What was found: whether a joint slides, why this is known, and what the search took.
 
-    law: what the scene does with where none was found.
+    law: what the scene does with where none was found. known: False where there is no answer to look at.
     """
 
     found: bool
     reason: str
     law: str = "none-slides"
-    at_rest: float = float("nan")
+    known: bool = True
     seconds: float = 0.0
     solves: int = 0
 
@@ -50,7 +50,7 @@ class Sliding:
 
     def as_coulomb(self, assembly: Assembly, associated: Solution) -> CoulombSolution:
         """The associated answer as Coulomb's, where nothing slides."""
-        return without_sliding(assembly, associated, self.at_rest, self.seconds, self.solves)
+        return without_sliding(assembly, associated, self.seconds, self.solves)
 
 
 def may_leave_out_friction(scene: Scene) -> bool:
@@ -63,7 +63,7 @@ def settled_effects(scene: Scene, effects: Effects, search: Sliding) -> Effects:
     if not search.found:
         effects = effects.settled("friction", search.law, search.reason)
         return effects.settled("elasticity", "none", "nothing dilates, so that the joints' strain decides nothing")
-    if scene.effects.elasticity == "none":
+    if scene.effects.elasticity == "none" and search.known:
         reason = f"{search.reason}, and friction without dilatancy follows the joints' strain"
         hint = 'leave it out, or take friction = "associated" for the bounds alone'
         raise SceneError(f"{scene.path}: effects.elasticity", reason, value="none", hint=hint)
@@ -73,7 +73,7 @@ def settled_effects(scene: Scene, effects: Effects, search: Sliding) -> Effects:
 def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> Sliding:
     """Look at the associated mechanism, then at few elastic steps. wedging: as in `la_core.coulomb.predict`."""
     if associated.status is not Status.SOLVED:
-        return Sliding(True, f"the associated answer is {associated.status}")
+        return Sliding(True, f"the associated answer is {associated.status}", known=False)
     if not assembly.points.friction.any():
         return Sliding(False, "without friction joints slide without dilating, so that the associated answer is Coulomb's", "associated")
     if slides_in_mechanism(assembly, associated):
@@ -82,8 +82,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
     joints = ElasticJoints(weaker, stiffness)
     steps = list(follow(joints, STATIONS, stiffness, wedging, most_solves=1))
     found, reason = _judge(joints, steps, associated)
-    at_rest = value_of(joints, steps[0]) if steps[0].trial.solved else float("nan")
-    return Sliding(found, reason, at_rest=at_rest, seconds=joints.seconds, solves=joints.solves)
+    return Sliding(found, reason, seconds=joints.seconds, solves=joints.solves)
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
@@ -92,16 +91,17 @@ def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
 
 
 def _judge(joints: ElasticJoints, steps: list[Step], associated: Solution) -> tuple[bool, str]:
-    last = steps[-1]
-    if len(steps) <= len(STATIONS) or not last.trial.solved:
+    _, *settling = steps
+    if len(settling) < len(STATIONS) or not settling[-1].trial.solved:
         return True, "a step on elastic joints has no answer"
-    if last.strain_residual > CONVERGED:
-        slip = np.linalg.norm(last.trial.slip, axis=1) * joints.assembly.points.friction
-        return True, f"{_joint(joints.assembly, last.joints.force[:, 0] * slip)} slides on the plateau"
-    value = value_of(joints, last)
+    for step in settling:
+        if step.strain_residual > CONVERGED:
+            slip = np.linalg.norm(step.trial.slip, axis=1) * joints.assembly.points.friction
+            return True, f"{_joint(joints.assembly, step.joints.force[:, 0] * slip)} slides while the support moves"
+    value = value_of(joints, settling[-1])
     if abs(value - associated.value) > SAME_VALUE * abs(associated.value):
         return True, "strain of the joints keeps the structure from its plateau, and friction decides what it comes to"
-    return False, f"no joint slides on the plateau, even with {1.0 - LESS_FRICTION:.0%} less friction: its history decides nothing"
+    return False, f"no joint slides while the support moves, even with {1.0 - LESS_FRICTION:.0%} less friction: its history decides nothing"
 
 
 def _joint(assembly: Assembly, power: np.ndarray) -> str:

@@ -216,7 +216,7 @@ def verdict(checks: list[Check], name: str) -> Check:
 def test_a_run_that_moved_its_blocks_by_half_the_least_gap_decides_nothing(share: float, expected: Verdict) -> None:
     analysis = analyse(with_effects(TEXTS["arch"], displacement="small"))
     limit = 0.5 * analysis.least_gap
-    check = check_displacement(analysis, made_up(analysis.assembly, share * limit, 0.0))
+    (check,) = check_displacement(analysis, made_up(analysis.assembly, share * limit, 0.0))
     assert check.verdict is expected
     if expected is Verdict.INCONCLUSIVE:
         assert analysis.assembly.blocks.names[1] in check.reason and 'displacement = "finite"' in check.reason
@@ -235,12 +235,13 @@ def test_a_turn_counts_with_the_size_of_its_block() -> None:
 
 def test_an_undefined_displacement_decides_nothing() -> None:
     analysis = analyse(with_effects(TEXTS["two_pads"], displacement="small"))
-    assert check_displacement(analysis, made_up(analysis.assembly, np.nan, 0.0)).verdict is Verdict.INCONCLUSIVE
+    (check,) = check_displacement(analysis, made_up(analysis.assembly, np.nan, 0.0))
+    assert check.verdict is Verdict.INCONCLUSIVE
 
 
 def test_a_real_run_with_small_displacements_keeps_within_its_gap(ran: Callable[..., Ran]) -> None:
     analysis, run = ran("arch", "small")
-    check = check_displacement(analysis, run)
+    (check,) = check_displacement(analysis, run)
     travel = analysis.stiffness.travel * support_reach(analysis.assembly)
     assert check.verdict is Verdict.AGREE
     assert check.yade is not None and check.yade >= run.result["settlement"]  # the springer itself moves so far
