@@ -15,6 +15,7 @@ from comparison.check import Check, Verdict
 from comparison.check_displacement import check_displacement, largest_displacements
 from comparison.checks import check_run
 from comparison.record import Run, read_run
+from comparison.workflow import run_scene
 from la_core import run_effects
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
@@ -127,6 +128,28 @@ def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements
     assert small.poses["displacement"][-1, block, 0] == pytest.approx(settled, rel=1e-3)
     assert finite.poses["displacement"][-1, block, 0] == pytest.approx(GAP + RADIUS, rel=0.05)  # the stop gives way elastically
     assert verdict(check_run(with_effects(buffer()), analysis, small), "displacements").verdict is Verdict.INCONCLUSIVE
+
+
+def test_a_small_run_that_went_too_far_is_run_again_with_finite_displacements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Through both methods: the block carried through the stop is noticed, and what was called back is found again by the next call."""
+    monkeypatch.setattr(run_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)
+    scene, heard = with_effects(buffer()), []
+
+    class Listener:
+        def stage(self, scene: str, stage: str, state: str) -> None:
+            heard.append(f"{stage}: {state}")
+
+        def progress(self, scene: str, report: dict) -> None:
+            pass
+
+    summary = run_scene(scene, tmp_path / scene.name, Listener(), with_yade=True)
+    assert sum("done again with what was left out (displacement: In YADE block" in one for one in heard) == 1
+    assert summary["effects"]["displacement"] == "finite"
+    assert "moved" in summary["effects"]["reasons"]["displacement"]
+    assert summary["yade"]["reaction"] == pytest.approx(-scene.friction * scene.weight, rel=HALF_PER_CENT)
+    heard.clear()
+    run_scene(scene, tmp_path / scene.name, Listener(), with_yade=True)
+    assert heard == ["limit analysis: cached", "YADE: cached", "comparison: cached"]
 
 
 def test_without_a_collider_there_is_none_and_pairs_are_those_listed(tmp_path: Path) -> None:
