@@ -8,6 +8,7 @@ from comparison.provenance import version
 
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 RESULTS = Path("crosscheck-results")
+COSTS = Path("crosscheck-cost")
 
 
 def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:
@@ -39,6 +40,10 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     study = add("sensitivity", "how the classic iteration for friction depends on its own parameters")
     study.add_argument("scene", metavar="SCENE", help=scene_help)
     study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
+    cost = add("cost", "what accuracy costs in time: error against seconds over methods and settings, table and figure")
+    cost.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
+    cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
+    cost.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")

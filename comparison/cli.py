@@ -155,6 +155,24 @@ def _sensitivity(options: argparse.Namespace, narrator: Console) -> int:
     return AGREE
 
 
+def _cost(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison import cost, ladders
+
+    scenes = [load_scene(shipped.find(name)) for name in options.scenes]
+    _refuse_names(scenes)
+    found = []
+    with Narration(narrator) as narration:
+        for scene in scenes:
+            found.append(ladders.climb_and_draw(scene, options.output, not options.no_yade, narration))
+    for ladder in found if not options.json else ():
+        for target in ladder.references:
+            _stdout().print(cost.ladder_table(ladder, target))
+    if options.json:
+        _print_json([cost.ladder_dict(ladder) for ladder in found])
+    narrator.print(f"drawn in {options.output}", markup=False)
+    return AGREE
+
+
 def _run(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.workflow import run_scene
 
@@ -265,6 +283,7 @@ COMMANDS = {
     "show": _show,
     "solve": _solve,
     "sensitivity": _sensitivity,
+    "cost": _cost,
     "run": _run,
     "report": _report,
     "export": _export,

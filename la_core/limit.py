@@ -100,21 +100,21 @@ def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProbl
     return ScaledProblem(power, imposed_rows[:, free], imposed_rows, flow_rule, cones)
 
 
-def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None) -> Solution:
+def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None, accuracy: float = ACCEPTED) -> Solution:
     """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
 
     A quick solve comes first; only an answer that the evidence confirms is taken from it. problem: `scaled_problem(assembly)`, for
-    callers with several drives.
+    callers with several drives. accuracy: residual up to which an answer is called solved, and for which the solver works.
     """
     problem = problem or scaled_problem(assembly)
-    first = _attempt(assembly, problem, drive, quick=True)
+    first = _attempt(assembly, problem, drive, accuracy, quick=True)
     if first.status in (Status.SOLVED, Status.INFEASIBLE):
         return first
-    second = _attempt(assembly, problem, drive, quick=False)
+    second = _attempt(assembly, problem, drive, accuracy, quick=False)
     return replace(second, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)
 
 
-def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bool) -> Solution:
+def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy: float, quick: bool) -> Solution:
     speed, imposed = support_motion(assembly, drive.value)
     rows, cones = problem.rows, problem.cones
     offset = problem.imposed_rows @ columns(assembly, imposed)
@@ -125,7 +125,7 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bo
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
     blocks = int(assembly.blocks.free.sum())  # turns powers relative to the weight into ones relative to the mean block, as residuals are
-    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) * (1.0 if quick else SECOND_TIME)
+    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) * (accuracy / ACCEPTED) * (1.0 if quick else SECOND_TIME)
     scale = sparse.diags(_starting_scale(assembly, problem, rows.shape[0]) if quick else np.ones(rows.shape[0]))
     answer = maximise(problem.power * blocks, scale @ rows, scale @ offset, cones, tolerance, quick)
     if answer.outcome is Outcome.EMPTY:
@@ -138,7 +138,7 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bo
     forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
     if assembly.effects.sliding_excluded:
         forces = shared_friction(assembly, forces)
-    solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
+    solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer, accuracy)
     # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
     if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
         return _cannot_stand(assembly, problem, answer) or solution
@@ -224,8 +224,8 @@ def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, C
     return rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size)
 
 
-def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer) -> Solution:
-    """Solution with residuals recomputed from its forces and twists; one residual above ACCEPTED makes it inaccurate."""
+def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer, accuracy: float) -> Solution:
+    """Solution with residuals recomputed from its forces and twists; one residual above the accuracy makes it inaccurate."""
     from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     if drive is Drive.LIVE:
         value, from_forces, unit = from_work, evidence.multiplier(assembly, forces), 1.0
@@ -238,6 +238,6 @@ def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces:
         "mechanism_violation": evidence.flow_rule_violation(assembly, twists),
         "duality_gap": abs(from_forces - from_work) / unit,
     }
-    confirmed = max(residuals.values()) <= ACCEPTED  # whatever the solver says of itself
+    confirmed = max(residuals.values()) <= accuracy  # whatever the solver says of itself
     status = Status.SOLVED if confirmed else Status.INACCURATE
     return Solution(status, value, twists, forces, seconds=answer.seconds, iterations=answer.iterations, falling=(), **residuals)

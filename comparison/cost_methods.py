@@ -1,0 +1,122 @@
+"""The ladder of `crosscheck cost` in limit analysis: methods and settings that trade time for accuracy."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+from la_core.assembly import Assembly, assemble
+from la_core.case import drives, smallest_inset
+from la_core.classic import iterate
+from la_core.contact_grid import with_grid
+from la_core.coulomb import predict
+from la_core.limit import ACCEPTED, solve
+from la_core.path import follow_path
+from la_core.prediction import wedging
+from la_core.scene import Scene
+from la_core.stiffness import JointStiffness, joint_stiffness
+
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+STEPS = (1, 2, 4, 8, 16)
+INCREMENTS = (2, 5, 10, 25, 50)
+INSETS = (0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)  # m
+LARGEST_INSET = 10.0  # times the smallest that both methods share: the narrowest interface bears it
+POINTS_PER_SIDE = {True: (2, 3, 5), False: (2, 3)}  # by whether the scene is plane
+ASSOCIATED, PREDICTION = "associated", "prediction"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one run came to: value in N, N m or as a multiplier, how it ended, seconds to build the model and to solve it.
+
+    uncertainty: as the method itself states it, in the value's unit; NaN where it states none.
+    """
+
+    value: float
+    status: str
+    build: float
+    solve: float
+    uncertainty: float = float("nan")
+
+
+@dataclass(frozen=True)
+class Method:
+    """One rung: its family, its setting, whether it aims at the associated answer or at the prediction, and how to run it."""
+
+    family: str
+    setting: str
+    target: str
+    run: Callable[[], Outcome]
+
+
+def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
+    """All rungs of limit analysis. inset: of the rungs that predict, m; bounds are those of sharp arrises where no rung says otherwise."""
+    for accuracy in TOLERANCES:
+        yield Method("cone programme", f"residual {accuracy:.0e}", ASSOCIATED, partial(_bound, scene, 0.0, accuracy))
+    for one in _insets(scene):
+        yield Method("inset", f"{1e3 * one:g} mm", ASSOCIATED, partial(_bound, scene, one))
+    plane = assemble(scene).effects.plane
+    for per_side in POINTS_PER_SIDE[plane]:
+        count = per_side if plane else per_side**2
+        yield Method("contact points", f"{count} an interface", ASSOCIATED, partial(_bound, scene, 0.0, ACCEPTED, per_side))
+    yield Method("associated", "for a prediction", PREDICTION, partial(_bound, scene, inset))
+    yield Method("classic iteration", "its own settings", PREDICTION, partial(_classic, scene, inset))
+    for steps in STEPS:
+        words = f"{steps} step{'s' if steps > 1 else ''}"
+        yield Method("Coulomb", words, PREDICTION, partial(coulomb, scene, inset, steps))
+    for increments in INCREMENTS:
+        yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
+
+
+def coulomb(scene: Scene, inset: float, steps: int) -> Outcome:
+    """The Coulomb prediction in so many steps."""
+    assembly, stiffness, built = _elastic(scene, inset)
+    bound = solve(assembly, drives(scene)[0])
+    answer = predict(assembly, stiffness, bound, wedging(scene), steps)
+    return Outcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds)
+
+
+def shared_inset(scene: Scene) -> float:
+    """Inset that both methods share, m."""
+    return smallest_inset(assemble(scene)) if scene.inset == 0.0 and scene.live is None else scene.inset
+
+
+def _elastic(scene: Scene, inset: float) -> tuple[Assembly, JointStiffness, float]:
+    """The assembly at an inset, its stiffness, which is that of the inset both methods share, and the seconds they took."""
+    start = time.perf_counter()
+    assembly = assemble(scene)
+    shared = assembly.with_inset(scene, shared_inset(scene))
+    stiffness = joint_stiffness(shared, shared.inset, scene.yade)
+    assembly = shared if inset == shared.inset else assembly.with_inset(scene, inset)
+    return assembly, stiffness, time.perf_counter() - start
+
+
+def _bound(scene: Scene, inset: float, accuracy: float = ACCEPTED, per_side: int = 0) -> Outcome:
+    start = time.perf_counter()
+    assembly = assemble(scene).with_inset(scene, inset)
+    assembly = with_grid(assembly, per_side) if per_side else assembly
+    built = time.perf_counter() - start
+    answer = solve(assembly, drives(scene)[0], accuracy=accuracy)
+    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+
+
+def _insets(scene: Scene) -> list[float]:
+    """Insets that the scene's narrowest interface bears, m."""
+    largest = LARGEST_INSET * smallest_inset(assemble(scene))
+    return [inset for inset in INSETS if inset <= largest]
+
+
+def _classic(scene: Scene, inset: float) -> Outcome:
+    start = time.perf_counter()
+    assembly = assemble(scene).with_inset(scene, inset)
+    built = time.perf_counter() - start
+    answer = iterate(assembly, drives(scene)[0])
+    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+
+
+def _path(scene: Scene, inset: float, increments: int) -> Outcome:
+    assembly, stiffness, built = _elastic(scene, inset)
+    path = follow_path(assembly, stiffness, stiffness.travel, increments, wedging(scene))
+    whole = len(path.value) == increments + 1
+    status = "solved" if whole and path.converged.all() else "inaccurate" if whole else "failed"
+    return Outcome(float(path.value[-1]) if whole else float("nan"), status, built, path.seconds)
