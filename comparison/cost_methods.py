@@ -11,12 +11,14 @@ from la_core.classic import iterate
 from la_core.contact_grid import with_grid
 from la_core.coulomb import predict
 from la_core.limit import ACCEPTED, solve
+from la_core.linearised import solve_linearised
 from la_core.path import follow_path
 from la_core.prediction import wedging
 from la_core.scene import Scene
 from la_core.stiffness import JointStiffness, joint_stiffness
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+FACETS = (4, 8, 16, 32, 64)
 STEPS = (1, 2, 4, 8, 16)
 INCREMENTS = (2, 5, 10, 25, 50)
 INSETS = (0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)  # m
@@ -53,6 +55,7 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
     """All rungs of limit analysis. inset: of the rungs that predict, m; bounds are those of sharp arrises where no rung says otherwise."""
     for accuracy in TOLERANCES:
         yield Method("cone programme", f"residual {accuracy:.0e}", ASSOCIATED, partial(_bound, scene, 0.0, accuracy))
+    yield from _linearised_methods(scene)
     for one in _insets(scene):
         yield Method("inset", f"{1e3 * one:g} mm", ASSOCIATED, partial(_bound, scene, one))
     plane = assemble(scene).effects.plane
@@ -66,6 +69,17 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
         yield Method("Coulomb", words, PREDICTION, partial(coulomb, scene, inset, steps))
     for increments in INCREMENTS:
         yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
+
+
+def _linearised_methods(scene: Scene) -> Iterator[Method]:
+    """HiGHS on polygonal cones, from either side; in the plane, where two lines are the cone, both of its algorithms."""
+    if assemble(scene).effects.plane:
+        for method, words in (("highs-ipm", "HiGHS interior point"), ("highs-ds", "HiGHS simplex")):
+            yield Method("linearised", words, ASSOCIATED, partial(_linearised, scene, FACETS[0], True, method))
+        return
+    for facets in FACETS:
+        for inscribed, words in ((True, "inscribed"), (False, "circumscribed")):
+            yield Method("linearised", f"{facets} facets {words}", ASSOCIATED, partial(_linearised, scene, facets, inscribed, "highs-ipm"))
 
 
 def coulomb(scene: Scene, inset: float, steps: int) -> Outcome:
@@ -97,6 +111,14 @@ def _bound(scene: Scene, inset: float, accuracy: float = ACCEPTED, per_side: int
     assembly = with_grid(assembly, per_side) if per_side else assembly
     built = time.perf_counter() - start
     answer = solve(assembly, drives(scene)[0], accuracy=accuracy)
+    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+
+
+def _linearised(scene: Scene, facets: int, inscribed: bool, method: str) -> Outcome:
+    start = time.perf_counter()
+    assembly = assemble(scene).with_inset(scene, 0.0)
+    built = time.perf_counter() - start
+    answer = solve_linearised(assembly, drives(scene)[0], facets, inscribed, method)
     return Outcome(answer.value, answer.status.value, built, answer.seconds)
 
 
