@@ -68,7 +68,8 @@ def climb(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str]
         measured.append((method, *_measure(method)))
     references = _references(scene, [(method, outcome) for method, outcome, *_ in measured])
     rungs = [_rung(scene, *one, references[one[0].target][0]) for one in measured]
-    rungs = [dataclasses.replace(rung, pareto=_is_best(rung, rungs)) for rung in rungs]
+    best = [rung for target in references for rung in front([one for one in rungs if one.target == target])]
+    rungs = [dataclasses.replace(rung, pareto=rung in best) for rung in rungs]
     return Ladder(scene.name, scene.title, scene.quantity, references, tuple(rungs))
 
 
@@ -136,15 +137,13 @@ def _references(scene: Scene, measured: list[tuple[Method, Outcome]]) -> dict[st
     return found
 
 
-def _is_best(rung: Rung, rungs: Sequence[Rung]) -> bool:
-    """Whether no other rung of its target is as close in less time, or closer in as much."""
-    if not math.isfinite(rung.error):
-        return False
-    others = (other for other in rungs if other.target == rung.target and math.isfinite(other.error) and other is not rung)
-    return not any(
-        other.total <= rung.total and other.error <= rung.error and (other.total, other.error) != (rung.total, rung.error)
-        for other in others
-    )
+def front(rungs: Sequence[Rung]) -> list[Rung]:
+    """The Pareto front, by time: rungs than which none is as close in less time, or closer in as much."""
+    found: list[Rung] = []
+    for rung in sorted((one for one in rungs if math.isfinite(one.error)), key=lambda one: (one.total, one.error)):
+        if not found or rung.error < found[-1].error:
+            found.append(rung)
+    return found
 
 
 def ladder_table(ladder: Ladder, target: str) -> Table:

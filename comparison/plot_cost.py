@@ -6,12 +6,13 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from comparison.cost import Ladder, Rung
+from comparison.cost import Ladder, Rung, front
 from comparison.cost_methods import ASSOCIATED, PREDICTION
 from comparison.drawing import FAINT, INK, method_colour
 
 MARKERS = {"cone programme": "o", "linearised": "v", "inset": "s", "contact points": "D", "associated": "X", "classic iteration": "P",
            "Coulomb": "o", "path": "^", "YADE": "s"}  # fmt: skip
+SHORTEST, MARGIN = 3.2, 2.0  # half of a panel's range of times, as a factor, and the room beside it
 LEAST_ERROR = 1e-10  # smaller ones, and none at all, are drawn here
 PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, friction without dilatancy"}
 
@@ -39,13 +40,23 @@ def _draw(axes: Any, rungs: list[Rung]) -> None:
         own = [rung for rung in rungs if rung.family == family]
         style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
         axes.plot([r.total for r in own], [_height(r) for r in own], label=family, markersize=7, alpha=0.85, **style)
-    front = sorted((rung for rung in rungs if rung.pareto), key=lambda rung: rung.total)
-    axes.plot([r.total for r in front], [_height(r) for r in front], color=INK, linestyle="--", linewidth=1.0, label="Pareto front")
-    for k, rung in enumerate(front):
-        place = (6, 7) if k % 2 == 0 else (6, -11)
-        axes.annotate(rung.setting, (rung.total, _height(rung)), xytext=place, textcoords="offset points", fontsize=7)
-    axes.margins(x=0.18, y=0.1)
+    _draw_front(axes, front(rungs), INK, "Pareto front")
+    alone = [rung for rung in rungs if rung.family == "YADE"]
+    if alone:
+        _draw_front(axes, front(alone), method_colour("YADE"), "Pareto front of YADE alone")
+    low, high = (bound(rung.total for rung in rungs) for bound in (min, max))
+    middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
+    axes.set_xlim(middle / half, middle * half)
+    axes.margins(y=0.1)
     axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
+
+
+def _draw_front(axes: Any, rungs: list[Rung], colour: str, words: str) -> None:
+    """The front as a line, and the names of its rungs."""
+    axes.plot([r.total for r in rungs], [_height(r) for r in rungs], color=colour, linestyle="--", linewidth=1.0, label=words)
+    for k, rung in enumerate(rungs):
+        place = (6, 7) if k % 2 == 0 else (6, -11)
+        axes.annotate(f"{rung.family}, {rung.setting}", (rung.total, _height(rung)), xytext=place, textcoords="offset points", fontsize=6.5)
 
 
 def _height(rung: Rung) -> float:
