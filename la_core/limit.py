@@ -87,6 +87,22 @@ class ScaledProblem:
     cones: Cones
 
 
+@dataclass(frozen=True)
+class DrivenProblem:
+    """Maximise power . x subject to rows x + offset in `cones`: the scaled problem under one drive, powers relative to the mean block.
+
+    x (n,) are the scaled twists of the free blocks without the imposed ones (B, 6); twists are (x + imposed) times `speed`. A live
+    load adds a first row, its power less the unit one.
+    """
+
+    power: np.ndarray
+    rows: sparse.csr_matrix
+    offset: np.ndarray
+    cones: Cones
+    imposed: np.ndarray
+    speed: float
+
+
 def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProblem:
     """Set up the kinematic problem of an assembly, the same for every drive.
 
@@ -114,7 +130,8 @@ def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None
     return replace(second, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)
 
 
-def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bool) -> Solution:
+def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> DrivenProblem:
+    """The scaled problem under one drive."""
     speed, imposed = support_motion(assembly, drive.value)
     rows, cones = problem.rows, problem.cones
     offset = problem.imposed_rows @ columns(assembly, imposed)
@@ -125,20 +142,22 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bo
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
     blocks = int(assembly.blocks.free.sum())  # turns powers relative to the weight into ones relative to the mean block, as residuals are
-    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * blocks) * (1.0 if quick else SECOND_TIME)
-    scale = sparse.diags(_starting_scale(assembly, problem, rows.shape[0]) if quick else np.ones(rows.shape[0]))
-    answer = maximise(problem.power * blocks, scale @ rows, scale @ offset, cones, tolerance, quick)
+    return DrivenProblem(problem.power * blocks, rows, offset, cones, imposed, speed)
+
+
+def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, quick: bool) -> Solution:
+    driven = driven_problem(assembly, problem, drive)
+    count = len(driven.offset)
+    tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * int(assembly.blocks.free.sum())) * (1.0 if quick else SECOND_TIME)
+    scale = sparse.diags(_starting_scale(assembly, problem, count) if quick else np.ones(count))
+    answer = maximise(driven.power, scale @ driven.rows, scale @ driven.offset, driven.cones, tolerance, quick)
     if answer.outcome is Outcome.EMPTY:
-        return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.UNBOUNDED, answer)
+        return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.UNBOUNDED, answer)
     if answer.outcome is Outcome.RAY:
-        return _cannot_stand(assembly, problem, answer) or _without_value(assembly, Status.FAILED, answer)
+        return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
-        return _without_value(assembly, Status.FAILED, answer)
-    multipliers = (scale @ answer.multipliers)[-problem.rows.shape[0] :] / blocks
-    forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
-    if assembly.effects.sliding_excluded:
-        forces = shared_friction(assembly, forces)
-    solution = _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + imposed) * speed, forces, answer)
+        return without_value(assembly, Status.FAILED, answer)
+    solution = solution_of(assembly, problem, drive, driven, replace(answer, multipliers=scale @ answer.multipliers))
     # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
     if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
         return _cannot_stand(assembly, problem, answer) or solution
@@ -192,7 +211,8 @@ def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix
     return rows, Cones(equalities.shape[0], inequalities.shape[0], len(rough) if not assembly.effects.plane else 0)
 
 
-def _without_value(assembly: Assembly, status: Status, answer: Answer, falling: tuple[str, ...] = ()) -> Solution:
+def without_value(assembly: Assembly, status: Status, answer: Answer, falling: tuple[str, ...] = ()) -> Solution:
+    """Solution of which only the status, the cost and the falling blocks are known."""
     nan = float("nan")
     twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
@@ -205,13 +225,20 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
     """
     rows, offset, cones = box_limits(problem)
     fall = maximise(problem.power, rows, offset, cones)
-    twists, sinking = twists_of(assembly, fall.x), np.zeros(len(assembly.blocks))
-    power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
-    if not power.sum() > LEAST_FALL * assembly.weight or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
+    twists = twists_of(assembly, fall.x)
+    names = falling_blocks(assembly, twists)
+    if not names or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:
         return None
-    np.divide(power, weight, out=sinking, where=weight > 0.0)
-    names = tuple(assembly.blocks.names[k] for k in np.flatnonzero(sinking >= FALLING_SHARE * sinking.max()))
-    return _without_value(assembly, Status.INFEASIBLE, answer, names)
+    return without_value(assembly, Status.INFEASIBLE, answer, names)
+
+
+def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
+    """Names of the blocks that sink in a motion (B, 6) of order one; none where the weights do no positive work on it."""
+    power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
+    if not power.sum() > LEAST_FALL * assembly.weight:
+        return ()
+    sinking = np.divide(power, weight, out=np.zeros_like(power), where=weight > 0.0)
+    return tuple(assembly.blocks.names[k] for k in np.flatnonzero(sinking >= FALLING_SHARE * sinking.max()))
 
 
 def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
@@ -222,6 +249,15 @@ def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, C
     offset = np.zeros(rows.shape[0])
     offset[split : split + 2 * size] = 1.0
     return rows, offset, replace(problem.cones, inequalities=problem.cones.inequalities + 2 * size)
+
+
+def solution_of(assembly: Assembly, problem: ScaledProblem, drive: Drive, driven: DrivenProblem, answer: Answer) -> Solution:
+    """Forces, twists and their evidence from the solver's answer to the driven problem."""
+    multipliers = answer.multipliers[-problem.rows.shape[0] :] / int(assembly.blocks.free.sum())
+    forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
+    if assembly.effects.sliding_excluded:
+        forces = shared_friction(assembly, forces)
+    return _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + driven.imposed) * driven.speed, forces, answer)
 
 
 def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer) -> Solution:
