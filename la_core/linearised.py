@@ -3,17 +3,17 @@
 Every cone |t| <= mu n of `la_core.limit` becomes a pyramid with a regular polygon of F corners as its section, the first of them
 along the first tangent (`la_core.contacts.plane_axes`). With the corners at n (mu cos a, mu sin a) it is inscribed: its forces are
 safe, so that R_min comes out from above, R_max and the multiplier from below. With corners at 1/cos(pi / F) times as much it is
-circumscribed, and they come out from the other side. The bracket holds however joints slide, and its halves share it unequally:
-where joints slide towards a corner the inscribed value is exact and the circumscribed one bears it all, as when a wall slides in its
-own plane. Both lie between the conic answers for mu cos(pi / F) and mu / cos(pi / F), so that they close on it as 1 / F^2.
-In the plane the cone is two lines, exact for any F; frictionless joints, and joints that cannot slide, have no cone to cut corners of.
+circumscribed, and they come out from the other side. The bracket holds however joints slide, and either side may bear
+more of its width: where joints slide towards a corner the inscribed value is exact, as when a wall slides in its own plane. Both
+values lie between the conic answers for mu cos(pi / F) and mu / cos(pi / F), so the width falls as 1 / F^2; one value alone may
+move away when facets are added, as the polygons need not be nested.
+In the plane the cone is two lines, exact for any F; frictionless joints, and joints that cannot slide, have no cone to cut.
 
-HiGHS is given the static form, with forces on the edges of the pyramids as unknowns,
+HiGHS is given the static form, with forces along the edges of the pyramids as unknowns,
     least offset . z   subject to   rows' z = -power,   z >= 0
-(rows, offset and power as in `la_core.limit.DrivenProblem`), six equations a block; the multipliers are the mechanism. The kinematic
-form takes as long, in inequalities that are many times as many, and leaves the forces only as accurate as its multipliers.
-(Linear friction cones: Livesley 1978; Ferris & Tin-Loi 2001, doi 10.1016/S0020-7403(99)00111-3; solver: Huangfu & Hall 2018,
-doi 10.1007/s12532-017-0130-5.)
+(rows, offset and power as in `la_core.limit.DrivenProblem`); the multipliers are the mechanism. The kinematic form takes HiGHS as
+long, and here the forces are in the pyramids exactly.
+(Linear programmes of limit analysis: Livesley 1978; HiGHS: Huangfu & Hall 2018, doi 10.1007/s12532-017-0130-5.)
 """
 
 import time
