@@ -43,7 +43,6 @@ from la_core.scaling import twists_of
 
 LEAST_FACETS = 4
 METHODS = ("highs-ipm", "highs-ds")  # interior point with crossover to a corner, dual simplex
-_UNDECIDED = 4  # status of linprog for numerical trouble, and for "infeasible or unbounded" out of presolve
 _OUTCOMES = {0: Outcome.OPTIMUM, 2: Outcome.RAY, 3: Outcome.EMPTY}  # of the kinematic form, dual to the static one: no force, any force
 
 
@@ -113,12 +112,10 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answe
 
 
 def _linprog(method: str, **programme: object) -> tuple[OptimizeResult, float]:
-    """Answer of HiGHS and the seconds it took; what its presolve leaves undecided is solved without."""
+    """Answer of HiGHS and the seconds it took."""
     options = {"primal_feasibility_tolerance": TOLERANCE, "dual_feasibility_tolerance": TOLERANCE}
     start = time.perf_counter()
     result = linprog(method=method, options=options, **programme)
-    if result.status == _UNDECIDED:
-        result = linprog(method=method, options=options | {"presolve": False}, **programme)
     return result, time.perf_counter() - start
 
 

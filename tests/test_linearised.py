@@ -21,6 +21,7 @@ QUADRATIC = (2.8, 5.7)  # 4 within a factor sqrt(2): mechanisms change a little 
 
 DRIVES = {"yielding": Drive.YIELDING, "pushing": Drive.PUSHING}
 ASKEW = (0.4, 0.3, -1.0)  # a settlement along no tangent
+TURNING = {"axis": [0.3, 1.0, 0.0], "point": [0.8, 0.0, 0.0]}  # the value is a moment
 FACETS = (8, 16)
 
 both_drives = pytest.mark.parametrize("drive", DRIVES.values(), ids=DRIVES)
@@ -34,8 +35,9 @@ IN_SPACE = {
     "slab": lambda: scenes.shipped("slab_four_corners"),
     "wall": lambda: scenes.build(*scenes.wall(3, 3, split=0.8), plane=False),
     "wall askew": lambda: scenes.build(*scenes.wall(3, 3, split=0.8), plane=False, settlement=ASKEW),
+    "wall turning": lambda: scenes.build(*scenes.wall(3, 3, split=0.8), plane=False, settlement=TURNING),
 }
-SLIDING = ("beams askew", "wall", "wall askew")
+SLIDING = ("beams askew", "wall", "wall askew", "wall turning")
 every_scene = pytest.mark.parametrize("scene", [make() for make in IN_SPACE.values()], ids=IN_SPACE)
 every_sliding_scene = pytest.mark.parametrize("scene", [IN_SPACE[name]() for name in SLIDING], ids=SLIDING)
 
@@ -98,6 +100,16 @@ def test_width_of_the_bracket_is_quadratic_in_the_facets(scene: Scene, drive: Dr
     for wide, narrow in pairwise(widths):
         assert QUADRATIC[0] < wide / narrow < QUADRATIC[1]
     assert sum(bracket(assembly, drive, 64)) / 2.0 == pytest.approx(solve(assembly, drive).value, abs=widths[-1])
+
+
+@both_drives
+def test_bracket_holds_however_the_scene_is_turned(drive: Drive) -> None:
+    """Turned joints have other tangents, so the polygons turn about their normals and the bounds change; the truth does not."""
+    scene = IN_SPACE["beams askew"]()
+    true, loose = solve(assemble(scene), drive).value, SAME * assemble(scene).mean_weight
+    for angle in (0.4, 1.3, 2.9):
+        low, high = bracket(assemble(scenes.moved(scene, turn=scenes.rotation((1.0, 2.0, 3.0), angle))), drive, 5)
+        assert low - loose <= true <= high + loose
 
 
 @both_drives
@@ -244,6 +256,9 @@ def test_jammed_support_bears_any_push(method: str, inscribed: bool, plane: bool
     assembly = assemble(scenes.build(*parts, settlement=(1.0, 0.0, 0.0), friction=1.2, plane=plane))
     assert solve_linearised(assembly, Drive.PUSHING, 8, inscribed, method).status is Status.UNBOUNDED
     assert solve_linearised(assembly, Drive.YIELDING, 8, inscribed, method).status is Status.SOLVED
+    overhang = scenes.box("overhang", (-1.9, 0.0, 0.4), (-0.2, 1.0, 0.9))
+    beside = assemble(scenes.build(*parts, overhang, settlement=(1.0, 0.0, 0.0), friction=1.2, plane=plane))
+    assert solve_linearised(beside, Drive.PUSHING, 8, inscribed, method).falling == ("overhang",)
     pressed = assemble(scenes.build(*scenes.wall(2, 2), live=scenes.DOWN, plane=plane))
     assert solve_linearised(pressed, Drive.LIVE, 8, inscribed, method).status is Status.UNBOUNDED
 
