@@ -18,6 +18,7 @@ from la_core.scene import Scene
 
 REPEATS, ENOUGH = 3, 10.0  # times a rung is run; seconds after which it is not run again
 FINEST_STEPS = 32  # of the prediction that all are held against where no value is known
+LEAST_ERROR = 1e-10  # smaller errors are what two solves of one programme differ by: they count as this
 USABLE = ("solved", "plateau", "inaccurate")
 
 
@@ -141,7 +142,7 @@ def front(rungs: Sequence[Rung]) -> list[Rung]:
     """The Pareto front, by time: rungs than which none is as close in less time, or closer in as much."""
     found: list[Rung] = []
     for rung in sorted((one for one in rungs if math.isfinite(one.error)), key=lambda one: (one.total, one.error)):
-        if not found or rung.error < found[-1].error:
+        if not found or max(rung.error, LEAST_ERROR) < found[-1].error:
             found.append(rung)
     return found
 
