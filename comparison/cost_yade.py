@@ -20,7 +20,6 @@ FACTORS = {  # of what the program derives, by setting of YADE; words for people
     "damping_ratio": ("damping", (0.33, 2.0)),
     "plateau_travel": ("least travel before the fit", (0.5, 2.0)),
 }
-STRICTER = {"plateau_travel": {"stop_uncertainty": 1e-6}}  # else a run that is steady early stops as early
 INSET_FACTORS = (2.0, 0.5, 0.2)
 TIME_LIMIT = 3600.0  # s
 
@@ -30,7 +29,7 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
     derived: dict[str, Any] = {}
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> Outcome:
-        asked = scene.yade | ({setting: factor * derived[setting]} if setting else {}) | STRICTER.get(setting, {})
+        asked = scene.yade | ({setting: factor * derived[setting]} if setting else {})
         outcome, settings = run_once(scene, scene.inset * inset, asked, yade, folder / name.replace(" ", "_"), progress)
         if not setting and inset == 1.0:
             derived.update(settings)
