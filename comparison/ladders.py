@@ -30,7 +30,9 @@ def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narra
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
         if with_yade and scene.live is None:
             yade = find_yade()
-            methods += yade_methods(scene, yade, Path(runs), lambda report: narration.progress(scene.name, report))
+            methods += yade_methods(
+                scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
+            )
         count = len(methods)
         ladder = climb(scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}"))
     plots.save(cost_figure(ladder), folder / f"{scene.name}-cost.png")

@@ -143,11 +143,10 @@ def _yade(
         except exchange.ExchangeError as error:
             listener.stage(scene.name, "YADE", f"done again: {error}")
     path.unlink(missing_ok=True)
-    unit = "mrad" if scene.is_rotation else "mm"
     try:
         yade = find_yade()
         listener.stage(scene.name, "YADE", f"running {yade.version}")
-        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": unit}))
+        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
         run = read_run(path, analysis.assembly)
         return run, yade_summary(run)
     except YadeMissingError as error:

@@ -55,6 +55,11 @@ class Scene:
         return self.support_twist is not None and bool(np.any(self.support_twist[3:]))
 
     @property
+    def settlement_unit(self) -> str:
+        """Unit of a thousandth of the support's motion: "mm" or "mrad"."""
+        return "mrad" if self.is_rotation else "mm"
+
+    @property
     def quantity(self) -> str:
         """What limit analysis yields here: "reaction" or "multiplier"."""
         return "reaction" if self.live is None else "multiplier"

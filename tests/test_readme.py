@@ -1,5 +1,6 @@
 """The README is true: its commands run, its outputs and numbers are those of today."""
 
+import json
 import math
 import re
 import tomllib
@@ -182,6 +183,19 @@ def test_the_table_of_friction_is_that_of_the_results() -> None:
         found = iterate(assemble(scene), Drive.YIELDING)
         assert float(classic) == pytest.approx(found.value / scene.weight, abs=1e-3)
         assert yade == _results()[name][5]
+
+
+def test_what_the_readme_concludes_from_the_ladders() -> None:
+    """The gallery's numbers are those of the figures: bound and classic iteration on the wall, the rest within a quarter of a per cent."""
+    gallery = ROOT / "comparison" / "gallery"
+    wall, pads = (json.loads((gallery / f"{name}-cost.json").read_text())["rungs"] for name in ("wall_third", "two_pads"))
+    errors = {(rung["family"], rung["setting"]): rung["error"] for rung in wall if rung["target"] == "prediction"}
+    assert errors.pop(("associated", "for a prediction")) == pytest.approx(0.13, abs=0.005)
+    assert errors.pop(("classic iteration", "its own settings")) == pytest.approx(0.18, abs=0.005)
+    assert {family for family, _ in errors} == {"Coulomb", "path", "YADE"} and max(errors.values()) <= 0.0025
+    insets = {rung["setting"]: rung["error"] for rung in pads if rung["family"] in ("YADE", "inset")}
+    assert (insets["derived settings"], insets["inset x 0.2"]) == (pytest.approx(0.01, rel=0.02), pytest.approx(0.002, rel=0.02))
+    assert (insets["1 mm"], insets["0.2 mm"]) == (pytest.approx(0.01, rel=0.02), pytest.approx(0.002, rel=0.02))
 
 
 def test_the_demo_ends_as_the_readme_says(cross_checked: Callable[[str], CrossChecked]) -> None:
