@@ -51,7 +51,8 @@ def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
         best = front(some)
         if best:
             axes.plot([r.total for r in best], [_height(r) for r in best], color=colour, linestyle="--", linewidth=1.0, label=words)
-        named += [(chr(ord("a") + len(named) + k), rung) for k, rung in enumerate(best)]
+        new = [rung for rung in best if rung not in [known for _, known in named]]
+        named += [(chr(ord("a") + len(named) + k), rung) for k, rung in enumerate(new)]
     for letter, rung in named:
         axes.annotate(letter, (rung.total, _height(rung)), xytext=(5, 5), textcoords="offset points", fontsize=9, weight="bold")
     low, high = (bound(rung.total for rung in rungs) for bound in (min, max))
