@@ -5,16 +5,18 @@ from dataclasses import replace
 
 from comparison.check import Check, Verdict
 from comparison.record import Run
+from comparison.tolerances import UNBALANCED
 from la_core import reach
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import assemble
 from la_core.scene import Scene
 
-UNBALANCED = 0.02  # of the mean block weight: as much as YADE's own mean state may be out of balance (`comparison.checks`)
-
 
 def check_reach(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
-    """Whether the blocks set aside stand under YADE's forces and its mechanism ends before them; nothing where all were modelled."""
+    """Whether the blocks set aside stand under YADE's forces, as far as its state is balanced, and its mechanism ends before them.
+
+    Nothing where all were modelled.
+    """
     part = analysis.assembly
     if not part.effects.reach:
         return

@@ -6,19 +6,18 @@ from dataclasses import replace
 
 from comparison.check import Check, Verdict, inside, within
 from comparison.check_displacement import check_displacement
-from comparison.check_effects import check_effects
+from comparison.check_plane import check_plane
 from comparison.check_prediction import check_prediction
 from comparison.check_reach import check_reach
 from comparison.check_sections import check_sections
 from comparison.record import Run
-from comparison.tolerances import reaction_tolerance
+from comparison.tolerances import UNBALANCED, reaction_tolerance
 from la_core import evidence
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
 SETTLEMENT = 1e-3  # of the settlement asked for: the support is driven, so only round-off may separate the two
-UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
 
 
 def check_expected(scene: Scene, analysis: LimitAnalysis) -> Iterator[Check]:
@@ -63,7 +62,7 @@ def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
         reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     checks = [_check_settlement(scene, run), *(moved or [_check_contacts(analysis, run)]), _check_equilibrium(analysis, run)]
-    checks += check_effects(analysis)
+    checks += check_plane(analysis)
     if run.status == "no plateau":
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason)]

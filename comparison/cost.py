@@ -13,7 +13,7 @@ from rich.table import Table
 
 from comparison.cost_methods import ASSOCIATED, PREDICTION, Method, Outcome, coulomb, shared_inset
 from comparison.summary import without_undefined
-from comparison.tables import number
+from comparison.tables import ROUND_OFF, number
 from la_core.scene import Scene
 
 REPEATS, ENOUGH = 3, 10.0  # times a rung is run; seconds after which it is not run again
@@ -24,7 +24,8 @@ USABLE = ("solved", "plateau", "inaccurate")
 
 @dataclass(frozen=True)
 class Rung:
-    """One rung, measured. value and error: over the weight or as a multiplier, and relative to the reference; NaN where undefined.
+    """One rung, measured. value and error: over the weight or as a multiplier, and relative to the reference; NaN where undefined,
+    as is an error relative to nothing but round-off.
 
     Seconds: median over the repeats, to build the model, to solve, for all the rest; scatter: range of the total, NaN for one run.
     pareto: no other rung of the same target is both faster and closer.
@@ -101,7 +102,7 @@ def _rung(scene: Scene, method: Method, outcome: Outcome, totals: list[float], p
         method.target,
         outcome.status,
         value,
-        abs(value - reference) / abs(reference) if reference else math.nan,
+        abs(value - reference) / abs(reference) if abs(reference) > ROUND_OFF else math.nan,
         outcome.uncertainty / divisor,
         build,
         solve,
@@ -163,7 +164,7 @@ def ladder_table(ladder: Ladder, target: str) -> Table:
         "solve s",
         "post s",
         "total s",
-        "± s",
+        "range s",
         "front",
     ):
         table.add_column(head, justify="left" if head in ("method", "setting", "status", "front") else "right")

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from comparison.cost_methods import PREDICTION, Method, Outcome
+from comparison.cost_methods import PREDICTION, Method, Outcome, shared_inset
 from comparison.launch import Yade, run_yade
 from comparison.record import read_run
 from la_core.case import analyse
@@ -27,10 +27,11 @@ TIME_LIMIT = 3600.0  # s
 def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]) -> Iterator[Method]:
     """All rungs of YADE, the derived settings first: the others are multiples of what that run used."""
     derived: dict[str, Any] = {}
+    base = shared_inset(scene)  # YADE takes its smallest where the scene has none
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> Outcome:
         asked = scene.yade | ({setting: factor * derived[setting]} if setting else {})
-        outcome, settings = run_once(scene, scene.inset * inset, asked, yade, folder / name.replace(" ", "_"), progress)
+        outcome, settings = run_once(scene, base * inset, asked, yade, folder / name.replace(" ", "_"), progress)
         if not setting and inset == 1.0:
             derived.update(settings)
         return outcome

@@ -30,7 +30,7 @@ def cost_figure(ladder: Ladder) -> Figure:
         title = f"{words}\n" + textwrap.fill(f"held against {value:.6g}: {source}", TITLE_WIDTH)
         axes.set_title(title, fontsize=8.5, parse_math=False)
         key = ", ".join(f"{letter} {rung.family}: {rung.setting}" for letter, rung in named)
-        axes.set_xlabel("time of one run (s)\n\n" + textwrap.fill(f"on a front: {key}", KEY_WIDTH), fontsize=8, parse_math=False)
+        axes.set_xlabel("time of one run (s)\n\n" + textwrap.fill(f"on a front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False)
         axes.set_ylabel("error over the reference (-)")
     return figure
 
@@ -39,6 +39,9 @@ def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
     """All rungs of a panel; returns those on a front with their letters."""
     axes.set_xscale("log")
     axes.set_yscale("log")
+    if not rungs:
+        axes.text(0.5, 0.5, "the reference is zero: no relative error exists", transform=axes.transAxes, ha="center")
+        return []
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
     for family in dict.fromkeys(rung.family for rung in rungs):

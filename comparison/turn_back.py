@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from comparison.check import Check, Verdict
 from comparison.check_displacement import check_displacement
-from comparison.check_effects import check_effects
+from comparison.check_plane import check_plane
 from comparison.check_prediction import slides_unforeseen
 from comparison.check_reach import check_reach
 from comparison.record import Run
@@ -26,7 +26,7 @@ def needed(scene: Scene, analysis: LimitAnalysis, run: Run) -> dict[str, tuple[b
     guards: dict[str, tuple[bool | str, Iterable[Check]]] = {"displacement": ("finite", check_displacement(analysis, run))}
     found: dict[str, tuple[bool | str, str]] = {}
     if run.status == "plateau":
-        guards |= {"plane": (False, check_effects(analysis)), "reach": (False, check_reach(scene, analysis, run))}
+        guards |= {"plane": (False, check_plane(analysis)), "reach": (False, check_reach(scene, analysis, run))}
         if slides_unforeseen(analysis, run):
             found["friction"] = ("coulomb", "joints slide in YADE's mechanism")
     for effect, (choice, checks) in guards.items():

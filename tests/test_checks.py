@@ -205,8 +205,8 @@ def test_the_gravest_check_decides_and_gives_the_reason() -> None:
 
 def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
-        tolerances: ("REACTION", "HISTORY", "LEAST_REACTION", "BROAD"),
-        checks: ("SETTLEMENT", "UNBALANCED"),
+        tolerances: ("REACTION", "HISTORY", "REACH", "LEAST_REACTION", "UNBALANCED", "BROAD"),
+        checks: ("SETTLEMENT",),
         check_prediction: ("SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE", "DOUBTFUL"),
         check_sections: ("SECTION", "ALONG"),
     }

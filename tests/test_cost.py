@@ -114,6 +114,17 @@ def test_the_command_writes_figure_and_numbers_and_prints_both_tables(tmp_path: 
     assert json.loads(capsys.readouterr().out)[0]["scene"] == "two_pads"
 
 
+def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A support beside a block that stands without it: what round-off leaves of its reaction is no measure."""
+    toml = scenes.text(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (0.8, 1.0, 0.3)), inset=0.001)
+    (tmp_path / "idle.toml").write_text(toml)
+    assert main(["cost", str(tmp_path / "idle.toml"), "--no-yade", "-o", str(tmp_path), "--json"]) == 0
+    (stored,) = json.loads(capsys.readouterr().out)
+    assert all(rung["error"] is None and not rung["pareto"] for rung in stored["rungs"])
+    assert any(rung["value"] == pytest.approx(0.0, abs=1e-8) for rung in stored["rungs"])
+    assert (tmp_path / "idle-cost.png").exists()
+
+
 def test_a_structure_that_cannot_stand_has_no_ladder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     falls = tmp_path / "falls.toml"
     falls.write_text(scenes.text(scenes.arch(11, 0.05), settlement=(1.0, 0.0, 0.0)))

@@ -7,7 +7,7 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import every_shipped_scene
 
-from comparison import check_effects, check_prediction, turn_back, workflow
+from comparison import check_plane, check_prediction, turn_back, workflow
 from comparison.check import Check, Verdict
 from comparison.effects_table import EFFECTS, effects_summary
 from la_core.analysis import LimitAnalysis
@@ -249,7 +249,7 @@ def test_strain_asked_for_is_modelled_though_no_joint_slides() -> None:
 
 @pytest.mark.parametrize("name", ["arch_spreading", "wall_third", "two_pads"])
 def test_the_plane_answer_is_an_answer_in_space(name: str) -> None:
-    checks = list(check_effects.check_effects(analyse(scenes.shipped(name))))
+    checks = list(check_plane.check_plane(analyse(scenes.shipped(name))))
     assert [check.verdict for check in checks] == [Verdict.AGREE]
 
 
@@ -260,7 +260,7 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     answers = [solve(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
     assert abs(answers[0] - answers[1]) > 0.1
     analysis = LimitAnalysis(flat, {Drive.YIELDING: solve(flat, Drive.YIELDING)}, {}, None)  # type: ignore[arg-type]
-    (check,) = check_effects.check_effects(analysis)
+    (check,) = check_plane.check_plane(analysis)
     assert check.verdict is Verdict.INCONCLUSIVE and "effects.plane = false" in check.reason
 
 

@@ -1,4 +1,4 @@
-"""What was left out of a model, and whether the answer shows that it would have been needed."""
+"""The plane answer, held against the model in space that was left out."""
 
 from collections.abc import Iterator
 
@@ -10,8 +10,8 @@ from la_core.limit import Status
 IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block: ten times what limit analysis leaves in the plane
 
 
-def check_effects(analysis: LimitAnalysis) -> Iterator[Check]:
-    """The plane answer, lifted to the model in space, has to be an answer there."""
+def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
+    """Lifted to the model in space, a plane answer has to be an answer there; nothing for a model in space."""
     least = analysis.rounded[analysis.main]
     if not analysis.assembly.effects.plane or least.status is not Status.SOLVED:
         return
