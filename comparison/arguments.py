@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from comparison.provenance import version
+from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 RESULTS = Path("crosscheck-results")
@@ -47,6 +48,8 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
     run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
+    accuracy_help = "share of the answer, such as 1%%: the cheapest settings that reach it, finer ones where they do not"
+    run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
     run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
@@ -65,6 +68,18 @@ def figure(text: str) -> Path:
     if path.suffix not in FIGURE_FORMATS:
         raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
     return path
+
+
+def accuracy(text: str) -> float:
+    """A share such as "1%" or "0.01", within what can be bought."""
+    number, percent = text.strip().removesuffix("%"), text.strip().endswith("%")
+    try:
+        value = round(float(number) / (100.0 if percent else 1.0), 12)
+    except ValueError:
+        value = 0.0
+    if not LEAST_ACCURACY <= value <= MOST_ACCURACY:
+        raise argparse.ArgumentTypeError(f"{text}: must be a share from {LEAST_ACCURACY:.1%} to {MOST_ACCURACY:.0%}, such as 1%")
+    return value
 
 
 def seconds(text: str) -> float:

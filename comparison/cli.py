@@ -19,8 +19,9 @@ from comparison.checks import check_expected
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
+from la_core.accuracy import analyse, with_accuracy
 from la_core.assembly import assemble
-from la_core.case import analyse, model, settled
+from la_core.case import model, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 from la_core.full_model import full_model
@@ -177,6 +178,8 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.workflow import run_scene
 
     scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    if options.accuracy is not None:
+        scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:
         scenes = [full_model(scene) for scene in scenes]
     _refuse_names(scenes)
@@ -246,6 +249,8 @@ def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tupl
         stored.append(json.loads((folder / "report.json").read_text(encoding="utf-8")))
         if not options.json:
             _stdout().print(tables.verdict_table(comparisons))
+            if any(comparison.get("accuracy") for comparison in comparisons):
+                _stdout().print(tables.accuracy_table(comparisons))
             for comparison in comparisons:
                 if comparison["reason"]:
                     _stdout().print(f"{comparison['scene']}: {comparison['reason']}", markup=False)

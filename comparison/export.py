@@ -10,9 +10,9 @@ from comparison.record import Run
 from comparison.vtu import POLYGON, VERTEX, Grid, write_collection, write_grid
 from comparison.workflow import read_results
 from la_core import mechanism
+from la_core.accuracy import analyse
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly
-from la_core.case import analyse
 from la_core.errors import SceneError
 from la_core.scene import load_scene
 from la_core.shapes import Blocks

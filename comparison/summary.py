@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from comparison.bought import accuracy_summary
 from comparison.check import Check, overall
 from comparison.effects_table import effects_summary
 from comparison.record import Run
@@ -41,6 +42,7 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
             "path": _path(scene, analysis),
         },
         "mechanism_measures": dict(_measures(analysis)),
+        "accuracy": accuracy_summary(analysis, None),
     }
     return without_undefined(summary)
 
@@ -56,8 +58,8 @@ def _associated(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
         values["reaction_max_status"] = shown[Drive.PUSHING].status.value
         values["reaction_max_sharp"] = analysis.sharp[Drive.PUSHING].value
     values[f"{scene.quantity}_sharp"] = analysis.sharp[main].value
-    values["inset"] = scene.inset
-    if analysis.assembly.inset != scene.inset:
+    values["inset"] = analysis.assembly.inset if scene.inset else 0.0
+    if analysis.assembly.inset != values["inset"]:
         values["shared_inset"] = {"inset": analysis.assembly.inset, **{_NAMES[d]: s.value for d, s in analysis.rounded.items()}}
     values |= {name: _worst(getattr(s, name) for s in shown.values()) for name in EVIDENCE}
     values["iterations"] = solution.iterations
@@ -75,7 +77,7 @@ def _coulomb(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any] | None:
     shown = sharp if scene.inset == 0.0 else rounded
     values: dict[str, Any] = {"status": shown.status.value, name: shown.value, f"{name}_interval": list(shown.interval)}
     values |= {f"{name}_sharp": sharp.value, f"{name}_interval_sharp": list(sharp.interval)}
-    if analysis.assembly.inset != scene.inset:
+    if scene.inset == 0.0 and analysis.assembly.inset:
         values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
     values |= {f"{name}_at_rest": shown.at_rest} | {evidence: getattr(shown, evidence) for evidence in COULOMB_EVIDENCE}
     return values | {"iterations": shown.iterations, "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values())}
@@ -143,6 +145,7 @@ def comparison_summary(
     summary |= {
         "mechanism_measures": dict(_measures(analysis, run)),
         "yade": yade,
+        "accuracy": accuracy_summary(analysis, run),
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,
         "reason": reason,

@@ -6,6 +6,7 @@ from typing import Any
 from rich import box
 from rich.table import Table
 
+from comparison.bought import METHODS as ACCURACY_METHODS
 from comparison.check import Check
 from comparison.doctor import Finding
 from comparison.effects_table import effects_summary
@@ -154,6 +155,24 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
         seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
         table.add_row(comparison["scene"], *values, MARKS[comparison["verdict"]], *seconds)
     return table
+
+
+def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
+    """One row a scene and method of which an accuracy was asked: the estimated error, what was chosen and why, what it took."""
+    table = _table("scene", "method", "asked", "error", "chosen and why", "runs", "s", title="accuracy asked for, as a share of the answer")
+    for comparison in comparisons:
+        bought = comparison.get("accuracy") or {}
+        for method in (name for name in ACCURACY_METHODS if name in bought):
+            found = bought[method]
+            error = f"{MARKS['agree' if found['kept'] else 'inconclusive'].split()[0]}[/] {percent(found['error'])}"
+            row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
+            table.add_row(comparison["scene"], ACCURACY_METHODS[method], *row)
+    return table
+
+
+def percent(share: float | None) -> str:
+    """A share in per cent, in two significant digits."""
+    return "–" if share is None else f"{100.0 * share:.2g} %"
 
 
 def over_weight(value: float | None, weight: float) -> float | None:

@@ -9,7 +9,7 @@ from comparison.check_plane import check_plane
 from comparison.check_prediction import slides_unforeseen
 from comparison.check_reach import check_reach
 from comparison.record import Run
-from la_core import case
+from la_core import accuracy
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Status
 from la_core.scene import Scene
@@ -36,11 +36,14 @@ def needed(scene: Scene, analysis: LimitAnalysis, run: Run) -> dict[str, tuple[b
     return {effect: answer for effect, answer in found.items() if getattr(scene.effects, effect) == "auto"}
 
 
-def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]]) -> LimitAnalysis:
-    """Limit analysis again, with those effects modelled for those reasons."""
+def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]], before: LimitAnalysis) -> LimitAnalysis:
+    """Limit analysis again, with those effects modelled for those reasons; what was tried for an accuracy `before` stays known."""
     choices = {effect: choice for effect, (choice, _) in found.items() if effect != "friction"}
     asked = replace(scene, effects=scene.effects.model_copy(update=choices))
-    analysis = case.analyse(asked, slides=found["friction"][1] if "friction" in found else "")
+    analysis = accuracy.analyse(asked, slides=found["friction"][1] if "friction" in found else "")
+    if before.purchase is not None and analysis.purchase is not None:
+        tried = (*before.purchase.limit_analysis, *analysis.purchase.limit_analysis)
+        analysis = replace(analysis, purchase=replace(before.purchase, limit_analysis=tried))
     effects = analysis.assembly.effects
     for effect, (choice, reason) in found.items():
         effects = effects.settled(effect, choice, reason)

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from comparison import plots, provenance, turn_back
+from comparison import bought, buying, plots, provenance, turn_back
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
 from comparison.files import copy_inputs, write_text
@@ -18,7 +18,7 @@ from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_
 from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
-from la_core import case, case_file, exchange
+from la_core import accuracy, case, case_file, exchange
 from la_core.analysis import LimitAnalysis
 from la_core.dissipation import measure
 from la_core.limit import Status
@@ -68,21 +68,37 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     if scene.live is not None or not with_yade:
         return _compare(Stored(scene, analysis, None, None, notes, inputs), folder, listener)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
+    analysis = _settle_case(scene, analysis, buying.first_settings(analysis), inputs, folder)
     run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
-    while run is not None and (needed := turn_back.needed(scene, analysis, run)):
-        words = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
-        listener.stage(scene.name, "limit analysis", f"done again with what was left out ({words})")
-        analysis = turn_back.analyse_with(scene, turn_back.called_back(analysis) | needed)
-        case_file.write_case(folder / "case.h5", scene, analysis, inputs)
+    while run is not None and (better := _better(scene, analysis, run, listener)) is not None:
+        analysis = _settle_case(scene, analysis, better, inputs, folder)
         run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
     run_inputs = _run_inputs(inputs, analysis)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 
 
+def _settle_case(scene: Scene, before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
+    """The analysis that YADE's next run is made from, written where it is not the one before."""
+    if analysis is not before:
+        case_file.write_case(folder / "case.h5", scene, analysis, inputs)
+    return analysis
+
+
+def _better(scene: Scene, analysis: LimitAnalysis, run: Run, listener: Listener) -> LimitAnalysis | None:
+    """What to model again after a run: with effects that it shows to be needed, or slower, for the accuracy asked for; None for neither."""
+    if needed := turn_back.needed(scene, analysis, run):
+        words = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
+        listener.stage(scene.name, "limit analysis", f"done again with what was left out ({words})")
+        return turn_back.analyse_with(scene, turn_back.called_back(analysis) | needed, analysis)
+    if slower := buying.again(scene, analysis, run):
+        listener.stage(scene.name, "YADE", bought.why_again(buying.attempt_of(analysis, run), slower))
+    return slower
+
+
 def _run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
-    """Digest of what makes a run in YADE: the scene's, and which model of it `case.h5` carries."""
-    effects, aside = analysis.assembly.effects, analysis.assembly.aside
-    model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist()]
+    """Digest of what makes a run in YADE: the scene's, which model of it `case.h5` carries, and with which settings."""
+    effects, aside, purchase = analysis.assembly.effects, analysis.assembly.aside, analysis.purchase
+    model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist(), purchase and purchase.settings]
     return _digest(json.dumps([inputs, model]), "yade_scripts")
 
 
@@ -106,7 +122,7 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
 
 def _notes(scene: Scene, analysis: LimitAnalysis) -> list[str]:
     shared = analysis.assembly.inset
-    if shared == scene.inset:
+    if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
         return []
     return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
 
@@ -123,7 +139,9 @@ def _limit_analysis(scene: Scene, folder: Path, listener: Listener) -> tuple[Lim
             listener.stage(scene.name, "limit analysis", f"done again: {error}")
     else:
         listener.stage(scene.name, "limit analysis", "running")
-    analysis = case.analyse(scene)
+    analysis = accuracy.analyse(scene)
+    for attempt in analysis.purchase.limit_analysis if analysis.purchase else ():
+        listener.stage(scene.name, "limit analysis", bought.words(attempt))
     (folder / "run.h5").unlink(missing_ok=True)
     case_file.write_case(path, scene, analysis, inputs)
     return analysis, inputs
@@ -173,7 +191,7 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
-    checks = list(check_expected(scene, analysis)) + _judge(stored)
+    checks = [*check_expected(scene, analysis), *_judge(stored), *bought.check_accuracy(analysis, run)]
     summary = comparison_summary(scene, analysis, stored.yade, run, checks, stored.notes)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in figures.items():

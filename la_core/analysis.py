@@ -6,6 +6,7 @@ from la_core.assembly import Assembly
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Solution
 from la_core.path import Path
+from la_core.purchase import Purchase
 from la_core.stiffness import JointStiffness
 
 
@@ -18,6 +19,7 @@ class LimitAnalysis:
     coulomb, coulomb_sharp: the same with friction that does not dilate, None where the scene does not call for it.
     least_gap: bound of the gap between blocks without a joint, m, see `run_effects.settle_run`; NaN where nobody looked.
     path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
+    purchase: what was tried for the accuracy that the scene asks for, None where it asks for none.
     """
 
     assembly: Assembly
@@ -28,6 +30,7 @@ class LimitAnalysis:
     coulomb: CoulombSolution | None = None
     coulomb_sharp: CoulombSolution | None = None
     path: Path | None = None
+    purchase: Purchase | None = None
 
     @property
     def main(self) -> Drive:

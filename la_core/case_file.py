@@ -15,6 +15,7 @@ from la_core.coulomb import CoulombSolution
 from la_core.effects import Effects
 from la_core.limit import Drive, Solution, Status
 from la_core.path import Path as FollowedPath
+from la_core.purchase import from_text, to_text
 from la_core.scene import Scene
 from la_core.stiffness import JointStiffness
 
@@ -36,7 +37,7 @@ def _motion(scene: Scene) -> np.ndarray:
 
 def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
     """Write `case.h5`; `inputs` is the digest of what made it."""
-    assembly = analysis.assembly
+    assembly, purchase = analysis.assembly, analysis.purchase
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
     values: dict[str, Any] = {
         "scene/name": scene.name,
@@ -49,7 +50,8 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps(scene.yade, sort_keys=True),
+        "scene/settings": json.dumps((purchase.settings if purchase else {}) | scene.yade, sort_keys=True),
+        "scene/accuracy": to_text(purchase),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
@@ -106,7 +108,8 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb else {}
     path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
     rounded, sharp, gap = solutions("associated"), solutions("associated_sharp"), float(data["scene/least_gap"])
-    return LimitAnalysis(assembly, rounded, sharp, stiffness, gap, path=path_followed, **coulomb)
+    purchase = from_text(data["scene/accuracy"])
+    return LimitAnalysis(assembly, rounded, sharp, stiffness, gap, path=path_followed, purchase=purchase, **coulomb)
 
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:

@@ -20,13 +20,14 @@ import numpy as np
 VERSION = 1
 FREE, FIXED, SUPPORT = 0, 1, 2
 POSES = 40  # states of a YADE run over its full travel
+TRAVEL_PERIODS = 600.0  # the full travel in YADE takes this many periods of the structure sagging under its weights
 PLATEAU_SHARE = 0.4  # of the travel is covered before a run in YADE may stop
 RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
 
 # Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
 SETTINGS = (
     "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
-    "sphere_radius", "max_travel", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
+    "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
     "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
     "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit",
 )  # fmt: skip
@@ -60,6 +61,7 @@ CASE_FIELDS = (
     Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
     Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
     Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),
+    Field("scene/accuracy", "str", (), "", "what was tried for the accuracy asked for, a JSON object; null where none was"),
     Field("blocks/name", "str", ("B",), "", "unique block names"),
     Field("blocks/role", "i8", ("B",), "", "0 free, 1 fixed, 2 support"),
     Field("blocks/aside", "u1", ("B",), "", "1: a free block of the scene, held here, out of the motion's reach"),

@@ -24,7 +24,7 @@ class Scene:
 
     support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
     live (3,): unit direction of a load proportional to weight, None for a settlement.
-    meshes: the files of its [[mesh]] tables as they were read.
+    meshes: the files of its [[mesh]] tables as they were read. accuracy: share of the answer, None where none is asked for.
     """
 
     name: str
@@ -43,6 +43,7 @@ class Scene:
     expected: schema.Expected | None
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
+    accuracy: float | None = None
 
     @property
     def weight(self) -> float:
@@ -195,6 +196,7 @@ def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
         expected=file.expected,
         yade=file.yade,
         meshes=tuple(one for _, files in imported for one in files),
+        accuracy=file.accuracy,
     )
 
 

@@ -23,6 +23,8 @@ from la_core.schema_types import (
     Vector,
 )
 
+LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # what is finer than a joint's strain, or coarser than a drawing, is not for sale
+
 
 def _auto_or_bool(value: object) -> object:
     if not (isinstance(value, bool) or value == "auto"):
@@ -31,6 +33,9 @@ def _auto_or_bool(value: object) -> object:
 
 
 AutoOrBool = Annotated[Literal["auto"] | bool, BeforeValidator(_auto_or_bool)]
+
+
+Accuracy = Annotated[Positive, Field(ge=LEAST_ACCURACY, le=MOST_ACCURACY)]  # a share of the answer
 
 
 class Stone(Table):
@@ -160,6 +165,7 @@ class SceneFile(Table):
 
     title: Text = ""
     source: Text = ""
+    accuracy: Accuracy | None = None
     gravity: Gravity = (0.0, 0.0, -9.81)
     stone: Stone | None = None
     joint: Joint

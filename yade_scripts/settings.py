@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET
+from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
 from yade_scripts import elasticity
 from yade_scripts.case import Case, CaseError
 
@@ -16,7 +16,6 @@ from yade_scripts.case import Case, CaseError
 GRAVITY_PERIODS = 500.0  # longest gravity stage
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 RAMP_SHARE = 0.25  # of the travel is covered while the support speeds up
-TRAVEL_PERIODS = 600.0  # the full travel takes this many periods of the structure sagging under its weights
 
 _MAY_VANISH = frozenset(("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging"))
 _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
@@ -35,6 +34,7 @@ class Settings:
     time_step: float  # s
     sphere_radius: float  # m
     max_travel: float  # m or rad
+    travel_periods: float  # periods of the structure sagging under its weights that the full travel takes
     speed: float  # m/s or rad/s
     ramp_time: float  # s, cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts: thrust by wedges
@@ -75,7 +75,8 @@ def derive(case: Case) -> Settings:
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
     period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
-    settle(speed=chosen["max_travel"] / (TRAVEL_PERIODS * period))
+    settle(travel_periods=TRAVEL_PERIODS)
+    settle(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     settle(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     settle(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())

@@ -1,0 +1,90 @@
+"""What an accuracy asked for came to, in numbers and in words: attempts of both methods, what each chose and why, whether it is kept."""
+
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+from comparison.buying import HISTORY_OF_SPEED, attempt_of
+from comparison.check import Check, Verdict, number
+from comparison.record import Run
+from la_core.accuracy import HISTORY_OF_STEPS, INSET_SHARE
+from la_core.analysis import LimitAnalysis
+from la_core.exchange import TRAVEL_PERIODS
+from la_core.purchase import Attempt
+
+METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
+
+
+def attempts(analysis: LimitAnalysis, run: Run | None) -> dict[str, tuple[Attempt, ...]]:
+    """All attempts by method, the last of which is its answer; none where no accuracy is asked for, or YADE gave no run."""
+    purchase = analysis.purchase
+    if purchase is None:
+        return {}
+    yade = (*purchase.yade, attempt_of(analysis, run)) if run is not None and purchase.settings else ()
+    return {"limit_analysis": purchase.limit_analysis} | ({"yade": yade} if yade else {})
+
+
+def accuracy_summary(analysis: LimitAnalysis, run: Run | None) -> dict[str, Any] | None:
+    """Accuracy asked for and, by method, whether it is kept, the estimate, what was chosen and why, seconds, and every attempt."""
+    purchase = analysis.purchase
+    if purchase is None:
+        return None
+    found: dict[str, Any] = {"asked": purchase.asked}
+    for method, tried in attempts(analysis, run).items():
+        found[method] = {
+            "kept": tried[-1].keeps(purchase.asked),
+            "error": tried[-1].error,
+            "chosen": chosen(tried[-1]),
+            "seconds": sum(one.seconds for one in tried),
+            "attempts": [dataclasses.asdict(one) | {"error": one.error, "chosen": chosen(one)} for one in tried],
+        }
+    return found
+
+
+def check_accuracy(analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
+    """Whether each method's own estimate of its error is within the accuracy asked for."""
+    for method, tried in attempts(analysis, run).items():
+        assert analysis.purchase is not None
+        asked, last, words = analysis.purchase.asked, tried[-1], METHODS[method]
+        kept = last.keeps(asked)
+        shown = f"{last.error:.2%}" if number(last.error) is not None else "undefined"
+        reason = f"The accuracy of {asked:.2g} that was asked for is not reached: {words} estimates its error as {shown} ({parts(last)})."
+        error = {method: number(last.error)}
+        verdict = Verdict.AGREE if kept else Verdict.INCONCLUSIVE
+        yield Check(f"accuracy of {words}", verdict, **error, tolerance=asked, unit="of the answer", reason="" if kept else reason)
+
+
+def parts(attempt: Attempt) -> str:
+    """The parts of an error in words, the largest first; those that are nothing beside it left out."""
+    told = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * attempt.error), reverse=True)
+    return ", ".join(f"{name} {value:.2%}" for value, name in told) or "no part is known"
+
+
+def chosen(attempt: Attempt) -> str:
+    """Settings of an attempt and why they are the cheapest that serve, in words."""
+    settings = attempt.settings
+    if "travel_periods" not in settings:
+        inset = "sharp arrises"
+        if settings["inset"]:
+            inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {INSET_SHARE:.0%} of the accuracy)"
+        if "steps" not in settings:
+            return f"{inset}, cone programmes at their tightest, which costs next to nothing"
+        return f"{settings['steps']:.0f} steps (friction's history owes them {HISTORY_OF_STEPS:.0%} over their number), {inset}"
+    speed = TRAVEL_PERIODS / settings["travel_periods"]
+    slides = f" (friction's history owes it {HISTORY_OF_SPEED:.2%} a time)" if "friction's history" in attempt.parts else ""
+    return (
+        f"{speed:.3g} times the derived speed{slides}, damping ratio {settings['damping_ratio']:g}, "
+        f"a plateau known to {settings['stop_uncertainty']:.2g} of the reaction ends the run"
+    )
+
+
+def words(attempt: Attempt) -> str:
+    """An attempt in one line."""
+    return f"error estimated as {attempt.error:.2%} ({parts(attempt)}) in {attempt.seconds:.2g} s with {chosen(attempt)}"
+
+
+def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:
+    """Why YADE runs again, and how."""
+    assert slower.purchase is not None
+    speed = TRAVEL_PERIODS / slower.purchase.settings["travel_periods"]
+    return f"{words(attempt)}; runs again at {speed:.3g} times the derived speed"

@@ -1,0 +1,136 @@
+"""Limit analysis to an accuracy asked for: the cheapest settings by a calibrated model, the error that the answer itself tells, and finer
+settings where that misses.
+
+An accuracy is a share of the reaction, or of the multiplier, for sharp arrises. What costs nothing is left at its best: cone programmes
+to looser residuals save less than a tenth of their time (`crosscheck cost`).
+"""
+
+import math
+import re
+import time
+import tomllib
+from dataclasses import replace
+
+from la_core import case
+from la_core.analysis import LimitAnalysis
+from la_core.assembly import Assembly
+from la_core.coulomb import CoulombSolution
+from la_core.errors import SceneError
+from la_core.limit import Solution, Status
+from la_core.purchase import Attempt, Purchase
+from la_core.scaling import support_motion
+from la_core.scene import Scene, scene_of_text
+from la_core.stiffness import support_reach
+
+ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's history", "dilatancy", "elastic settlement", "duality gap"
+
+INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
+LEAST_INSET = 0.02  # of the scene's
+# Of the answer, over the number of steps: what fewer steps change by friction's history. Of 128 walls (tests/benchmark_friction.py) 19 in
+# 20 are within it: within 5 % in 2 steps, within 1 % in 8.
+HISTORY_OF_STEPS = 0.08
+FEWEST_STEPS, MOST_STEPS = 2, 64
+# Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
+ELASTIC_SHARE = 0.03
+LEAST_SCALE = 0.01  # of the weight, or as a multiplier: what the error of a smaller answer is relative to
+MOST_ATTEMPTS = 6
+_KEY = re.compile(r"^[ \t]*accuracy[ \t]*=.*$", re.MULTILINE)
+
+
+def with_accuracy(scene: Scene, accuracy: float) -> Scene:
+    """The scene with an accuracy asked for, in its text as well; raises SceneError where its text keeps another one."""
+    line, has_one = f"accuracy = {accuracy!r}", "accuracy" in tomllib.loads(scene.text)
+    asking = scene_of_text(_KEY.sub(line, scene.text, count=1) if has_one else f"{line}\n{scene.text}", scene.path, scene.name)
+    if asking.accuracy != accuracy:
+        raise SceneError(f"{scene.path}: accuracy", "cannot be replaced by another one", hint="write it on a line of its own")
+    return asking
+
+
+def analyse(scene: Scene, with_path: bool = False, slides: str = "") -> LimitAnalysis:
+    """`case.analyse`; where the scene asks for an accuracy, the last of the attempts at it, with all of them as its `purchase`."""
+    if scene.accuracy is None:
+        return case.analyse(scene, with_path, slides)
+    attempts: list[Attempt] = []
+    tried, steps, before = scene, _first_steps(scene.accuracy), math.nan
+    while True:
+        start = time.perf_counter()
+        analysis = case.analyse(tried, with_path, slides, steps)
+        attempts.append(_attempt(analysis, steps, before, start))
+        finer = _finer(scene, analysis, attempts[-1])
+        if attempts[-1].keeps(scene.accuracy) or finer is None or len(attempts) == MOST_ATTEMPTS:
+            return replace(analysis, purchase=Purchase(scene.accuracy, tuple(attempts)))
+        before = answers(analysis)[1].value
+        tried, steps = replace(scene, inset=finer[0]), finer[1]
+
+
+def answers(analysis: LimitAnalysis) -> tuple[Solution | CoulombSolution, Solution | CoulombSolution]:
+    """The sharpest answers of limit analysis, at the shared inset and for sharp arrises."""
+    main = analysis.main
+    return analysis.coulomb or analysis.rounded[main], analysis.coulomb_sharp or analysis.sharp[main]
+
+
+def scale(analysis: LimitAnalysis) -> float:
+    """What errors are relative to: the size of the answer, or a share of the weight (N, N m, or as a multiplier) where it is less."""
+    return max(abs(answers(analysis)[1].value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
+
+
+def _unit(assembly: Assembly, weight: float) -> float:
+    """A weight in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
+    return 1.0 if assembly.has_live_load else weight * support_motion(assembly, 1.0)[0]
+
+
+def has_history(analysis: LimitAnalysis) -> bool:
+    """Whether joints slide, so that the answer depends on the way to it."""
+    return analysis.assembly.effects.friction == "coulomb"
+
+
+def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
+    """Parts of the error that both methods have: of rounded arrises, and of the elastic joints."""
+    (rounded, sharp), stiffness = answers(analysis), analysis.stiffness
+    return {
+        ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
+        ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * support_reach(analysis.assembly)),
+    }
+
+
+def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
+    """What an analysis tells of its own error; undefined without a value. before: the sharp answer of half the steps, NaN for none."""
+    settings, (rounded, sharp) = {"inset": analysis.assembly.inset}, answers(analysis)
+    parts = shared_parts(analysis)
+    if has_history(analysis) and isinstance(sharp, CoulombSolution) and isinstance(rounded, CoulombSolution):
+        settings["steps"] = steps
+        change = abs(sharp.value - before) / scale(analysis)
+        parts[HISTORY] = change if math.isfinite(change) else HISTORY_OF_STEPS / steps
+        parts[DILATANCY] = max(rounded.dilatancy_residual, sharp.dilatancy_residual)
+    else:
+        del parts[ELASTIC]  # the answer knows no stiffness
+        gap = analysis.sharp[analysis.main].duality_gap
+        parts[GAP] = gap * _unit(analysis.assembly, analysis.assembly.mean_weight) / scale(analysis)
+    solved = rounded.status is Status.SOLVED and sharp.status is Status.SOLVED
+    return Attempt(settings, rounded.value, parts if solved else dict.fromkeys(parts, math.nan), time.perf_counter() - start)
+
+
+def _first_steps(accuracy: float) -> int:
+    """The fewest steps, a power of two, whose change the model holds within the accuracy."""
+    needed = 2 ** math.ceil(math.log2(HISTORY_OF_STEPS / accuracy))
+    return max(FEWEST_STEPS, min(needed, MOST_STEPS // 2))  # one doubling is left, which measures the change
+
+
+def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt) -> tuple[float, int] | None:
+    """Inset (m) and steps of the next attempt; None where finer ones would not help, or the structure has no answer."""
+    assert scene.accuracy is not None
+    if analysis.rounded[analysis.main].status is not Status.SOLVED:
+        return None
+    inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))
+    if steps == MOST_STEPS:
+        return None
+    least, asked = LEAST_INSET * (scene.inset or case.smallest_inset(analysis.assembly)), INSET_SHARE * scene.accuracy
+    rounded = attempt.parts[ROUNDED]
+    finer_inset = max(least, _one_digit(inset * asked / rounded)) if rounded > asked else inset
+    return None if steps == 0 and finer_inset == inset else (finer_inset, 2 * steps)
+
+
+def _one_digit(value: float) -> float:
+    """A positive number rounded down to its first digit."""
+    unit = 10.0 ** math.floor(math.log10(value))
+    return math.floor(value / unit * (1.0 + 1e-12)) * unit

@@ -1,0 +1,213 @@
+"""Buying an accuracy: the promise is kept on scenes with exact values, and a method says so where it cannot keep it."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import scenes_for_tests as scenes
+
+from comparison import bought, buying, workflow
+from comparison.check import Verdict
+from comparison.cli import main
+from comparison.record import Run
+from la_core.accuracy import MOST_STEPS, analyse, answers, with_accuracy
+from la_core.analysis import LimitAnalysis
+from la_core.errors import SceneError
+from la_core.exchange import TRAVEL_PERIODS
+from la_core.purchase import Attempt, Purchase, from_text, to_text
+from la_core.scene import Scene, scene_of_text
+
+ACCURACIES = (0.05, 0.01, 0.002)
+PUBLISHED = {"arch_settling": 1e-5, "arch_diagonal": 1e-5, "arch_spreading": 3e-5, "ferris_tin_loi_1": 3e-3, "ferris_tin_loi_2": 3e-3}
+EXACT = ("two_pads", "trilith", "slab_four_corners", "flat_arch", "two_blocks", "stack_bond_wall")
+
+
+def expected_value(scene: Scene) -> float:
+    assert scene.expected is not None
+    value = scene.expected.multiplier if scene.live is not None else scene.expected.reaction_over_weight
+    assert value is not None
+    return value
+
+
+def divisor(scene: Scene) -> float:
+    return 1.0 if scene.live is not None else scene.weight
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("name", [*EXACT, *PUBLISHED])
+def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
+    """PUBLISHED: how well the value is known, as a share of it."""
+    scene = with_accuracy(scenes.shipped(name), accuracy)
+    analysis = analyse(scene)
+    assert analysis.purchase is not None and analysis.purchase.limit_analysis[-1].keeps(accuracy)
+    exact = expected_value(scene) * divisor(scene)
+    for answer in answers(analysis):  # at the shared inset and for sharp arrises
+        assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workflow, "_figures", lambda *results: {})  # they would take most of the time
+    names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
+    assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
+    for name in names:
+        scene, summary = scenes.shipped(name), json.loads((tmp_path / name / "comparison.json").read_text())
+        assert summary["accuracy"]["yade"]["kept"]
+        slack = PUBLISHED.get(name, 0.0)
+        assert summary["yade"]["reaction"] / scene.weight == pytest.approx(expected_value(scene), rel=accuracy + slack), name
+
+
+@pytest.mark.long
+def test_a_coarse_wall_costs_less_than_a_third_of_a_fine_one(tmp_path: Path) -> None:
+    seconds = {}
+    for accuracy in (0.01, 0.002):
+        main(["run", "wall_third", "--accuracy", str(accuracy), "-o", str(tmp_path / str(accuracy)), "-q"])
+        found = json.loads((tmp_path / str(accuracy) / "wall_third" / "comparison.json").read_text())["accuracy"]
+        assert found["limit_analysis"]["kept"] and found["yade"]["kept"]
+        seconds[accuracy] = found["limit_analysis"]["seconds"] + found["yade"]["seconds"]
+    assert seconds[0.01] < seconds[0.002] / 3.0
+
+
+def test_rounded_arrises_are_sharpened_until_they_fit_the_accuracy() -> None:
+    coarse, fine = (analyse(with_accuracy(scenes.shipped("two_pads"), accuracy)) for accuracy in (0.05, 0.002))
+    assert coarse.assembly.inset == scenes.shipped("two_pads").inset
+    assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
+    assert fine.purchase is not None and len(fine.purchase.limit_analysis) == 2
+
+
+def test_finer_answers_take_more_steps_and_tell_what_the_last_doubling_changed() -> None:
+    analysis = analyse(with_accuracy(scenes.shipped("wall_third"), 0.01))
+    assert analysis.purchase is not None
+    attempts = analysis.purchase.limit_analysis
+    steps = [attempt.settings["steps"] for attempt in attempts]
+    assert steps == [steps[0] * 2**k for k in range(len(steps))] and steps[-1] <= MOST_STEPS
+    assert len(attempts) == 2 and attempts[1].parts["friction's history"] < attempts[0].parts["friction's history"]
+
+
+def test_a_structure_that_cannot_stand_has_no_error() -> None:
+    analysis = analyse(with_accuracy(overhang(), 0.01))
+    (check,) = bought.check_accuracy(analysis, None)
+    assert check.verdict is Verdict.INCONCLUSIVE and check.limit_analysis is None and "undefined" in check.reason
+
+
+def overhang() -> Scene:
+    text = scenes.shipped("two_pads").text.split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    return scene_of_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"), Path("overhang.toml"), "overhang")
+
+
+def made_up(name: str = "wall_third", accuracy: float = 0.01) -> tuple[Scene, LimitAnalysis]:
+    scene = with_accuracy(scenes.shipped(name), accuracy)
+    return scene, buying.first_settings(analyse(scene))
+
+
+def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
+    assert analysis.purchase is not None
+    reaction = (1.0 + change) * answers(analysis)[0].value if status == "plateau" else math.nan
+    settings = {"travel_periods": TRAVEL_PERIODS, "damping_ratio": 0.3, "stop_uncertainty": 1e-3} | analysis.purchase.settings
+    settings |= {"travel_periods": periods} if periods else {}
+    result = {"status": status, "reaction": reaction, "uncertainty": uncertainty * reaction, "kinetic_ratio": 1e-5, "seconds": 1.0}
+    return Run(result, {}, {}, None, settings)  # type: ignore[arg-type]
+
+
+def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
+    periods = [made_up("two_blocks", one)[1].purchase.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
+    assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS > periods[0]
+    quick = made_up("two_pads")[1].purchase
+    assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
+
+
+def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
+    scene, analysis = made_up()
+    assert buying.again(scene, analysis, run_of(analysis)) is None
+    slower = buying.again(scene, analysis, run_of(analysis, uncertainty=0.02))
+    assert slower is not None and slower.purchase is not None and analysis.purchase is not None
+    assert slower.purchase.settings["travel_periods"] >= 2.0 * analysis.purchase.settings["travel_periods"]
+    second = buying.attempt_of(slower, run_of(slower, change=0.004))
+    assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
+    assert buying.again(scene, slower, run_of(slower, change=0.004)) is None
+
+
+def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
+    scene, analysis = made_up()
+    slower = buying.again(scene, analysis, run_of(analysis, status="no plateau"))
+    assert slower is not None and slower.purchase is not None
+    assert slower.purchase.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
+    assert buying.again(scene, slower, run_of(slower, status="no plateau")) is None
+    undefined = buying.attempt_of(slower, run_of(slower, status="no plateau"))
+    assert math.isnan(undefined.error) and not undefined.keeps(1.0)
+
+
+def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
+    scene, analysis = made_up()
+    tried = 0
+    while analysis is not None:
+        last, analysis = analysis, buying.again(scene, analysis, run_of(analysis, uncertainty=0.5))  # type: ignore[assignment]
+        tried += 1
+    assert tried == buying.MOST_ATTEMPTS
+    checks = {check.name: check for check in bought.check_accuracy(last, run_of(last, uncertainty=0.5))}
+    check = checks["accuracy of YADE"]
+    assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50.0" in check.reason
+    assert checks["accuracy of limit analysis"].verdict is Verdict.AGREE
+
+
+def test_a_speed_of_the_scene_is_not_touched() -> None:
+    scene, analysis = made_up()
+    asked = replace(scene, yade={"speed": 1e-3})
+    assert buying.again(asked, analysis, run_of(analysis, uncertainty=0.5)) is None
+
+
+@pytest.mark.parametrize(("text", "asked"), [("title = 'x'\n", 0.02), ("accuracy = 0.05\ntitle = 'x'\n", 0.02), ("", 0.01)])
+def test_an_accuracy_is_written_into_the_scene(text: str, asked: float) -> None:
+    plain = scenes.shipped("two_pads")
+    body = "\n".join(line for line in plain.text.splitlines() if not line.startswith(("title", "accuracy")))
+    scene = with_accuracy(scene_of_text(f"{text}{body}\n", plain.path, plain.name), asked)
+    assert scene.accuracy == asked and scene_of_text(scene.text, scene.path, "again").accuracy == asked
+    assert len(scene.blocks) == len(plain.blocks)
+
+
+def test_an_accuracy_that_cannot_be_replaced_is_refused_by_name() -> None:
+    plain = scenes.shipped("two_pads")
+    body = "\n".join(line for line in plain.text.splitlines() if not line.startswith("source"))
+    hidden = 'source = """\naccuracy = 0.03\n"""\n"accuracy" = 0.05\n'
+    with pytest.raises(SceneError, match="line of its own"):
+        with_accuracy(scene_of_text(f"{hidden}{body}", plain.path, plain.name), 0.02)
+
+
+@pytest.mark.parametrize("word", ["0", "50%", "-1%", "abc", "nan", "0.05%", "%"])
+def test_an_accuracy_that_cannot_be_bought_is_a_usage_error(word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["run", "two_pads", f"--accuracy={word}"])
+    assert stopped.value.code == 2 and "such as 1%" in capsys.readouterr().err
+
+
+def test_a_scene_with_an_impossible_accuracy_names_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "eager.toml"
+    path.write_text(f"accuracy = 1e-6\n{scenes.shipped('two_pads').text}")
+    assert main(["solve", str(path)]) == 2
+    assert "accuracy" in capsys.readouterr().err
+
+
+def test_a_purchase_survives_its_text() -> None:
+    attempt = Attempt({"steps": 8}, 1.5, {"dilatancy": math.nan}, 0.1)
+    stored = from_text(to_text(Purchase(0.01, (attempt,), (), {"travel_periods": 300.0})))
+    assert stored is not None and stored.limit_analysis[0].settings == attempt.settings
+    assert math.isnan(stored.limit_analysis[0].error) and stored.settings == {"travel_periods": 300.0}
+    assert from_text(to_text(None)) is None
+
+
+def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "asking.toml"
+    path.write_text(f"accuracy = 0.01\n{scenes.shipped('two_blocks').text}")
+    out = str(tmp_path / "out")
+    assert main(["run", str(path), "--no-yade", "-o", out]) == 0
+    printed = capsys.readouterr().out
+    assert "accuracy asked for" in printed and "16 steps" in printed
+    first = json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"]
+    assert first["limit_analysis"]["kept"] and len(first["limit_analysis"]["attempts"]) == 2
+    assert main(["run", str(path), "--no-yade", "-o", out]) == 0
+    assert "cached" in capsys.readouterr().err
+    assert json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"] == first
+    for page in ("report.md", "report.html"):
+        assert "16 steps" in (tmp_path / "out" / page).read_text()
