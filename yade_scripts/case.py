@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,32 +62,32 @@ class Case:
     index: np.ndarray
     total: int
 
-    @property
+    @cached_property
     def target(self) -> np.ndarray:
         """Block (C,) whose face each contact sphere touches."""
         return self.block_a + self.block_b - self.host
 
-    @property
+    @cached_property
     def free(self) -> np.ndarray:
         """Indices of the free blocks."""
         return np.flatnonzero(self.role == FREE)
 
-    @property
+    @cached_property
     def supports(self) -> np.ndarray:
         """Indices of the blocks that settle."""
         return np.flatnonzero(self.role == SUPPORT)
 
-    @property
+    @cached_property
     def block_weight(self) -> float:
         """Mean weight of a free block, N: the unit of force in every tolerance."""
         return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
 
-    @property
+    @cached_property
     def is_rotation(self) -> bool:
         """Whether the settlement is an angle (rad) rather than a length (m)."""
         return bool(np.any(self.support_twist[3:]))
 
-    @property
+    @cached_property
     def support_reach(self) -> float:
         """Largest speed of a contact point of the support per unit settlement speed: 1 for translations, m for rotations."""
         touching = np.isin(self.block_a, self.supports) | np.isin(self.block_b, self.supports)
