@@ -62,7 +62,7 @@ def derive(case: Case) -> Settings:
     def settle(**values: float) -> None:
         chosen.update({name: asked.get(name, value) for name, value in values.items()})
 
-    settle(damping_ratio=0.3, time_step_share=0.6, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES)
+    settle(damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES)
     settle(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01)
     settle(settings_uncertainty=2e-4, time_limit=3600.0)
     settle(sphere_radius=RADIUS_OVER_INSET * case.inset)
@@ -119,7 +119,8 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
 
 def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
     normal, shear = chosen["normal_stiffness"], chosen["shear_stiffness"]
-    frequency = elasticity.highest_frequency(elasticity.springs(case, normal, shear))
+    # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
+    frequency = math.sqrt(1.0 + chosen["gravity_damping"]) * elasticity.highest_frequency(elasticity.springs(case, normal, shear))
     # Asked-for viscosities need not be proportional to the stiffnesses: the larger ratio is on the safe side.
     ratios = [chosen["normal_damping"] / normal] + ([chosen["shear_damping"] / shear] if shear > 0.0 else [])
     return elasticity.stable_time_step(frequency, max(ratios))
