@@ -57,7 +57,7 @@ class YadeError(Exception):
 
 @dataclass(frozen=True)
 class Model:
-    """Identifiers of YADE's bodies: clump (B,) of each block, sphere (C,) of each contact point, face (B,) of each block.
+    """Identifiers of YADE's bodies: clump (B,) of each block; sphere (C,) of each contact point and the face (C,) that it touches.
 
     position, rotation: pose of every clump as built, (B, 3) m and one quaternion each.
     integrator, drive, watch: engines whose settings change from stage to stage.
@@ -80,24 +80,32 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
     """
     omega = Omega()
     omega.reset()
-    spheres = _add_spheres(case, settings)
-    faces, carriers, clumps = [], [], []
+    spheres, faces = np.zeros(len(case.host), dtype=int), np.zeros(len(case.host), dtype=int)
+    carriers, clumps = [], []
     material = _material(settings, _NO_FRICTION_LIMIT)
-    for block in range(len(case.role)):
-        faces.append(omega.bodies.append(_face(case, block, material)))
-        carriers.append(omega.bodies.append(_carrier(case, block, material)))
-        hosted = [spheres[contact] for contact in np.flatnonzero(case.host == block)]
-        clumps.append(omega.bodies.clump([faces[-1], carriers[-1], *hosted]))
+    rubbing = {mu: _material(settings, float(np.arctan(mu))) for mu in np.unique(case.friction)}
+    for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
+        members = [omega.bodies.append(_carrier(case, block, material))]
+        carriers.append(members[0])
+        for face, touching in _faces(case, block):
+            face.material = material
+            members.append(omega.bodies.append(face))
+            faces[touching] = members[-1]
+        for contact in np.flatnonzero(case.host == block).tolist():
+            sphere = _sphere(case, contact, settings.sphere_radius, rubbing[case.friction[contact]])
+            members.append(omega.bodies.append(sphere))
+            spheres[contact] = members[-1]
+        clumps.append(omega.bodies.clump(members))
     _settle_inertia(case, carriers, clumps)
     for block, clump in enumerate(clumps):
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
     if case.displacement == "small":
-        _pair(case, spheres, faces)
+        _pair(spheres.tolist(), faces.tolist())
     integrator, drive, watch = _engines(case, settings, clumps, watch_command)
     states = [omega.bodies[clump].state for clump in clumps]
     position = np.array([state.pos for state in states])
     rotation = tuple(Quaternion(state.ori) for state in states)
-    return Model(tuple(clumps), tuple(spheres), tuple(faces), position, rotation, integrator, drive, watch)
+    return Model(tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist()), position, rotation, integrator, drive, watch)
 
 
 def _material(settings: Settings, friction_angle: float) -> ViscElMat:
@@ -114,27 +122,51 @@ def _material(settings: Settings, friction_angle: float) -> ViscElMat:
     return material
 
 
-def _add_spheres(case: Case, settings: Settings) -> list[int]:
-    """One sphere per contact point, inside its host and tangent to the interface at that point."""
-    materials = {mu: _material(settings, float(np.arctan(mu))) for mu in np.unique(case.friction)}
-    into_host = np.where(case.host == case.block_b, 1.0, -1.0)[:, None] * case.normal
-    centres = case.position + settings.sphere_radius * into_host
-    ids = []
-    for centre, host, friction in zip(centres, case.host, case.friction, strict=True):
-        body = Body()
-        body.shape = Sphere(radius=settings.sphere_radius)
-        body.material = materials[friction]
-        body.mask = _FREE_SPHERE if case.role[host] == FREE else _HELD_SPHERE
-        volume = 4.0 / 3.0 * np.pi * settings.sphere_radius**3
-        body.state.mass = _MASSLESS * volume
-        body.state.inertia = Vector3.Ones * (0.4 * _MASSLESS * volume * settings.sphere_radius**2)
-        body.state.pos = centre
-        ids.append(Omega().bodies.append(body))
-    return ids
+def _sphere(case: Case, contact: int, radius: float, material: ViscElMat) -> Body:
+    """The sphere of a contact point, inside its host and tangent to the interface at that point."""
+    host = case.host[contact]
+    into_host = case.normal[contact] if host == case.block_b[contact] else -case.normal[contact]
+    body = Body()
+    body.shape = Sphere(radius=radius)
+    body.material = material
+    body.mask = _FREE_SPHERE if case.role[host] == FREE else _HELD_SPHERE
+    body.state.mass = _MASSLESS * 4.0 / 3.0 * np.pi * radius**3
+    body.state.inertia = Vector3.Ones * (0.4 * body.state.mass * radius**2)
+    body.state.pos = case.position[contact] + radius * into_host
+    return body
 
 
-def _face(case: Case, block: int, material: ViscElMat) -> Body:
-    """The block's solid without mass, for other blocks' spheres to touch."""
+def _faces(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
+    """Bodies without mass for other blocks' spheres to touch, each with the contact points that it serves.
+
+    The block's solid, one body for all; but where contacts are only those listed, one box per face in contact takes the place of a
+    polyhedron: a step is then three to seven times as fast, because YADE looks for depths in polyhedra triangle by triangle.
+    """
+    touching = np.flatnonzero(case.target == block)
+    if case.boxes[block] is not None or case.displacement == "finite":
+        return [(_solid(case, block), touching)]
+    outward = np.where(case.block_a[touching] == block, 1.0, -1.0)[:, None] * case.normal[touching]
+    normals, which = np.unique(outward, axis=0, return_inverse=True)
+    served = [touching[which.ravel() == face] for face in range(len(normals))]
+    return [(_slab(case, block, normal, one[0]), one) for normal, one in zip(normals, served, strict=True)]
+
+
+def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
+    """Box around the block whose top is the plane of the face with the normal `outward` (3,) through the contact point."""
+    turn = Quaternion()
+    turn.setFromTwoVectors(Vector3.UnitZ, Vector3(outward))
+    axes = np.array(turn.toRotationMatrix()).reshape(3, 3)
+    points = case.vertices[block] @ axes
+    low, high = points.min(axis=0), points.max(axis=0)
+    high[2] = case.position[contact] @ outward
+    body = Body()
+    body.shape = Box(extents=0.5 * (high - low))
+    body.state.pos, body.state.ori = axes @ (0.5 * (low + high)), turn
+    return body
+
+
+def _solid(case: Case, block: int) -> Body:
+    """The block's solid."""
     body = Body()
     box = case.boxes[block]
     if box is not None:
@@ -145,7 +177,6 @@ def _face(case: Case, block: int, material: ViscElMat) -> Body:
         body.shape = Polyhedra(v=[Vector3(vertex) for vertex in case.vertices[block]])
         body.state.pos, body.state.ori = body.shape.GetCentroid(), body.shape.GetOri()
         _check_polyhedron(case, block, body)
-    body.material = material
     body.mask = _FREE_FACE if case.role[block] == FREE else _HELD_FACE
     return body
 
@@ -218,10 +249,10 @@ def _blocked(case: Case, block: int) -> str:
     return _PLANE_BLOCKED if case.plane else ""
 
 
-def _pair(case: Case, spheres: list[int], faces: list[int]) -> None:
+def _pair(spheres: list[int], faces: list[int]) -> None:
     """Set every sphere against its target's face for good: without a collider a pair that opens stays listed and may close again."""
-    for sphere, target in zip(spheres, case.target, strict=True):
-        createInteraction(sphere, faces[target], virtualI=True)
+    for sphere, face in zip(spheres, faces, strict=True):
+        createInteraction(sphere, face, virtualI=True)
 
 
 def _collider(settings: Settings) -> InsertionSortCollider:

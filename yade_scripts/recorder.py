@@ -120,9 +120,7 @@ class Record:
         self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose[0] >= start]
 
     def _note_extra_contacts(self) -> None:
-        expected = {
-            frozenset((sphere, self.model.face[target])) for sphere, target in zip(self.model.sphere, self.case.target, strict=True)
-        }
+        expected = {frozenset(pair) for pair in zip(self.model.sphere, self.model.face, strict=True)}
         block_of = {clump: block for block, clump in enumerate(self.model.clump)}
         bodies = Omega().bodies
         for contact in Omega().interactions:
