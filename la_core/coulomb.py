@@ -14,7 +14,7 @@ import numpy as np
 from la_core import evidence, mechanism
 from la_core.assembly import Assembly
 from la_core.elastic import ElasticJoints
-from la_core.friction import LAST_RESIDUAL, SETTLED_RESIDUAL, Step, advance
+from la_core.friction import DILATANCY, Step, advance
 from la_core.interval import reaction_interval
 from la_core.limit import Drive, Solution, Status
 from la_core.scaling import global_forces, support_motion, twists_of
@@ -24,8 +24,6 @@ STEPS = 8  # to the plateau; tests/benchmark_friction.py shows what fewer and mo
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
 SOFTEST = 0.05  # sag over the travel: the strain of softer joints passes for a mechanism
 DRIFT = 0.1  # largest change of the value over the last step: what changes more has no plateau within the travel
-DILATANCY = 1e-3  # largest dilatancy residual of an answer called solved
-LEAST_WORK = 1e-3  # of the weight's over the support's motion: a mechanism that takes less work is judged by this
 ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
 
 
@@ -109,8 +107,8 @@ def follow(
             return
         stride = station - step.progress
         motion, live = (wedged + station) * joints.motion, start + station if joints.live else None
-        enough = LAST_RESIDUAL if station == stations[-1] else SETTLED_RESIDUAL
-        step = advance(joints, step.joints, motion, live, station, rate * stride, enough, most_solves)
+        last_from = step if station == stations[-1] else None
+        step = advance(joints, step.joints, motion, live, station, rate * stride, last_from, most_solves)
         rate = step.shift / stride
         yield step
 
@@ -129,11 +127,9 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
     speed, motion = support_motion(assembly, drive.value)
     twists = twists_of(assembly, (last.trial.blocks - before.trial.blocks) / stride) + motion
     value = value_of(joints, last)
-    work = float(np.maximum(np.sum(assembly.dead_load * twists, axis=1), 0.0).sum()) / assembly.weight
-    work = max(work + (abs(value) if joints.live else max(-joints.value(last.trial), 0.0)), LEAST_WORK)
     forces = global_forces(assembly, last.joints.force)
     twists = twists * (1.0 / assembly.weight if joints.live else speed)
-    dilatancy = last.dilation / (work * stride)
+    dilatancy = last.dilation / joints.work(last.trial, before.trial, stride)
     residuals = (
         evidence.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
         evidence.cone_violation(assembly, forces),

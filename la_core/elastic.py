@@ -23,6 +23,7 @@ from la_core.limit import scaled_problem
 from la_core.scaling import columns, scaled_load, support_motion
 from la_core.stiffness import JointStiffness
 
+LEAST_WORK = 1e-3  # of the weight's over the support's motion
 TOLERANCE = 1e-8  # asked of the solver; what was reached is recomputed from the answer
 
 
@@ -88,6 +89,17 @@ class ElasticJoints:
         if self.live:
             return trial.load if np.isfinite(trial.load) else 0.0
         return float(np.sum(self.motion * trial.joints.force))
+
+    def work(self, trial: Trial, before: Trial, stride: float) -> float:
+        """Work over a stride of motion by the weights that settle and a support that has to be pulled, or the live load; scaled.
+
+        At least LEAST_WORK of the weight's: a mechanism that takes less is judged by this.
+        """
+        freedoms = len(self.weights) // int(self.assembly.blocks.free.sum())
+        weights = np.sum((self.weights * (trial.blocks - before.blocks)).reshape(-1, freedoms), axis=1)
+        value = self.value(trial)
+        driving = abs(value) if self.live else max(-value, 0.0)
+        return max(float(np.maximum(weights, 0.0).sum()) + driving * stride, LEAST_WORK * stride)
 
     def solve(self, before: JointState, motion: np.ndarray, shift: np.ndarray, live: float | None = None) -> Trial:
         """One associated solve from `before`, for the supports' relative displacement (C, k) and shift (C,).

@@ -17,6 +17,9 @@ GROW, CUT, CEILING_CUT = 1.2, 0.6, 0.9
 CONVERGED = 1e-3  # strain residual: the forces of such a state are history for the next step, so it has to be small
 SETTLED, SETTLED_RESIDUAL, SETTLED_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
 LAST_RESIDUAL = 6e-3  # the same of the last step, whose state is the answer: its dilatancy residual is a seventh of this
+PATIENCE = 20  # solves of a step, more than walls of a hundred blocks take: from then on a settled value makes do with the next two
+PATIENT_RESIDUAL = 5e-2  # strain residual on the way
+DILATANCY = 1e-3  # dilatancy residual at the end: what an answer is judged by
 LEAST_ENERGY = 1e-12  # of the weight's work over the travel: joints that carry nothing have no energy to compare with
 STALLED_SOLVES, MOST_SOLVES = 50, 150  # solves without a tenth less residual; of one step
 
@@ -50,15 +53,16 @@ def advance(
     live: float | None,
     progress: float,
     shift: np.ndarray,
-    settled_residual: float = SETTLED_RESIDUAL,
+    last_from: Step | None = None,
     most_solves: int | None = None,
 ) -> Step:
     """Take one step to the supports' relative displacement `motion` (C, k), starting the iteration from `shift` (C,).
 
-    settled_residual: strain residual that is enough where the value no longer moves.
+    last_from: the step before the last one, which is held to more; None on the way.
     The best state found counts: where joints chatter, the residual may rise again. A step that did not converge says so.
     """
     friction = joints.assembly.points.friction
+    enough = SETTLED_RESIDUAL if last_from is None else LAST_RESIDUAL
     relaxation, ceiling, last = np.full(len(shift), FIRST), np.full(len(shift), MOST), np.zeros(len(shift))
     values: list[float] = []
     best: Step | None = None
@@ -71,7 +75,11 @@ def advance(
         dilation = float(np.sum(np.maximum(trial.joints.force[:, 0], 0.0) * np.abs(change)))
         residual = dilation / max(trial.energy, LEAST_ENERGY)
         values.append(joints.value(trial))
-        converged = residual <= CONVERGED or (residual <= settled_residual and _settled(values))
+        if last_from is None:
+            suffices = residual <= PATIENT_RESIDUAL
+        else:
+            suffices = dilation <= DILATANCY * joints.work(trial, last_from.trial, progress - last_from.progress)
+        converged = residual <= CONVERGED or (_settled(values) and (residual <= enough or (count > PATIENCE and suffices)))
         if best is None or residual < 0.9 * best.strain_residual:
             progressed = count
         if best is None or residual < best.strain_residual or converged:
