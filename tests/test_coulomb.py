@@ -419,6 +419,17 @@ def test_iteration_that_is_cut_short_says_so(monkeypatch) -> None:
     assert solution.equilibrium_residual <= coulomb.ACCEPTED and solution.cone_violation <= coulomb.ACCEPTED  # any shift is admissible
 
 
+def test_a_settled_value_is_not_polished_any_longer(monkeypatch) -> None:
+    """Patience changes what a long step costs, not what an answer is worth."""
+    scene = scenes.build(*scenes.wall(10, 6, split=2.0))
+    _, patient = answer(scene)
+    monkeypatch.setattr(friction, "PATIENCE", friction.MOST_SOLVES)
+    _, polished = answer(scene)
+    assert patient.iterations < polished.iterations
+    assert patient.value == pytest.approx(polished.value, rel=PLATEAU)
+    assert max(patient.dilatancy_residual, polished.dilatancy_residual) <= friction.DILATANCY
+
+
 def test_soft_joints_whose_strain_passes_for_a_mechanism_are_not_called_solved() -> None:
     assembly, stiffness = problem(small_wall())
     soft = replace(stiffness, normal=1e-3 * stiffness.normal, shear=1e-3 * stiffness.shear, sag=1e3 * stiffness.sag)
