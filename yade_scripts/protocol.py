@@ -121,7 +121,7 @@ class Protocol:
     def _stop_if_lost(self, row: Row) -> None:
         limit = self.settings.max_travel * self.case.support_reach
         numbers = (row.reaction, row.kinetic_energy, row.unbalanced)
-        if not np.all(np.isfinite(numbers)):
+        if not all(map(math.isfinite, numbers)):
             self._end(Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable")
         elif row.speed > self.settings.fall_speed:
             self._end(Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after a settlement of {row.settlement:.3g}")

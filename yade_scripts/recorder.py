@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 
 import numpy as np
 from yade import Omega
@@ -44,16 +45,26 @@ class Record:
     poses: list[tuple[float, np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """What every row asks for: clumps of the free blocks and supports, their states, which YADE updates in place, and constants."""
+        case, bodies = self.case, Omega().bodies
+        self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
+        self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
+        self._rest, self._mass, self._inertia = self.model.position[case.free], case.mass[case.free], case.inertia[case.free]
+        self._weights = self._mass[:, None] * case.gravity
+        self._direction = case.support_twist[3:] if case.is_rotation else case.support_twist[:3]
+
     def read_row(self, stage: int) -> Row:
         """Read the present instant from YADE and keep it."""
-        case, omega = self.case, Omega()
-        free = case.free
-        states = [omega.bodies[self.model.clump[block]].state for block in free]
-        velocity, spin = _array(s.vel for s in states), _array(s.angVel for s in states)
-        moved = _array(s.pos for s in states) - self.model.position[free]
-        mass = case.mass[free]
-        rotational = np.einsum("bi,bij,bj->", spin, case.inertia[free], spin)
-        force = _array(omega.forces.f(self.model.clump[block]) for block in free) + mass[:, None] * case.gravity
+        case, omega, states = self.case, Omega(), self._states
+        read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
+        vectors = _array(chain(*read)).reshape(len(read), -1, 3)
+        vectors[2] -= self._rest
+        vectors[3] += self._weights
+        _, spin, moved, _ = vectors
+        squares = (vectors**2).sum(axis=2)
+        speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
+        rotational = np.einsum("bi,bij,bj->", spin, self._inertia, spin)
         wrench = self.support_wrench()
         row = Row(
             stage=stage,
@@ -61,37 +72,32 @@ class Record:
             settlement=self.settlement(),
             reaction=-float(case.support_twist @ wrench),
             support_wrench=wrench,
-            kinetic_energy=0.5 * float(mass @ np.sum(velocity**2, axis=1) + rotational),
-            unbalanced=float(np.linalg.norm(force, axis=1).max()) / case.block_weight,
-            speed=float(np.linalg.norm(velocity, axis=1).max()),
-            weight_work=float(mass @ (moved @ case.gravity)),
-            displacement=float(np.linalg.norm(moved, axis=1).max()),
+            kinetic_energy=0.5 * float(self._mass @ squares[0] + rotational),
+            unbalanced=unbalanced / case.block_weight,
+            speed=speed,
+            weight_work=float(self._mass @ (moved @ case.gravity)),
+            displacement=displacement,
         )
         self.rows.append(row)
         return row
 
     def support_wrench(self) -> np.ndarray:
         """Force and moment about the global origin (6,), N and N m, of the supports on the structure."""
-        forces, omega = Omega().forces, Omega()
-        total = np.zeros(6)
-        for block in self.case.supports:
-            clump = self.model.clump[block]
-            force = np.array(forces.f(clump))
-            total[:3] -= force
-            total[3:] -= np.array(forces.t(clump)) + np.cross(np.array(omega.bodies[clump].state.pos), force)
-        return total
+        forces, supports = Omega().forces, self._supports
+        read = [map(forces.f, supports), map(forces.t, supports), (state.pos for state in self._support_states)]
+        force, torque, place = _array(chain(*read)).reshape(len(read), -1, 3)
+        moment = torque + (place[:, [1, 2, 0]] * force[:, [2, 0, 1]] - place[:, [2, 0, 1]] * force[:, [1, 2, 0]])
+        return -np.concatenate([force, moment], axis=1).sum(axis=0)
 
     def settlement(self) -> float:
         """Motion of the supports (m, or rad) along their unit twist, read from the first support's pose."""
-        block = int(self.case.supports[0])
-        twist = self.case.support_twist
-        part = twist[3:] if self.case.is_rotation else twist[:3]
-        moved = self.rotation(block) if self.case.is_rotation else self.displacement(block)
-        return float(moved @ part) / float(part @ part)
-
-    def displacement(self, block: int) -> np.ndarray:
-        """Displacement (3,), m, of the block's centroid from the case's geometry."""
-        return np.array(Omega().bodies[self.model.clump[block]].state.pos) - self.model.position[block]
+        block, direction = int(self.case.supports[0]), self._direction
+        if self.case.is_rotation:
+            moved = self.rotation(block)
+        else:
+            place = self._support_states[0].pos
+            moved = np.array([place[0], place[1], place[2]]) - self.model.position[block]
+        return float(moved @ direction) / float(direction @ direction)
 
     def rotation(self, block: int) -> np.ndarray:
         """Rotation vector (3,), rad, of the block from the case's geometry."""
