@@ -57,11 +57,11 @@ def write(scene: Scene, folder: Path) -> Path:
     return folder / "case.h5"
 
 
-def cost(case: Path, steps: int) -> dict[str, Any]:
-    """What one case costs in YADE, in a process of its own."""
+def in_yade(script: Path, *arguments: object) -> dict[str, Any]:
+    """What a script says, as JSON in its last line, that runs in YADE's interpreter, in a process of its own."""
     yade = launch.find_yade()
     environment = {**launch.environment(), "YADE_MODULES": str(yade.modules)}
-    command = [str(part) for part in (yade.python, "-s", COST, case, steps)]
+    command = [str(part) for part in (yade.python, "-s", script, *arguments)]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=TIME_LIMIT)
     found: dict[str, Any] = json.loads(answer.stdout.splitlines()[-1])
     return found
@@ -73,7 +73,7 @@ def yade_rows(blocks: int, steps: int, folder: Path) -> dict[Variant, dict[str, 
     per_course = round(blocks / courses)
     variants = [Variant(plane, displacement) for plane, displacement in itertools.product((True, False), ("small", "finite"))]
     cases = {one: write(one.scene(per_course, courses), folder / str(one)) for one in variants}
-    rounds = [{one: cost(path, steps) for one, path in cases.items()} for _ in range(ROUNDS)]
+    rounds = [{one: in_yade(COST, path, steps) for one, path in cases.items()} for _ in range(ROUNDS)]
     return {one: {**rounds[0][one], **{key: min(turn[one][key] for turn in rounds) for key in ("step", "row", "pose")}} for one in variants}
 
 

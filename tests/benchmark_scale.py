@@ -9,7 +9,6 @@ and in 3D, to their plateau with Coulomb friction.
 
 import argparse
 import multiprocessing
-import resource
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -21,6 +20,7 @@ from unittest.mock import patch
 
 import numpy as np
 import scenes_for_tests as scenes
+from process_memory import peak_memory
 from rich.console import Console
 from rich.table import Table
 
@@ -67,12 +67,12 @@ class Run:
         return sum(self.stages[name] for name in SOLVER)
 
 
-def wall(size: int, plane: bool) -> Scene:
-    """A wall of about `size` blocks, as many courses as blocks per course."""
+def wall(size: int, plane: bool, **options: Any) -> Scene:
+    """A wall of about `size` blocks, as many courses as blocks per course; options: as of `scenes.build`."""
     courses = round(size**0.5)
     per_course = round(size / (courses + 0.5))
     parts = scenes.wall(per_course, courses, FIXED_SHARE * LENGTH * per_course, (LENGTH, DEPTH, HEIGHT))
-    return scenes.build(*parts, inset=0.001, plane=plane)
+    return scenes.build(*parts, inset=0.001, plane=plane, **options)
 
 
 def corner(size: int) -> Scene:
@@ -118,6 +118,14 @@ def _building(
     return scenes.build("\n".join(parts), inset=0.001)
 
 
+def patched(stages: dict[str, tuple[Any, str]], spent: Counter) -> ExitStack:
+    """A context in which the seconds inside the functions of the stages are added to those spent under their names."""
+    stack = ExitStack()
+    for name, (owner, attribute) in stages.items():
+        stack.enter_context(patch.object(owner, attribute, timed(getattr(owner, attribute), name, spent)))
+    return stack
+
+
 def timed(function: Callable, name: str, spent: Counter) -> Callable:
     """The function, adding its seconds to those spent under a name."""
 
@@ -140,19 +148,16 @@ def measure(kind: str, size: int) -> Run:
     """Build and solve one scene for its least reaction."""
     spent: Counter = Counter(dict.fromkeys(STAGES, 0.0))
     start = time.process_time()
-    with ExitStack() as stack:
-        for name, (owner, attribute) in STAGES.items():
-            stack.enter_context(patch.object(owner, attribute, timed(getattr(owner, attribute), name, spent)))
+    with patched(STAGES, spent):
         model = assembly.assemble(build(kind, size))
         solution = limit.solve(model, Drive.YIELDING)
     total = time.process_time() - start
     spent["assembly"] -= spent["contacts"]
     residual = max(solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     rows = len(model.points) * (4 if model.effects.plane else 3) // (2 if model.effects.plane else 1)
     return Run(
         kind, len(model.blocks), rows, dict(spent), total, solution.status, solution.iterations, residual,
-        solution.value / model.weight, memory,
+        solution.value / model.weight, peak_memory(),
     )  # fmt: skip
 
 

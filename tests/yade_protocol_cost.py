@@ -14,6 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "yade_scripts"))
 import run_case  # sets one thread before YADE loads
+from process_memory import peak_memory
 
 for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
@@ -60,12 +61,6 @@ def bare(one: case.Case, chosen: settings.Settings, rested: int, steps: int) -> 
     bodies.set_speed(one, model.drive, chosen.speed)
     omega.run(steps - rested, True)
     return time.process_time() - began
-
-
-def peak_memory() -> float:
-    """Largest memory of this process, MiB; since it began, unlike `ru_maxrss`, which counts that of the process it was started from."""
-    line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
-    return int(line.split()[1]) / 1024.0
 
 
 def measure(path: Path, rounds: int) -> dict:
