@@ -26,11 +26,10 @@ import scenes_for_tests as scenes
 from process_memory import peak_memory
 
 from comparison import launch, plots, provenance
-from la_core import assembly, case, conic, coulomb, elastic, interval, limit
+from la_core import assembly, case, conic, coulomb, elastic, interval, limit, stiffness
 from la_core.case_file import write_case
 from la_core.limit import Drive
 from la_core.scene import Scene
-from la_core.stiffness import joint_stiffness
 
 SIZES: dict[tuple[str, str], tuple[int, ...]] = {
     ("associated", "plane"): (60, 120, 250, 500, 1000, 2000, 5000),
@@ -59,6 +58,9 @@ BUILD = {
     "bound's matrices": (limit, "scaled_problem"),
     "elastic matrices": (elastic.ElasticJoints, "__init__"),
     "interval's matrices": (interval, "scaled_problem"),
+    "stiffness": (stiffness, "joint_stiffness"),
+    "model of an analysis": (case, "model"),
+    "matrices of an analysis": (case, "scaled_problem"),
 }
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
@@ -70,7 +72,7 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     bound = limit.solve(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
-    answer = coulomb.predict(model, joint_stiffness(model, model.inset, scene.yade), bound)
+    answer = coulomb.predict(model, stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
     return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
 
 

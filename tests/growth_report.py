@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from comparison.drawing import FAINT, INK, method_colour
 from comparison.plot_cost import MARKERS
@@ -88,7 +89,12 @@ def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[s
             if growth:
                 ends = np.array([growth.sizes[0], growth.sizes[-1]], dtype=float)
                 axes.plot(ends, growth.factor * ends**growth.exponent, color=INK, linewidth=0.7, linestyle=":")
-        axes.legend(fontsize=8, loc="upper left", framealpha=0.9)
+        if series:
+            axes.legend(fontsize=8, loc="upper left", framealpha=0.9)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.margins(y=0.25)
     figure.suptitle("Running-bond walls over a settling third; dotted: power laws fitted to the larger sizes", fontsize=10)
     return figure
