@@ -1,6 +1,6 @@
 """How time and memory grow with the number of blocks: limit analysis, associated and Coulomb, and YADE, in the plane and in 3D.
 
-    python tests/benchmark_growth.py -o comparison/gallery [--quick] [--resume]
+    python tests/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...]
 
 Running-bond walls, as many courses as blocks per course, a third of the base settling, all blocks modelled. Every size in a process of
 its own, small ones first. Writes growth.md and growth.png at the end, also where it is interrupted, and growth.json after every size:
@@ -204,6 +204,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     parser.add_argument("--quick", action="store_true", help=f"no more than {QUICK} blocks")
+    names = list(dict.fromkeys([method for method, _ in SIZES] + ["driver"]))
+    parser.add_argument("--methods", nargs="+", choices=names, default=names, metavar="NAME", help=f"of {', '.join(names)}")
     parser.add_argument("--resume", action="store_true", help="measure only what growth.json lacks")
     options = parser.parse_args()
     store = options.output / "growth.json"
@@ -211,9 +213,10 @@ def main() -> None:
     asked = [(method, dimension, size) for (method, dimension), sizes in SIZES.items() for size in sizes]
     asked += [("driver", name, DRIVER_ORDER) for name in OVERHEAD_SCENES]
     try:
-        for method, dimension, size in sorted(asked, key=lambda one: one[2]):  # so that what is broken off has all smaller sizes
+        for method, dimension, size in sorted(asked, key=lambda one: one[2]):  # what is broken off then has all smaller sizes
             key = {"method": method, "dimension": dimension, "asked": size}
-            if not any(key.items() <= one.items() for one in measured) and not (options.quick and size > QUICK):
+            wanted = method in options.methods and not (options.quick and size > QUICK)
+            if wanted and not any(key.items() <= one.items() for one in measured):
                 began = time.monotonic()
                 measured.append(key | taken(method, dimension, size))
                 print(f"{method}, {dimension}, {size}: {time.monotonic() - began:.0f} s", flush=True)

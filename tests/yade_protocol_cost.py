@@ -50,15 +50,15 @@ def driven(one: case.Case, chosen: settings.Settings, stream) -> tuple[Watched, 
     return run, time.process_time() - began
 
 
-def bare(one: case.Case, chosen: settings.Settings, rested: int, steps: int) -> float:
-    """Seconds of a loop of as many steps without the driver: nothing watched, nothing recorded, the support at a constant speed."""
+def bare(one: case.Case, chosen: settings.Settings, rested: int, steps: int, travel: float) -> float:
+    """Seconds of a loop of as many steps without the driver: nothing watched, nothing recorded, at a constant speed to the same travel."""
     model = bodies.build(one, chosen, "pass")
     omega = bodies.Omega()
     omega.engines = [engine for engine in omega.engines if type(engine).__name__ != "PyRunner"]
     began = time.process_time()
     omega.run(rested, True)
     model.integrator.damping = 0.0
-    bodies.set_speed(one, model.drive, chosen.speed)
+    bodies.set_speed(one, model.drive, travel / ((steps - rested) * chosen.time_step))
     omega.run(steps - rested, True)
     return time.process_time() - began
 
@@ -78,14 +78,16 @@ def measure(path: Path, rounds: int) -> dict:
             "steps": bodies.Omega().iter,
             "rested": run.rested,
             "rows": len(run.record.rows),
+            "settling_rows": sum(row.stage == recorder.SETTLEMENT for row in run.record.rows),
             "poses": len(run.record.poses),
             "blocks": len(one.role),
             "contacts": len(one.host),
             "memory": peak_memory(),
             "memory_before": memory_before,
         }
+        travel = run.record.settlement()
         for _ in range(rounds):
-            result["bare"].append(bare(one, chosen, result["rested"], result["steps"]))
+            result["bare"].append(bare(one, chosen, result["rested"], result["steps"], travel))
             run, seconds = driven(one, chosen, nowhere)
             result["protocol"].append(seconds)
             result["watching"].append(run.watching)
