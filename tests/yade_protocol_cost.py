@@ -1,7 +1,8 @@
 """What a verdict costs in YADE, and a bare loop of as many steps: `/usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N]`, JSON.
 
 Runs in YADE's own interpreter: the whole protocol, from bodies to plateau, then as many rounds as asked for of the protocol against the
-same bodies and engines without the driver: gravity and the settlement at a constant speed, each in a single `O.run`. CPU seconds.
+same bodies and engines without the driver, gravity and settlement each in a single `O.run`: once with the support's speed set as the driver
+set it, and once at a constant speed to the same travel, a motion that costs YADE itself less. CPU seconds.
 """
 
 import argparse
@@ -9,7 +10,7 @@ import json
 import os
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "yade_scripts"))
@@ -25,10 +26,15 @@ from yade_scripts import bodies, case, protocol, recorder, settings  # noqa: E40
 
 @dataclass
 class Watched(protocol.Protocol):
-    """The protocol; `rested`: steps until it rests under gravity; `watching`: seconds inside the driver's own code."""
+    """The protocol; `rested`: steps until it rests under gravity; `watching`: seconds inside the driver; `speeds`: set in turn."""
 
     rested: int = 0
     watching: float = 0.0
+    speeds: list[float] = field(default_factory=list)
+
+    def _set_speed(self, elapsed: float) -> None:
+        super()._set_speed(elapsed)
+        self.speeds.append(self._speed)
 
     def _settle(self) -> None:
         self.rested = bodies.Omega().iter
@@ -50,16 +56,23 @@ def driven(one: case.Case, chosen: settings.Settings, stream) -> tuple[Watched, 
     return run, time.process_time() - began
 
 
-def bare(one: case.Case, chosen: settings.Settings, rested: int, steps: int, travel: float) -> float:
-    """Seconds of a loop of as many steps without the driver: nothing watched, nothing recorded, at a constant speed to the same travel."""
-    model = bodies.build(one, chosen, "pass")
-    omega = bodies.Omega()
-    omega.engines = [engine for engine in omega.engines if type(engine).__name__ != "PyRunner"]
+def bare(run: Watched, steps: int, speeds: list[float]) -> float:
+    """Seconds of a loop of as many steps without the driver; speeds: of the support, set in turn where the driver recorded a row."""
+    one, left = run.case, speeds[:0:-1]
+    model, omega = bodies.build(one, run.settings, "watch()"), bodies.Omega()
+
+    def watch() -> None:
+        bodies.set_speed(one, model.drive, left.pop())
+        model.watch.dead = not left
+
+    sys.modules["__main__"].__dict__["watch"] = watch
+    model.watch.dead = True
     began = time.process_time()
-    omega.run(rested, True)
+    omega.run(run.rested, True)
     model.integrator.damping = 0.0
-    bodies.set_speed(one, model.drive, travel / ((steps - rested) * chosen.time_step))
-    omega.run(steps - rested, True)
+    bodies.set_speed(one, model.drive, speeds[0])
+    model.watch.dead, model.watch.iterPeriod = not left, run.model.watch.iterPeriod
+    omega.run(steps - run.rested, True)
     return time.process_time() - began
 
 
@@ -74,6 +87,7 @@ def measure(path: Path, rounds: int) -> dict:
             "protocol": [seconds],
             "watching": [run.watching],
             "bare": [],
+            "constant": [],
             "status": run.status.value,
             "steps": bodies.Omega().iter,
             "rested": run.rested,
@@ -85,9 +99,11 @@ def measure(path: Path, rounds: int) -> dict:
             "memory": peak_memory(),
             "memory_before": memory_before,
         }
-        travel = run.record.settlement()
+        first, steps = run, result["steps"]
+        constant = first.record.settlement() / ((steps - first.rested) * chosen.time_step)
         for _ in range(rounds):
-            result["bare"].append(bare(one, chosen, result["rested"], result["steps"], travel))
+            result["bare"].append(bare(first, steps, first.speeds))
+            result["constant"].append(bare(first, steps, [constant]))
             run, seconds = driven(one, chosen, nowhere)
             result["protocol"].append(seconds)
             result["watching"].append(run.watching)
