@@ -151,7 +151,8 @@ def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
 def markdown(measured: list[dict[str, Any]], machine: str) -> str:
     """The page: exponents first, then what they were fitted to, shares and the driver's overhead."""
     series = by_series(measured)
-    sections = ["# Growth with the number of blocks", __doc__.split("\n\n", 2)[2].strip().replace("\n", " "), machine]
+    _, command, words = (part.strip().replace("\n", " ") for part in __doc__.split("\n\n", 2))
+    sections = ["# Growth with the number of blocks", f"`{command}`", words, machine]
     answers = {key: series[key] for key in series if key[0] in ("associated", "Coulomb")}
     analyses = {key: series[key] for key in series if key[0].startswith("all of")}
     steps, verdicts = ({key: series[key] for key in series if key[0] == name} for name in ("step", "YADE"))

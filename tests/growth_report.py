@@ -74,7 +74,7 @@ def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: S
 
 def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[str, Any]]]]]) -> Figure:
     """Panels, by the label of their ordinate: the quantity and its series by method and dimension, with fitted lines."""
-    figure = Figure(figsize=(5.2 * len(panels), 5.6), layout="constrained")
+    figure = Figure(figsize=(5.2 * len(panels), 6.0), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (label, (quantity, series)) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels.items(), strict=True):
         axes.set(xscale="log", yscale="log", xlabel="blocks N (-)", ylabel=label)
@@ -90,11 +90,11 @@ def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[s
                 ends = np.array([growth.sizes[0], growth.sizes[-1]], dtype=float)
                 axes.plot(ends, growth.factor * ends**growth.exponent, color=INK, linewidth=0.7, linestyle=":")
         if series:
-            axes.legend(fontsize=8, loc="upper left", framealpha=0.9)
+            axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2, frameon=False)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.xaxis.set_major_formatter(StrMethodFormatter("{x:,.0f}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_minor_formatter(NullFormatter())
-        axes.margins(y=0.25)
+        axes.margins(y=0.06)
     figure.suptitle("Running-bond walls over a settling third; dotted: power laws fitted to the larger sizes", fontsize=10)
     return figure
