@@ -1,0 +1,94 @@
+"""Rows of the comparison with peers, and how they are written: few digits and fixed columns, so that the file diffs well."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from statistics import median
+
+LEAST_REACTION = "least reaction"
+SOLVED, INACCURATE, FAILED, CANNOT = "solved", "inaccurate", "failed", "cannot pose"
+LEAST_ERROR = 1e-10  # smaller differences of a value are round-off: they count as this
+
+
+@dataclass(frozen=True)
+class Row:
+    """One solver on one scene. value: reaction over the weight; residual: the largest recomputed one; NaN where undefined.
+
+    processor: seconds of the processor, one for each repeat; beside: those of our solve that followed it in the same process;
+    clock: of the clock. note: what was posed other than asked, or why there is no answer.
+    """
+
+    scene: str
+    solver: str
+    setting: str
+    posed: str
+    status: str
+    value: float = math.nan
+    residual: float = math.nan
+    processor: tuple[float, ...] = ()
+    beside: tuple[float, ...] = ()
+    clock: tuple[float, ...] = ()
+    note: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Median over the repeats, of the processor."""
+        return median(self.processor) if self.processor else math.nan
+
+    @property
+    def ratio(self) -> float:
+        """Median over the repeats of its seconds over those of ours right after it: other work on the machine slows both."""
+        return median(a / b for a, b in zip(self.processor, self.beside, strict=True)) if self.beside else math.nan
+
+
+def best_known(rows: Sequence[Row], scene: str) -> float:
+    """Value of the certified answer with the least residual; NaN where there is none."""
+    certified = [row for row in rows if (row.scene, row.posed, row.status) == (scene, LEAST_REACTION, SOLVED)]
+    return min(certified, key=lambda row: row.residual).value if certified else math.nan
+
+
+def error(row: Row, reference: float) -> float:
+    """Relative error of the least reaction, NaN for a row that did not ask for it."""
+    if row.posed.startswith(LEAST_REACTION) and math.isfinite(row.value) and reference:
+        return max(abs(row.value - reference) / abs(reference), LEAST_ERROR)
+    return math.nan
+
+
+def limit_table(rows: Sequence[Row]) -> str:
+    """Markdown of the rows, in their order."""
+    heads = ("scene", "solver", "setting", "posed", "status", "R/W", "error", "residual", "CPU s", "range", "clock s", "ratio", "note")
+    lines = []
+    for row in rows:
+        spread = f"{number(min(row.processor))} to {number(max(row.processor))}" if len(row.processor) > 1 else "–"
+        lines.append(
+            (
+                row.scene, row.solver, row.setting, row.posed, row.status,
+                f"{row.value:.6f}" if math.isfinite(row.value) else "–",
+                number(error(row, best_known(rows, row.scene)), 1), number(row.residual, 1),
+                number(row.seconds), spread, number(median(row.clock) if row.clock else math.nan), number(row.ratio), row.note,
+            )
+        )  # fmt: skip
+    return markdown(heads, lines)
+
+
+def number(value: float, digits: int = 2) -> str:
+    """A number with so many significant digits, a dash where there is none."""
+    if not math.isfinite(value):
+        return "–"
+    if value == 0.0 or 1e-3 <= abs(value) < 1e4:
+        places = 0 if value == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(value))))
+        return f"{value:.{places}f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
+    """A Markdown table whose columns are as wide as their longest entry."""
+    widths = [max(len(line[k]) for line in [heads, *lines]) for k in range(len(heads))]
+    written = [heads, ["-" * width for width in widths], *lines]
+    return "\n".join("| " + " | ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)) + " |" for line in written)
+
+
+def as_record(row: object) -> dict:
+    """A row's fields for JSON, undefined numbers as null."""
+    content = {field.name: getattr(row, field.name) for field in fields(row)}  # type: ignore[arg-type]
+    return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in content.items()}
