@@ -1,8 +1,9 @@
-"""Peers side by side in one run: our limit analysis against other solvers, and YADE against LMGC90. Needs the extra `peers`.
+"""Peers side by side in one run: our limit analysis against other solvers, and YADE against LMGC90.
 
     python tests/benchmark_peers.py -o comparison/gallery/peers.md [--time-limit S] [--only SCENE ...]
 
-Every solver runs in a process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats.
+Needs `pip install -e '.[peers]'` and `pip install --no-deps compas_lmgc90`; what is missing has a row that says so. Every solver runs in a
+process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats.
 """
 
 import argparse
@@ -11,54 +12,73 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import peers_dynamics
 import peers_equilibrium
 import peers_limit
+from peers_dynamics import Run
 from peers_process import PeerEnded, alone
 from peers_report import page
 from peers_scenes import SCENES
-from peers_table import FAILED, LEAST_REACTION, Row, as_record
+from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record
 
 COMMAND = "python tests/benchmark_peers.py -o comparison/gallery/peers.md"
-TIME_LIMIT = 300.0  # s of the clock, for one solve
+TIME_LIMIT = 120.0  # s of the processor, for one solve
 
 
-def rows_of(measure: Callable[..., Iterator[Row]], scene: str, solver: str, limit: float) -> list[Row]:
-    """All rows of a solver on a scene, one for each setting that it keeps; one that says why where there is none."""
+def limit_rows(scene: str, limit: float) -> Iterator[Row]:
+    """All solvers on one scene."""
+    for solver in peers_limit.SOLVERS:
+        yield from rows_of(peers_limit.measure, Row(scene, solver, "–", LEAST_REACTION, FAILED), limit)
+    for solver in peers_equilibrium.METHODS:
+        yield from rows_of(peers_limit.measure_equilibrium, Row(scene, solver, "–", EQUILIBRIUM, FAILED), limit)
+
+
+def rows_of(measure: Callable[..., Iterator[Row]], blank: Row, limit: float) -> list[Row]:
+    """The last state of each row that a solver has on a scene; the blank one with the reason where it has none."""
     found: dict[str, Row] = {}
-    reason = ""
     try:
-        for row in alone(measure, (scene, solver), limit):
-            if measure is not peers_limit.measure or solver not in peers_limit.HIGHS:
-                found.clear()
-            found[row.setting] = row
+        for row in alone(measure, (blank.scene, blank.solver), limit):
+            found[row.key] = row
     except PeerEnded as ended:
-        reason = str(ended)
-    if not found:
-        posed = LEAST_REACTION if measure is peers_limit.measure else "any equilibrium"
-        return [Row(scene, solver, "–", posed, FAILED, note=reason)]
-    last = list(found)[-1]
-    if reason:
-        found[last] = replace(found[last], note="; ".join(filter(None, (found[last].note, f"then {reason}"))))
+        key = next(reversed(found), "")
+        last = found.get(key, blank)
+        found[key] = replace(last, note="; then ".join(filter(None, (last.note, str(ended)))))
     return list(found.values())
+
+
+def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
+    """Our prediction, YADE and LMGC90 on one scene."""
+    asked: list[tuple[Callable[..., Iterator[Run]], tuple, str, str]] = [
+        (peers_dynamics.predict, (), "limit analysis", "inset"),
+        (peers_dynamics.yade, (), "YADE", "derived settings"),
+        *((peers_dynamics.lmgc90, (step,), "LMGC90", peers_dynamics.words(step)) for step in peers_dynamics.STEPS),
+    ]
+    for run, arguments, method, setting in asked:
+        try:
+            yield from alone(run, (scene, *arguments), limit)
+        except PeerEnded as ended:
+            yield Run(scene, method, setting, FAILED, note=str(ended))
+
+
+def tell(row: Any) -> Any:
+    """Narrate a row and hand it on."""
+    print(" | ".join(f"{value}" for name, value in as_record(row).items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
+    return row
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.md")
-    parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the clock")
+    parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the processor")
     parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE")
     options = parser.parse_args()
-    rows: list[Row] = []
-    for scene in options.only:
-        for measure, solvers in ((peers_limit.measure, peers_limit.SOLVERS), (peers_limit.measure_equilibrium, peers_equilibrium.METHODS)):
-            for solver in solvers:
-                found = rows_of(measure, scene, solver, options.time_limit)
-                for row in found:
-                    print(f"{scene}: {solver}, {row.setting}: {row.status}, {row.seconds:.3g} s, ratio {row.ratio:.2g} {row.note}", file=sys.stderr)
-                rows += found
-    options.output.write_text(page(COMMAND, rows))
-    options.output.with_suffix(".json").write_text(json.dumps([as_record(row) for row in rows], indent=1) + "\n")
+    rows = [tell(row) for scene in options.only for row in limit_rows(scene, options.time_limit)]
+    runs = [tell(run) for scene in options.only if scene in peers_dynamics.DYNAMIC for run in dynamic_runs(scene, options.time_limit)]
+    options.output.write_text(page(COMMAND, options.time_limit, rows, runs))
+    record = {"limit analysis": [as_record(row) for row in rows], "in time": [as_record(run) for run in runs]}
+    options.output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n")
 
 
 if __name__ == "__main__":

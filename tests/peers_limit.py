@@ -16,7 +16,7 @@ from unittest.mock import patch
 import numpy as np
 import peers_equilibrium
 from peers_scenes import SCENES
-from peers_table import CANNOT, FAILED, INACCURATE, LEAST_REACTION, SOLVED, Row
+from peers_table import CANNOT, EQUILIBRIUM, FAILED, INACCURATE, LEAST_REACTION, OURS, SOLVED, Row
 from scipy import sparse
 
 from la_core import limit, linearised
@@ -30,7 +30,6 @@ MOST_ITERATIONS = 1_000
 MOST_STEPS = 10_000_000  # of a first-order method: the time limit ends it
 LARGE = 500  # blocks: above, HiGHS gets the coarsest polygon alone
 REPEATS = ((0.1, 9), (1.0, 5), (5.0, 3))  # as many below so many seconds; else once
-OURS = "clarabel, ours"
 HIGHS = {"HiGHS interior point": "highs-ipm", "HiGHS dual simplex": "highs-ds"}
 
 Raw = tuple[np.ndarray, np.ndarray, int]  # x, multipliers of the rows, iterations
@@ -130,9 +129,10 @@ def measure_equilibrium(scene: str, solver: str) -> Iterator[Row]:
         importlib.import_module(package)
     believes, words, forces, processor, clock = peers_equilibrium.equilibrium(assembly, solver)
     residual = peers_equilibrium.residual(assembly, forces)
-    status = FAILED if not believes else SOLVED if residual <= ACCEPTED else INACCURATE
+    status = SOLVED if residual <= ACCEPTED else INACCURATE
     value = limit.evidence.reaction(assembly, forces) / assembly.weight
-    row = Row(scene, solver, "its own", "any equilibrium", status, value, residual, (processor,), clock=(clock,), note=words if not believes else "")
+    note = "" if believes else f"IPOPT: {words}"
+    row = Row(scene, solver, "its own", EQUILIBRIUM, status, value, residual, (processor,), clock=(clock,), note=note)
     yield row
     yield from repeated(row, lambda: peers_equilibrium.equilibrium(assembly, solver)[3:], assembly)
 
@@ -200,9 +200,8 @@ def _settings(scene: str, solver: str, assembly: Assembly) -> Iterator[tuple[Row
     elif solver in HIGHS:
         facets = (4,) if assembly.effects.plane else (8,) if len(assembly.blocks) > LARGE else (8, 32)
         for count in facets:
-            note = "" if assembly.effects.plane else f"cones cut to {count} facets"
-            setting = f"{linearised.TOLERANCE:.0e}" + ("" if assembly.effects.plane else f", {count}")
-            yield replace(blank, setting=setting, note=note), lambda count=count: highs(assembly, solver, count)
+            setting = f"{linearised.TOLERANCE:.0e}" + ("" if assembly.effects.plane else f", {count} facets")
+            yield replace(blank, setting=setting), lambda count=count: highs(assembly, solver, count)
     else:
         for tolerance in TOLERANCES:
             yield replace(blank, setting=f"{tolerance:.0e}"), lambda tolerance=tolerance: foreign(assembly, solver, tolerance)

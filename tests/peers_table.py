@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from statistics import median
 
-LEAST_REACTION = "least reaction"
+LEAST_REACTION, EQUILIBRIUM = "least reaction", "any equilibrium"
 SOLVED, INACCURATE, FAILED, CANNOT = "solved", "inaccurate", "failed", "cannot pose"
+OURS = "clarabel, ours"
+LEAST_WIDTH = {"CPU s": 7, "range": 18, "clock s": 7, "ratio": 7}  # of columns whose entries change from run to run
 LEAST_ERROR = 1e-10  # smaller differences of a value are round-off: they count as this
 
 
@@ -31,6 +33,11 @@ class Row:
     note: str = ""
 
     @property
+    def key(self) -> str:
+        """What two states of one row share: a solver has a row for each programme that it poses, not for each tolerance it tries."""
+        return self.setting.partition(",")[2]
+
+    @property
     def seconds(self) -> float:
         """Median over the repeats, of the processor."""
         return median(self.processor) if self.processor else math.nan
@@ -49,7 +56,7 @@ def best_known(rows: Sequence[Row], scene: str) -> float:
 
 def error(row: Row, reference: float) -> float:
     """Relative error of the least reaction, NaN for a row that did not ask for it."""
-    if row.posed.startswith(LEAST_REACTION) and math.isfinite(row.value) and reference:
+    if row.posed == LEAST_REACTION and math.isfinite(row.value) and reference:
         return max(abs(row.value - reference) / abs(reference), LEAST_ERROR)
     return math.nan
 
@@ -59,31 +66,54 @@ def limit_table(rows: Sequence[Row]) -> str:
     heads = ("scene", "solver", "setting", "posed", "status", "R/W", "error", "residual", "CPU s", "range", "clock s", "ratio", "note")
     lines = []
     for row in rows:
+        wrong = power(error(row, best_known(rows, row.scene)))
         spread = f"{number(min(row.processor))} to {number(max(row.processor))}" if len(row.processor) > 1 else "–"
         lines.append(
             (
                 row.scene, row.solver, row.setting, row.posed, row.status,
-                f"{row.value:.6f}" if math.isfinite(row.value) else "–",
-                number(error(row, best_known(rows, row.scene)), 1), number(row.residual, 1),
+                f"{row.value:.6f}" if math.isfinite(row.value) else "–", wrong, power(row.residual),
                 number(row.seconds), spread, number(median(row.clock) if row.clock else math.nan), number(row.ratio), row.note,
             )
         )  # fmt: skip
     return markdown(heads, lines)
 
 
+def summary_table(rows: Sequence[Row]) -> str:
+    """Markdown: for each scene our seconds, HiGHS's better algorithm and the fastest peer, by ratios of certified answers alone."""
+    lines = []
+    for scene in dict.fromkeys(row.scene for row in rows):
+        certified = [row for row in rows if (row.scene, row.status) == (scene, SOLVED) and math.isfinite(row.ratio)]
+        own = [row for row in certified if row.solver == OURS]
+        highs = [row for row in certified if row.solver.startswith("HiGHS")]
+        others = [row for row in certified if row.solver != OURS]
+        lines.append((scene, number(own[0].seconds) if own else "–", *_fastest(highs), *_fastest(others)))
+    return markdown(("scene", "ours, CPU s", "HiGHS's better algorithm", "ratio", "fastest peer", "ratio"), lines)
+
+
+def _fastest(rows: Sequence[Row]) -> tuple[str, str]:
+    best = min(rows, key=lambda row: row.ratio, default=None)
+    return ("none certified", "–") if best is None else (f"{best.solver}, {best.setting}", number(best.ratio))
+
+
 def number(value: float, digits: int = 2) -> str:
     """A number with so many significant digits, a dash where there is none."""
     if not math.isfinite(value):
         return "–"
-    if value == 0.0 or 1e-3 <= abs(value) < 1e4:
-        places = 0 if value == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(value))))
-        return f"{value:.{places}f}"
-    return f"{value:.{digits - 1}e}"
+    rounded = float(f"{value:.{digits - 1}e}")
+    if rounded == 0.0 or 1e-3 <= abs(rounded) < 1e5:
+        places = max(0, digits - 1 - math.floor(math.log10(abs(rounded)))) if rounded else 0
+        return f"{rounded:.{places}f}"
+    return f"{rounded:.{digits - 1}e}"
+
+
+def power(value: float) -> str:
+    """A small number by its power of ten and one digit."""
+    return f"{value:.0e}" if math.isfinite(value) else "–"
 
 
 def markdown(heads: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """A Markdown table whose columns are as wide as their longest entry."""
-    widths = [max(len(line[k]) for line in [heads, *lines]) for k in range(len(heads))]
+    """A Markdown table whose columns are as wide as their longest entry, and wide enough for any number."""
+    widths = [max(LEAST_WIDTH.get(head, 0), *(len(line[k]) for line in [heads, *lines])) for k, head in enumerate(heads)]
     written = [heads, ["-" * width for width in widths], *lines]
     return "\n".join("| " + " | ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)) + " |" for line in written)
 
