@@ -8,23 +8,23 @@ process of its own with one thread and a time limit. Beside the Markdown goes a 
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import peers_dynamics
 import peers_equilibrium
 import peers_limit
 from peers_dynamics import Run
-from peers_process import PeerEnded, alone
+from peers_process import PeerEnded, PeerTooSlow, alone
 from peers_report import page
 from peers_scenes import SCENES
 from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record
 
 COMMAND = "python tests/benchmark_peers.py -o comparison/gallery/peers.md"
-TIME_LIMIT = 120.0  # s of the processor, for one solve
+TIME_LIMIT = 20.0  # s of the processor, for one solve
 
 
 def limit_rows(scene: str, limit: float) -> Iterator[Row]:
@@ -44,7 +44,8 @@ def rows_of(measure: Callable[..., Iterator[Row]], blank: Row, limit: float) -> 
     except PeerEnded as ended:
         key = next(reversed(found), "")
         last = found.get(key, blank)
-        found[key] = replace(last, note="; then ".join(filter(None, (last.note, str(ended)))))
+        bound = limit if isinstance(ended, PeerTooSlow) and not last.processor else math.nan
+        found[key] = replace(last, limit=bound, note="; then ".join(filter(None, (last.note, str(ended)))))
     return list(found.values())
 
 
@@ -62,10 +63,13 @@ def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
             yield Run(scene, method, setting, FAILED, note=str(ended))
 
 
-def tell(row: Any) -> Any:
-    """Narrate a row and hand it on."""
-    print(" | ".join(f"{value}" for name, value in as_record(row).items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
-    return row
+def write(output: Path, limit: float, rows: list[Row], runs: list[Run]) -> None:
+    """Page and record of what is known so far; the last row is narrated."""
+    last = as_record((runs or rows)[-1])
+    print(" | ".join(f"{value}" for name, value in last.items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
+    record = {"limit analysis": [as_record(row) for row in rows], "in time": [as_record(run) for run in runs]}
+    output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    output.write_text(page(COMMAND, limit, rows, runs), encoding="utf-8")
 
 
 def main() -> None:
@@ -74,11 +78,16 @@ def main() -> None:
     parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the processor")
     parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE")
     options = parser.parse_args()
-    rows = [tell(row) for scene in options.only for row in limit_rows(scene, options.time_limit)]
-    runs = [tell(run) for scene in options.only if scene in peers_dynamics.DYNAMIC for run in dynamic_runs(scene, options.time_limit)]
-    options.output.write_text(page(COMMAND, options.time_limit, rows, runs))
-    record = {"limit analysis": [as_record(row) for row in rows], "in time": [as_record(run) for run in runs]}
-    options.output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n")
+    rows: list[Row] = []
+    runs: list[Run] = []
+    for scene in options.only:
+        for row in limit_rows(scene, options.time_limit):
+            rows.append(row)
+            write(options.output, options.time_limit, rows, runs)
+    for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC):
+        for run in dynamic_runs(scene, options.time_limit):
+            runs.append(run)
+            write(options.output, options.time_limit, rows, runs)
 
 
 if __name__ == "__main__":

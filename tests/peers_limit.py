@@ -29,7 +29,7 @@ PATIENCE = 2  # tolerances in a row that bring nothing better, after which a sol
 MOST_ITERATIONS = 1_000
 MOST_STEPS = 10_000_000  # of a first-order method: the time limit ends it
 LARGE = 500  # blocks: above, HiGHS gets the coarsest polygon alone
-REPEATS = ((0.1, 9), (1.0, 5), (5.0, 3))  # as many below so many seconds; else once
+REPEATS = ((0.1, 9), (0.5, 5), (3.0, 2))  # as many below so many seconds; else once
 HIGHS = {"HiGHS interior point": "highs-ipm", "HiGHS dual simplex": "highs-ds"}
 
 Raw = tuple[np.ndarray, np.ndarray, int]  # x, multipliers of the rows, iterations

@@ -24,7 +24,7 @@ with the least residual, {LEAST_ERROR:.0e} at least.
 *CPU s*: seconds of the processor for the solver's own work, its set-up included, median over up to nine repeats, with their
 *range*; the first solve warms up. *clock s* counts other work on the machine, too. *ratio*: seconds over those of our own solve,
 which follows every repeat in the same process, median; our own row shows the noise. One process at a time with one thread, and at
-most {{limit:g}} s of the processor for a solve.
+most {{limit:g}} s of the processor for a solve: `>` stands before what that leaves open.
 
 {{summary}}
 
@@ -38,7 +38,8 @@ most {{limit:g}} s of the processor for a solve.
 - **PIQP** has linear and quadratic programmes only: the plane, not space.
 - **compas_cra** has no settlement and minimises no reaction. Posed is any equilibrium of the structure with all its supports at
   rest, on the same contact points (RBE: convex, octagons about the friction cones and tension at a penalty; CRA: coupled with a
-  virtual displacement, not convex). Its residual is that of an equilibrium: balance and cones. Our time beside it is that of
+  virtual displacement, not convex). Its tolerances are its own: the penalty leaves some 1e-6 of tension, octagons up to 8 % of
+  excess friction, whatever IPOPT is asked for. Its residual is that of an equilibrium: balance and cones. Our time beside it is that of
   the least reaction, whose forces are such an equilibrium. Timed is IPOPT alone, not the building of its matrices in Python.
 """
 

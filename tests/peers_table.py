@@ -17,7 +17,8 @@ class Row:
     """One solver on one scene. value: reaction over the weight; residual: the largest recomputed one; NaN where undefined.
 
     processor: seconds of the processor, one for each repeat; beside: those of our solve that followed it in the same process;
-    clock: of the clock. note: what was posed other than asked, or why there is no answer.
+    clock: of the clock. limit: seconds of the processor after which it was ended without an answer. note: why there is none, or what the
+    solver says of itself.
     """
 
     scene: str
@@ -30,6 +31,7 @@ class Row:
     processor: tuple[float, ...] = ()
     beside: tuple[float, ...] = ()
     clock: tuple[float, ...] = ()
+    limit: float = math.nan
     note: str = ""
 
     @property
@@ -67,12 +69,13 @@ def limit_table(rows: Sequence[Row]) -> str:
     lines = []
     for row in rows:
         wrong = power(error(row, best_known(rows, row.scene)))
+        clock, bound = median(row.clock) if row.clock else math.nan, row.limit / own_seconds(rows, row.scene)
         spread = f"{number(min(row.processor))} to {number(max(row.processor))}" if len(row.processor) > 1 else "–"
         lines.append(
             (
                 row.scene, row.solver, row.setting, row.posed, row.status,
                 f"{row.value:.6f}" if math.isfinite(row.value) else "–", wrong, power(row.residual),
-                number(row.seconds), spread, number(median(row.clock) if row.clock else math.nan), number(row.ratio), row.note,
+                at_least(row.seconds, row.limit), spread, number(clock), at_least(row.ratio, bound), row.note,
             )
         )  # fmt: skip
     return markdown(heads, lines)
@@ -93,6 +96,16 @@ def summary_table(rows: Sequence[Row]) -> str:
 def _fastest(rows: Sequence[Row]) -> tuple[str, str]:
     best = min(rows, key=lambda row: row.ratio, default=None)
     return ("none certified", "–") if best is None else (f"{best.solver}, {best.setting}", number(best.ratio))
+
+
+def own_seconds(rows: Sequence[Row], scene: str) -> float:
+    """Our own seconds on a scene, NaN where they are not known."""
+    return next((row.seconds for row in rows if (row.scene, row.solver) == (scene, OURS)), math.nan)
+
+
+def at_least(value: float, bound: float) -> str:
+    """A number, or what it is above where there is only a bound."""
+    return f"> {number(bound)}" if math.isnan(value) and math.isfinite(bound) else number(value)
 
 
 def number(value: float, digits: int = 2) -> str:
