@@ -4,6 +4,7 @@ import importlib.util
 import json
 import math
 import os
+import time
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
@@ -27,6 +28,7 @@ PAGE = Path(__file__).parent.parent / "comparison" / "gallery" / "peers.md"
 SAME_REACTION = 2.0 * ACCEPTED  # both answers are certified to ACCEPTED of a mean block; two_pads has one block
 SAME_OVER_WEIGHT = 2.0 * 6.0 * ACCEPTED  # residuals of ACCEPTED in all freedoms of two answers, at speeds of up to one
 TIGHT = 1e-8  # asked of a solver, so that its residuals are below ACCEPTED
+FINE = 1e-4  # s: a third of the shortest solve
 LIMIT = 1.0  # s of the processor for a process that never comes back
 
 solver = pytest.mark.parametrize("name", [*peers_limit.FOREIGN])
@@ -111,6 +113,13 @@ def complains() -> Iterator[int]:
     raise ValueError("no such cone")
 
 
+def ticks() -> Iterator[float]:
+    start = time.process_time()
+    while time.process_time() == start:
+        pass
+    yield time.process_time() - start
+
+
 def counts() -> Iterator[int]:
     yield from range(3)
 
@@ -129,6 +138,11 @@ def test_a_peer_that_dies_or_never_comes_back_ends_its_own_row_alone(function, r
 
 def test_a_peer_that_behaves_is_heard_to_the_end() -> None:
     assert list(alone(counts, (), LIMIT)) == [0, 1, 2]
+
+
+def test_a_watched_process_sees_fine_seconds_of_its_own() -> None:
+    """A limit that the system itself holds would let it see ticks of milliseconds, longer than a small solve."""
+    assert max(alone(ticks, (), LIMIT)) < FINE
 
 
 def test_a_number_has_two_digits_at_any_size() -> None:
