@@ -41,6 +41,12 @@ most {{limit:g}} s of the processor for a solve: `>` stands before what that lea
   virtual displacement, not convex). Its tolerances are its own: the penalty leaves some 1e-6 of tension, octagons up to 8 % of
   excess friction, whatever IPOPT is asked for. Its residual is that of an equilibrium: balance and cones. Our time beside it is that of
   the least reaction, whose forces are such an equilibrium. Timed is IPOPT alone, not the building of its matrices in Python.
+
+Where a peer is ahead of us, it is so in the plane and by less than a factor of two. On problems that take a few milliseconds
+clarabel's set-up is a quarter to a half of our time (on the arch 0.46 ms against PIQP's 0.26), and small structures are solved to some
+hundred times less residual than the peers are asked for, one iteration more in eight: an answer in a report should need no error
+bar. On 1,000 blocks PIQP takes more iterations than clarabel, 48 against 42, and a sixth less time for each. In space clarabel is
+ahead of, or level with, all that certify their answer.
 """
 
 DYNAMICS = """\

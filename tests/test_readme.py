@@ -6,9 +6,11 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from statistics import median
 
 import pytest
 from conftest import CrossChecked, every_shipped_scene
+from growth_report import fit
 from scenes_for_tests import load
 
 from comparison import shipped, tables
@@ -210,3 +212,46 @@ def test_the_demo_ends_as_the_readme_says(cross_checked: Callable[[str], CrossCh
 
 def found_verdict(row: str) -> str:
     return next(word for word in ("disagree", "inconclusive", "agree") if word in row)
+
+
+def test_what_the_readme_concludes_from_the_peers() -> None:
+    """Ratios of the processor's seconds over our own, from the record beside the page."""
+    record = json.loads((ROOT / "comparison" / "gallery" / "peers.json").read_text())
+    ratios: dict[str, dict[str, float]] = {}
+    for row in record["limit analysis"]:
+        if row["status"] == "solved" and row["solver"] != "clarabel, ours":
+            best = ratios.setdefault(row["scene"], {})
+            best[row["solver"]] = min(best.get(row["solver"], math.inf), median(row["processor"]) / median(row["beside"]))
+    assert min(ratio for name, ratio in ratios["plane wall 1000"].items() if "HiGHS" in name) > 5.0
+    for found in ratios.values():
+        assert all(ratio > 1.5 for name, ratio in found.items() if name == "SCS" or "compas_cra" in name)
+        assert all(ratio > 0.55 for ratio in found.values())
+    assert {name for name in ratios["wall 1000 in space"] if "compas_cra" not in name} == {"ECOS"}
+    assert ratios["wall 1000 in space"]["ECOS"] > 3.0
+    dynamics = {(row["scene"], row["setting"]): row for row in record["in time"] if row["method"] == "LMGC90"}
+    off = {key: abs(row["reaction"] / row["predicted"] - 1.0) for key, row in dynamics.items()}
+    assert all(error < 1e-3 for (scene, _), error in off.items() if scene == "arch_spreading")
+    assert all(error < 2e-2 for error in off.values())
+
+
+def test_what_the_readme_concludes_from_growth() -> None:
+    record = json.loads((ROOT / "comparison" / "gallery" / "growth.json").read_text())["measured"]
+
+    def exponents(method: str, quantity: str) -> list[float]:
+        series = [[row for row in record if row["method"] == method and row["dimension"] == dimension] for dimension in ("plane", "3D")]
+        fits = [fit([row["blocks"] for row in rows], [row[quantity] for row in rows]) for rows in series]
+        return [found.exponent for found in fits if found is not None]
+
+    assert exponents("associated", "seconds") == pytest.approx([2.0, 2.0], abs=0.25)
+    assert exponents("associated", "memory") == pytest.approx([1.0, 1.0], abs=0.1)
+    assert all(2.35 <= one < 2.75 for one in exponents("Coulomb", "seconds"))
+    assert all(1.0 < one < 1.25 for one in exponents("step", "step"))
+    assert all(1.35 <= one < 1.75 for one in exponents("YADE", "seconds"))
+    outside = {(row["method"], row["dimension"], row["blocks"]): row["outside"] for row in record if "outside" in row}
+    coulomb, bounds = "all of Coulomb", "all of associated"
+    for method, dimension, least in ((coulomb, "plane", 117), (coulomb, "3D", 62), (bounds, "plane", 1010), (bounds, "3D", 497)):
+        large = [share for (m, d, blocks), share in outside.items() if (m, d) == (method, dimension) and blocks >= least]
+        assert large and max(large) < 0.1
+    overhead = {row["dimension"]: row["overhead"] for row in record if row["method"] == "driver"}
+    assert overhead["wall_third"] < 0.05 and overhead["corner_settling_end"] < 0.05
+    assert 0.15 < overhead["arch_spreading"] < 0.25
