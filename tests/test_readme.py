@@ -255,3 +255,19 @@ def test_what_the_readme_concludes_from_growth() -> None:
     overhead = {row["dimension"]: row["overhead"] for row in record if row["method"] == "driver"}
     assert overhead["wall_third"] < 0.05 and overhead["corner_settling_end"] < 0.05
     assert 0.15 < overhead["arch_spreading"] < 0.25
+
+
+def test_every_bought_accuracy_of_the_page_is_kept_and_a_coarse_wall_costs_less_than_a_third_of_a_fine_one() -> None:
+    page = (ROOT / "comparison" / "gallery" / "accuracy.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in cells.split("|")] for _, cells in RESULT_ROW.findall(page)]
+    names = [name for name, _ in RESULT_ROW.findall(page)]
+    assert len(rows) == len(set(zip(names, [row[0] for row in rows], strict=True))) >= 30
+
+    def number(cell: str) -> float:
+        return float(cell.removesuffix(" %"))
+
+    for asked, *cells in rows:
+        shares = [number(cell) for k, cell in enumerate(cells) if k in (0, 1, 3, 4) and cell != "–"]
+        assert shares and max(shares) <= number(asked)
+    seconds = {row[0]: number(row[3]) + number(row[6]) for name, row in zip(names, rows, strict=True) if name == "wall_third"}
+    assert seconds["1 %"] < seconds["0.2 %"] / 3.0
