@@ -1,18 +1,24 @@
 """What an accuracy asked for came to, in numbers and in words: attempts of both methods, what each chose and why, whether it is kept."""
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from typing import Any
 
 from comparison.buying import HISTORY_OF_SPEED, attempt_of
 from comparison.check import Check, Verdict, number
 from comparison.record import Run
-from la_core.accuracy import HISTORY_OF_STEPS, INSET_SHARE
+from la_core.accuracy import HISTORY, HISTORY_OF_STEPS, INSET_SHARE
 from la_core.analysis import LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.purchase import Attempt
 
 METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
+
+
+def percent(share: float | None) -> str:
+    """A share in per cent, in two significant digits; a dash for none."""
+    return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.2g} %"
 
 
 def attempts(analysis: LimitAnalysis, run: Run | None) -> dict[str, tuple[Attempt, ...]]:
@@ -47,8 +53,8 @@ def check_accuracy(analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
         assert analysis.purchase is not None
         asked, last, words = analysis.purchase.asked, tried[-1], METHODS[method]
         kept = last.keeps(asked)
-        shown = f"{last.error:.2%}" if number(last.error) is not None else "undefined"
-        reason = f"The accuracy of {asked:.2g} that was asked for is not reached: {words} estimates its error as {shown} ({parts(last)})."
+        shown = "undefined" if number(last.error) is None else f"{percent(last.error)} ({parts(last)})"
+        reason = f"The accuracy of {percent(asked)} that was asked for is not reached: {words} estimates its error as {shown}."
         error = {method: number(last.error)}
         verdict = Verdict.AGREE if kept else Verdict.INCONCLUSIVE
         yield Check(f"accuracy of {words}", verdict, **error, tolerance=asked, unit="of the answer", reason="" if kept else reason)
@@ -57,7 +63,7 @@ def check_accuracy(analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
 def parts(attempt: Attempt) -> str:
     """The parts of an error in words, the largest first; those that are nothing beside it left out."""
     told = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * attempt.error), reverse=True)
-    return ", ".join(f"{name} {value:.2%}" for value, name in told) or "no part is known"
+    return ", ".join(f"{name} {percent(value)}" for value, name in told) or "no part is known"
 
 
 def chosen(attempt: Attempt) -> str:
@@ -66,21 +72,21 @@ def chosen(attempt: Attempt) -> str:
     if "travel_periods" not in settings:
         inset = "sharp arrises"
         if settings["inset"]:
-            inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {INSET_SHARE:.0%} of the accuracy)"
+            inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {percent(INSET_SHARE)} of the accuracy)"
         if "steps" not in settings:
             return f"{inset}, cone programmes at their tightest, which costs next to nothing"
-        return f"{settings['steps']:.0f} steps (friction's history owes them {HISTORY_OF_STEPS:.0%} over their number), {inset}"
+        return f"{settings['steps']:.0f} steps (fewer change friction's history by {percent(HISTORY_OF_STEPS)} over their number), {inset}"
     speed = TRAVEL_PERIODS / settings["travel_periods"]
-    slides = f" (friction's history owes it {HISTORY_OF_SPEED:.2%} a time)" if "friction's history" in attempt.parts else ""
+    slides = f" (each time changes friction's history by {percent(HISTORY_OF_SPEED)})" if HISTORY in attempt.parts else ""
     return (
         f"{speed:.3g} times the derived speed{slides}, damping ratio {settings['damping_ratio']:g}, "
-        f"a plateau known to {settings['stop_uncertainty']:.2g} of the reaction ends the run"
+        f"a plateau known to {percent(settings['stop_uncertainty'])} ends the run"
     )
 
 
 def words(attempt: Attempt) -> str:
     """An attempt in one line."""
-    return f"error estimated as {attempt.error:.2%} ({parts(attempt)}) in {attempt.seconds:.2g} s with {chosen(attempt)}"
+    return f"error estimated as {percent(attempt.error)} ({parts(attempt)}) in {attempt.seconds:.2g} s with {chosen(attempt)}"
 
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from comparison.bought import METHODS as ACCURACY_METHODS
+from comparison.bought import percent
 from comparison.report_numbers import A_POINT, DASH, exists, number
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
@@ -56,20 +57,16 @@ def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
     bought = comparison.get("accuracy") or {}
     for method in (name for name in ACCURACY_METHODS if name in bought):
         for attempt in bought[method]["attempts"]:
-            parts = ", ".join(f"{name} {_percent(value)}" for name, value in attempt["parts"].items())
+            parts = ", ".join(f"{name} {percent(value)}" for name, value in attempt["parts"].items())
             error, asked = attempt["error"], bought["asked"]
             yield {
                 "method": ACCURACY_METHODS[method],
-                "asked": _percent(asked),
+                "asked": percent(asked),
                 "chosen": attempt["chosen"],
-                "error": f"{_percent(error)}: {parts}",
+                "error": f"{percent(error)}: {parts}",
                 "kept": "yes" if exists(error) and error <= asked else "no",
                 "seconds": number(attempt["seconds"], 2),
             }
-
-
-def _percent(share: Any) -> str:
-    return f"{100.0 * share:.2g} %" if exists(share) else DASH
 
 
 def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:

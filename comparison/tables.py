@@ -7,6 +7,7 @@ from rich import box
 from rich.table import Table
 
 from comparison.bought import METHODS as ACCURACY_METHODS
+from comparison.bought import percent
 from comparison.check import Check
 from comparison.doctor import Finding
 from comparison.effects_table import effects_summary
@@ -168,11 +169,6 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
             row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
             table.add_row(comparison["scene"], ACCURACY_METHODS[method], *row)
     return table
-
-
-def percent(share: float | None) -> str:
-    """A share in per cent, in two significant digits."""
-    return "–" if share is None else f"{100.0 * share:.2g} %"
 
 
 def over_weight(value: float | None, weight: float) -> float | None:

@@ -15,10 +15,11 @@ from rich.console import Console
 from scenes_for_tests import shipped
 
 from comparison import workflow
+from comparison.bought import percent
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.report_numbers import DASH
-from comparison.tables import number, percent
+from comparison.tables import number
 from la_core.accuracy import with_accuracy
 
 ACCURACIES = (0.05, 0.01, 0.002)

@@ -148,7 +148,7 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
     assert tried == buying.MOST_ATTEMPTS
     checks = {check.name: check for check in bought.check_accuracy(last, run_of(last, uncertainty=0.5))}
     check = checks["accuracy of YADE"]
-    assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50.0" in check.reason
+    assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50 %" in check.reason
     assert checks["accuracy of limit analysis"].verdict is Verdict.AGREE
 
 
