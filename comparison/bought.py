@@ -8,10 +8,12 @@ from typing import Any
 from comparison.buying import HISTORY_OF_SPEED, attempt_of
 from comparison.check import Check, Verdict, number
 from comparison.record import Run
-from la_core.accuracy import HISTORY, HISTORY_OF_STEPS, INSET_SHARE
+from la_core.accuracy import HISTORY, INSET_SHARE
 from la_core.analysis import LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
+from la_core.limit import Status
 from la_core.purchase import Attempt
+from la_core.scene import Scene
 
 METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 
@@ -21,22 +23,22 @@ def percent(share: float | None) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.2g} %"
 
 
-def attempts(analysis: LimitAnalysis, run: Run | None) -> dict[str, tuple[Attempt, ...]]:
+def attempts(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, tuple[Attempt, ...]]:
     """All attempts by method, the last of which is its answer; none where no accuracy is asked for, or YADE gave no run."""
     purchase = analysis.purchase
     if purchase is None:
         return {}
-    yade = (*purchase.yade, attempt_of(analysis, run)) if run is not None and purchase.settings else ()
+    yade = (*purchase.yade, attempt_of(scene, analysis, run)) if run is not None else ()
     return {"limit_analysis": purchase.limit_analysis} | ({"yade": yade} if yade else {})
 
 
-def accuracy_summary(analysis: LimitAnalysis, run: Run | None) -> dict[str, Any] | None:
+def accuracy_summary(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Any] | None:
     """Accuracy asked for and, by method, whether it is kept, the estimate, what was chosen and why, seconds, and every attempt."""
     purchase = analysis.purchase
     if purchase is None:
         return None
     found: dict[str, Any] = {"asked": purchase.asked}
-    for method, tried in attempts(analysis, run).items():
+    for method, tried in attempts(scene, analysis, run).items():
         found[method] = {
             "kept": tried[-1].keeps(purchase.asked),
             "error": tried[-1].error,
@@ -47,13 +49,15 @@ def accuracy_summary(analysis: LimitAnalysis, run: Run | None) -> dict[str, Any]
     return found
 
 
-def check_accuracy(analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
-    """Whether each method's own estimate of its error is within the accuracy asked for."""
-    for method, tried in attempts(analysis, run).items():
+def check_accuracy(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
+    """Whether each method's own estimate of its error is within the accuracy asked for; nothing where the structure cannot stand."""
+    if analysis.rounded[analysis.main].status is Status.INFEASIBLE:
+        return
+    for method, tried in attempts(scene, analysis, run).items():
         assert analysis.purchase is not None
         asked, last, words = analysis.purchase.asked, tried[-1], METHODS[method]
         kept = last.keeps(asked)
-        shown = "undefined" if number(last.error) is None else f"{percent(last.error)} ({parts(last)})"
+        shown = f"{percent(last.error)} ({parts(last)})"
         reason = f"The accuracy of {percent(asked)} that was asked for is not reached: {words} estimates its error as {shown}."
         error = {method: number(last.error)}
         verdict = Verdict.AGREE if kept else Verdict.INCONCLUSIVE
@@ -62,20 +66,24 @@ def check_accuracy(analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
 
 def parts(attempt: Attempt) -> str:
     """The parts of an error in words, the largest first; those that are nothing beside it left out."""
-    told = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * attempt.error), reverse=True)
-    return ", ".join(f"{name} {percent(value)}" for value, name in told) or "no part is known"
+    size = sum(value for value in attempt.parts.values() if math.isfinite(value))
+    told = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * size), reverse=True)
+    unknown = [f"{name} unknown" for name, value in attempt.parts.items() if not math.isfinite(value)]
+    return ", ".join([*unknown, *(f"{name} {percent(value)}" for value, name in told)])
 
 
 def chosen(attempt: Attempt) -> str:
     """Settings of an attempt and why they are the cheapest that serve, in words."""
     settings = attempt.settings
-    if "travel_periods" not in settings:
+    if "inset" in settings:
         inset = "sharp arrises"
         if settings["inset"]:
             inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {percent(INSET_SHARE)} of the accuracy)"
         if "steps" not in settings:
             return f"{inset}, cone programmes at their tightest, which costs next to nothing"
-        return f"{settings['steps']:.0f} steps (fewer change friction's history by {percent(HISTORY_OF_STEPS)} over their number), {inset}"
+        return f"{settings['steps']:.0f} steps (as many as half of them change by friction's history was measured), {inset}"
+    if "damping_ratio" not in settings:
+        return "settings of another model"
     speed = TRAVEL_PERIODS / settings["travel_periods"]
     slides = f" (each time changes friction's history by {percent(HISTORY_OF_SPEED)})" if HISTORY in attempt.parts else ""
     return (
@@ -91,6 +99,6 @@ def words(attempt: Attempt) -> str:
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:
     """Why YADE runs again, and how."""
-    assert slower.purchase is not None
+    assert slower.purchase is not None  # for it has settings
     speed = TRAVEL_PERIODS / slower.purchase.settings["travel_periods"]
     return f"{words(attempt)}; runs again at {speed:.3g} times the derived speed"

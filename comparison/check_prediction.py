@@ -11,7 +11,7 @@ import numpy as np
 
 from comparison.check import Check, Verdict, inside, within
 from comparison.record import Run
-from comparison.tolerances import HISTORY, REACH, REACTION, is_broad, reaction_tolerance
+from comparison.tolerances import HISTORY, REACH, REACTION, bought, is_broad, reaction_tolerance
 from la_core import evidence, mechanism
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
@@ -104,7 +104,7 @@ def check_prediction(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterato
 
 def _check_reaction(scene: Scene, analysis: LimitAnalysis, run: Run, prediction: Prediction, alike: float) -> Check:
     name, value, reaction = "reaction against prediction", prediction.value, run.result["reaction"]
-    tolerance = reaction_tolerance(scene, analysis, run, prediction.share)
+    tolerance = reaction_tolerance(scene, analysis, run, max(prediction.share, 2.0 * bought(analysis)))  # either method may be off
     misses = abs(reaction - value) > tolerance
     low, high = prediction.interval
     by = f"YADE differs from the Coulomb prediction by {abs(reaction - value) / abs(value) if value else math.inf:.1%}"
@@ -133,7 +133,7 @@ def _check_interval(scene: Scene, analysis: LimitAnalysis, run: Run, prediction:
     if any(math.isnan(end) for end in prediction.interval):
         return
     reason = "YADE's reaction lies outside what the Coulomb mechanism allows, whatever the history of friction."
-    tolerance = reaction_tolerance(scene, analysis, run)
+    tolerance = reaction_tolerance(scene, analysis, run, max(REACTION, bought(analysis)))
     check = inside("reaction within the mechanism's interval", prediction.interval, run.result["reaction"], tolerance, scene.unit, reason)
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (assurance {alike:.3f}), which the interval of this one does not bind."

@@ -14,6 +14,7 @@ from rich.console import Console
 
 from comparison import doctor, shipped, tables
 from comparison.arguments import parser
+from comparison.bought import check_accuracy
 from comparison.check import overall
 from comparison.checks import check_expected
 from comparison.narration import Narration
@@ -107,7 +108,7 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
         raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
     analysis = analyse(scene, with_path=options.path)
     summary = limit_analysis_summary(scene, analysis)
-    checks = list(check_expected(scene, analysis))
+    checks = [*check_expected(scene, analysis), *check_accuracy(scene, analysis, None)]
     if options.json:
         _print_json(summary)
     else:

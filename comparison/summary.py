@@ -42,7 +42,7 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
             "path": _path(scene, analysis),
         },
         "mechanism_measures": dict(_measures(analysis)),
-        "accuracy": accuracy_summary(analysis, None),
+        "accuracy": accuracy_summary(scene, analysis, None),
     }
     return without_undefined(summary)
 
@@ -145,7 +145,7 @@ def comparison_summary(
     summary |= {
         "mechanism_measures": dict(_measures(analysis, run)),
         "yade": yade,
-        "accuracy": accuracy_summary(analysis, run),
+        "accuracy": accuracy_summary(scene, analysis, run),
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,
         "reason": reason,

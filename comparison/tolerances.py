@@ -14,8 +14,12 @@ BROAD = 0.05  # of the reaction: an uncertainty above this decides nothing
 
 def reaction_tolerance(scene: Scene, analysis: LimitAnalysis, run: Run, share: float = REACTION) -> float:
     """Tolerance (N or N m) of a reaction: a share of it, not less than a share of the weight, and YADE's own uncertainty (19 in 20)."""
-    bought = 2.0 * analysis.purchase.asked if analysis.purchase else 0.0  # either method may be off by as much as was asked for
-    return max(max(share, bought) * abs(run.result["reaction"]), least_reaction(scene, analysis)) + float(run.result["uncertainty"])
+    return max(share * abs(run.result["reaction"]), least_reaction(scene, analysis)) + float(run.result["uncertainty"])
+
+
+def bought(analysis: LimitAnalysis) -> float:
+    """Share of the reaction by which each method may be off, because no more accuracy was asked for; 0 where none was."""
+    return analysis.purchase.asked if analysis.purchase else 0.0
 
 
 def least_reaction(scene: Scene, analysis: LimitAnalysis) -> float:

@@ -36,14 +36,11 @@ def needed(scene: Scene, analysis: LimitAnalysis, run: Run) -> dict[str, tuple[b
     return {effect: answer for effect, answer in found.items() if getattr(scene.effects, effect) == "auto"}
 
 
-def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]], before: LimitAnalysis) -> LimitAnalysis:
-    """Limit analysis again, with those effects modelled for those reasons; what was tried for an accuracy `before` stays known."""
+def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]]) -> LimitAnalysis:
+    """Limit analysis again, with those effects modelled for those reasons."""
     choices = {effect: choice for effect, (choice, _) in found.items() if effect != "friction"}
     asked = replace(scene, effects=scene.effects.model_copy(update=choices))
     analysis = accuracy.analyse(asked, slides=found["friction"][1] if "friction" in found else "")
-    if before.purchase is not None and analysis.purchase is not None:
-        tried = (*before.purchase.limit_analysis, *analysis.purchase.limit_analysis)
-        analysis = replace(analysis, purchase=replace(before.purchase, limit_analysis=tried))
     effects = analysis.assembly.effects
     for effect, (choice, reason) in found.items():
         effects = effects.settled(effect, choice, reason)

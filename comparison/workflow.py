@@ -68,9 +68,9 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
     if scene.live is not None or not with_yade:
         return _compare(Stored(scene, analysis, None, None, notes, inputs), folder, listener)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
-    analysis = _settle_case(scene, analysis, buying.first_settings(analysis), inputs, folder)
+    analysis = _settle_case(scene, analysis, buying.first_settings(scene, analysis), inputs, folder)
     run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
-    while run is not None and (better := _better(scene, analysis, run, listener)) is not None:
+    while run is not None and (better := _better(scene, analysis, run, listener, limit)) is not None:
         analysis = _settle_case(scene, analysis, better, inputs, folder)
         run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
     run_inputs = _run_inputs(inputs, analysis)
@@ -84,21 +84,23 @@ def _settle_case(scene: Scene, before: LimitAnalysis, analysis: LimitAnalysis, i
     return analysis
 
 
-def _better(scene: Scene, analysis: LimitAnalysis, run: Run, listener: Listener) -> LimitAnalysis | None:
+def _better(scene: Scene, analysis: LimitAnalysis, run: Run, listener: Listener, limit: float) -> LimitAnalysis | None:
     """What to model again after a run: with effects that it shows to be needed, or slower, for the accuracy asked for; None for neither."""
     if needed := turn_back.needed(scene, analysis, run):
         words = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
         listener.stage(scene.name, "limit analysis", f"done again with what was left out ({words})")
-        return turn_back.analyse_with(scene, turn_back.called_back(analysis) | needed, analysis)
-    if slower := buying.again(scene, analysis, run):
-        listener.stage(scene.name, "YADE", bought.why_again(buying.attempt_of(analysis, run), slower))
+        whole = turn_back.analyse_with(scene, turn_back.called_back(analysis) | needed)
+        return buying.first_settings(scene, buying.after(analysis, run, whole))
+    if slower := buying.again(scene, analysis, run, limit):
+        listener.stage(scene.name, "YADE", bought.why_again(buying.attempt_of(scene, analysis, run), slower))
     return slower
 
 
 def _run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
     """Digest of what makes a run in YADE: the scene's, which model of it `case.h5` carries, and with which settings."""
     effects, aside, purchase = analysis.assembly.effects, analysis.assembly.aside, analysis.purchase
-    model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist(), purchase and purchase.settings]
+    model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist()]
+    model += [analysis.assembly.inset, dataclasses.asdict(analysis.stiffness), purchase and purchase.settings]
     return _digest(json.dumps([inputs, model]), "yade_scripts")
 
 
@@ -191,7 +193,7 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
-    checks = [*check_expected(scene, analysis), *_judge(stored), *bought.check_accuracy(analysis, run)]
+    checks = [*check_expected(scene, analysis), *_judge(stored), *bought.check_accuracy(scene, analysis, run)]
     summary = comparison_summary(scene, analysis, stored.yade, run, checks, stored.notes)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in figures.items():

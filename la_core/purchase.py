@@ -28,7 +28,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Purchase:
-    """All attempts of both methods at an accuracy, a share of the answer; the last one of each is its answer.
+    """All attempts of both methods at an accuracy, a share of the answer, in turn but for the one that is the answer, which stands last.
 
     settings: of YADE's run to come, or of the last one, in place of derived ones.
     """

@@ -169,7 +169,7 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
     assert first.assembly.effects.displacement == "small"
     asked = turn_back.needed(found.scene, first, found.run)
     assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
-    again = turn_back.analyse_with(found.scene, asked, first)
+    again = turn_back.analyse_with(found.scene, asked)
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
     assert turn_back.called_back(again) == asked
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]

@@ -109,8 +109,9 @@ def test_small_and_finite_displacements_give_one_plateau_where_no_other_blocks_c
     (small_analysis, small), (_, finite) = ran(name, "small"), ran(name, "finite")
     assert small_analysis.assembly.effects.displacement == "small"
     assert small.status == finite.status == "plateau"
-    assert small.result["reaction"] == pytest.approx(finite.result["reaction"], rel=ALIKE)
-    assert small.mechanism() == pytest.approx(finite.mechanism(), abs=ALIKE * np.abs(finite.mechanism()).max())
+    close = ALIKE if name == "arch" else SAME
+    assert small.result["reaction"] == pytest.approx(finite.result["reaction"], rel=close)
+    assert small.mechanism() == pytest.approx(finite.mechanism(), abs=close * np.abs(finite.mechanism()).max())
 
 
 def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements_are_finite(

@@ -77,6 +77,7 @@ def derive(case: Case) -> Settings:
     period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
     settle(travel_periods=TRAVEL_PERIODS)
     settle(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
+    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # what an asked-for speed comes to
     settle(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     settle(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
