@@ -10,6 +10,7 @@ from comparison.check_plane import check_plane
 from comparison.check_prediction import check_prediction
 from comparison.check_reach import check_reach
 from comparison.check_sections import check_sections
+from comparison.energy import check_energy
 from comparison.record import Run
 from comparison.tolerances import REACTION, UNBALANCED, bought, reaction_tolerance
 from la_core import evidence
@@ -62,7 +63,7 @@ def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
         reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     checks = [_check_settlement(scene, run), *(moved or [_check_contacts(analysis, run)]), _check_equilibrium(analysis, run)]
-    checks += check_plane(analysis)
+    checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason)]

@@ -8,6 +8,7 @@ from typing import Any
 from comparison.bought import accuracy_summary
 from comparison.check import Check, overall
 from comparison.effects_table import effects_summary
+from comparison.energy import energy_summary
 from comparison.record import Run
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import assemble
@@ -146,6 +147,7 @@ def comparison_summary(
         "mechanism_measures": dict(_measures(analysis, run)),
         "yade": yade,
         "accuracy": accuracy_summary(scene, analysis, run),
+        "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,
         "reason": reason,

@@ -19,6 +19,7 @@ from yade_scripts.settings import Settings
 ROWS_BETWEEN_FITS = 20
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
 GRAVITY_ROWS = 2000  # of the longest gravity stage
+FIRST_POSE = 1.0 / 32.0  # of the distance between stored states: forces change most at first, as joints lose their strain
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
 
 
@@ -91,7 +92,7 @@ class Protocol:
         settings, dt = self.settings, self.settings.time_step
         self.model.integrator.damping = 0.0
         self._stage, self._start_time, self._last_time = SETTLEMENT, Omega().time, Omega().time
-        self._next_pose = settings.max_travel / settings.poses
+        self._next_pose = FIRST_POSE * settings.max_travel / settings.poses
         every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
         full_time = (settings.max_travel + settings.wedging) / settings.speed + 0.5 * settings.ramp_time
         self._set_speed(every * dt)
@@ -145,7 +146,7 @@ class Protocol:
             self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * self.settings.time_step)
         if row.settlement >= self._next_pose:
             self.record.store_pose()
-            self._next_pose += self.settings.max_travel / self.settings.poses
+            self._next_pose += min(self._next_pose, self.settings.max_travel / self.settings.poses)
         self.progress("settlement", min(1.0, row.settlement / self.settings.max_travel), row.settlement, row.reaction, "")
         if row.settlement >= self.settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             self.plateau = self._fit()
