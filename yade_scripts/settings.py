@@ -71,7 +71,11 @@ def derive(case: Case) -> Settings:
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
     settle(normal_stiffness=case.normal_stiffness, shear_stiffness=case.shear_stiffness, max_travel=case.travel)
     settle(**_damping(case, chosen))
-    settle(time_step=chosen["time_step_share"] * _stable_time_step(case, chosen))
+    stable = _stable_time_step(case, chosen)
+    settle(time_step=chosen["time_step_share"] * stable)
+    if chosen["time_step"] > stable:
+        rule = f"it must be at most {stable:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
+        raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
     period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
