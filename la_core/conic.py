@@ -105,9 +105,10 @@ def maximise(
     offset: np.ndarray,
     cones: Cones,
     tolerance: float = TOLERANCE,
-    quick: bool = False,
+    equilibrate: bool = True,
+    refine: bool = True,
 ) -> Answer:
-    """Maximise power . x subject to matrix x + offset in the product of `cones`, once; `quick` does not equilibrate or refine."""
+    """Maximise power . x subject to matrix x + offset in the product of `cones`, once."""
     start = time.perf_counter()
-    answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=not quick, refine=not quick).solve(power, offset)
+    answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
     return replace(answer, seconds=time.perf_counter() - start)

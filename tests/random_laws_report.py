@@ -1,0 +1,93 @@
+"""Holds every law of `test_random_laws.py` against many scenes and counts: a table in random_laws.md.
+
+    python tests/random_laws_report.py -o comparison/gallery [--scenes 500] [--laws WORD ...]
+
+Nothing is shrunk here, so that every scene counts once; `pytest --hypothesis-profile long` shrinks what fails.
+"""
+
+import argparse
+import pickle
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import test_random_laws
+from hypothesis import HealthCheck, Phase, settings
+from rich.console import Console
+
+from la_core.scene import Scene
+
+INTRODUCTION = """\
+# Laws under random structures
+
+Structures of 2 to 15 free blocks: walls with openings, piles, posts and lintels, arches, rubble and crossed beams, in the plane and
+in space, friction 0 to 1.5 and at times 1e-6 or 5, densities alike or mixed over 1 : 1000, gravity at times tilted, any part of the
+base settling in any direction, or a live load; many cannot stand. *scenes*: those that the law has something to say of.
+Written by `python tests/random_laws_report.py -o comparison/gallery`.
+
+"""
+
+
+@dataclass
+class Count:
+    """What became of the scenes of one law."""
+
+    law: str
+    scenes: int = 0
+    failures: list[Scene] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def laws(words: list[str]) -> Iterator[Callable]:
+    """The tests that hypothesis drives, those whose name has one of the words."""
+    for name, test in vars(test_random_laws).items():
+        if name.startswith("test_") and hasattr(test, "hypothesis") and (not words or any(word in name for word in words)):
+            yield test
+
+
+def counted(test: Callable, scenes: int) -> Count:
+    """Hold one law against so many scenes, whatever fails."""
+    law = test.hypothesis.inner_test  # type: ignore[attr-defined]
+    count = Count((law.__doc__ or law.__name__).strip())
+
+    def try_one(scene: Scene) -> None:
+        try:
+            law(scene)
+        except AssertionError:
+            count.failures.append(scene)
+        count.scenes += 1
+
+    start = time.perf_counter()
+    test.hypothesis.inner_test = try_one  # type: ignore[attr-defined]
+    settings(
+        max_examples=scenes, derandomize=True, deadline=None, database=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck)
+    )(test)()
+    count.seconds = time.perf_counter() - start
+    return count
+
+
+def main() -> int:
+    """Count, write the table, and leave the scenes that failed beside it when asked to."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, help="folder for random_laws.md")
+    parser.add_argument("--scenes", type=int, default=500, help="for each law")
+    parser.add_argument("--laws", nargs="*", default=[], help="only laws whose name has one of these words")
+    parser.add_argument("--failures", type=Path, help="file to pickle the scenes that failed into")
+    options = parser.parse_args()
+    console, counts = Console(stderr=True), []
+    for test in laws(options.laws):
+        counts.append(counted(test, options.scenes))
+        console.print(f"{counts[-1].seconds:6.1f} s  {counts[-1].scenes:4d} scenes, {len(counts[-1].failures)} failures: {counts[-1].law}")
+    if options.failures:
+        options.failures.write_bytes(pickle.dumps({count.law: count.failures for count in counts}))
+    if options.output:
+        lines = ["| law | scenes | failures |", "|---|---|---|"]
+        lines += [f"| {count.law} | {count.scenes} | {len(count.failures)} |" for count in counts]
+        (options.output / "random_laws.md").write_text(INTRODUCTION + "\n".join(lines) + "\n", encoding="utf-8")
+    return 1 if any(count.failures for count in counts) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
