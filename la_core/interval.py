@@ -11,7 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from la_core.assembly import Assembly
-from la_core.conic import Answer, Outcome, maximise
+from la_core.conic import Answer, Outcome, optimum
 from la_core.contacts import ContactPoints
 from la_core.elastic import ElasticJoints
 from la_core.friction import Step
@@ -52,10 +52,10 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
             live = sparse.csr_matrix(scaled_load(assembly, assembly.live_load))
             matrix = sparse.vstack([live, imposed[:, free]]).tocsr()
             offset = np.concatenate([[sign], np.zeros(imposed.shape[0])])
-            answer = maximise(problem.power, matrix, offset, replace(cones, equalities=split + 1))
+            answer = optimum(problem.power, matrix, offset, replace(cones, equalities=split + 1))
         else:
             speed, motion = support_motion(assembly, sign)
-            answer = maximise(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
+            answer = optimum(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
         ends.append(sign * _value(answer, problem.power) * (1.0 if assembly.has_live_load else assembly.weight * speed))
         seconds += answer.seconds
     return (ends[0], ends[1]), seconds

@@ -18,7 +18,7 @@ from scipy import sparse
 
 from la_core import evidence
 from la_core.assembly import PLANE_FREEDOMS, Assembly
-from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise
+from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise, optimum
 from la_core.heyman import no_sliding_rows, shared_friction
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
@@ -231,7 +231,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
     Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
     """
     rows, offset, cones = box_limits(problem)
-    fall = maximise(problem.power, rows, offset, cones)
+    fall = optimum(problem.power, rows, offset, cones)
     twists = twists_of(assembly, fall.x)
     names = falling_blocks(assembly, twists)
     if not names or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import test_random_laws
 from hypothesis import HealthCheck, Phase, settings
+from hypothesis.errors import UnsatisfiedAssumption
 from rich.console import Console
 
 from la_core.scene import Scene
@@ -55,7 +56,9 @@ def counted(test: Callable, scenes: int) -> Count:
     def try_one(scene: Scene) -> None:
         try:
             law(scene)
-        except AssertionError:
+        except UnsatisfiedAssumption:
+            raise
+        except Exception:  # whatever goes wrong counts
             count.failures.append(scene)
         count.scenes += 1
 
@@ -76,7 +79,7 @@ def main() -> int:
     parser.add_argument("--laws", nargs="*", default=[], help="only laws whose name has one of these words")
     parser.add_argument("--failures", type=Path, help="file to pickle the scenes that failed into")
     options = parser.parse_args()
-    console, counts = Console(stderr=True), []
+    console, counts = Console(stderr=True, soft_wrap=True), []
     for test in laws(options.laws):
         counts.append(counted(test, options.scenes))
         console.print(f"{counts[-1].seconds:6.1f} s  {counts[-1].scenes:4d} scenes, {len(counts[-1].failures)} failures: {counts[-1].law}")

@@ -18,6 +18,7 @@ DENSITY, DENSITY_RATIO = 2000.0, 1e3
 DEPTH = 0.5  # m, along y, of all that is drawn in the xz plane
 NARROWEST = 0.1  # of the base: each of its parts
 MOST_STONES, SEEDS = 15, 10**6
+SHORTEST_EDGE = 4e-4  # m, of a stone: a polyhedron does not tell corners nearer than 1e-4 of its size apart, a prism does
 MOST_TILT = 0.5  # rad, of gravity
 
 
@@ -52,9 +53,7 @@ def random_scenes(draw: st.DrawFn, settles: bool | None = None) -> Scene:
         assemble(scene)
     except SceneError:  # an opening that does not fit, a part of the base that bears nothing
         reject()
-    if draw(st.booleans()):
-        return scene
-    return with_densities(scene, draw(st.integers(0, SEEDS)))
+    return with_densities(scene, draw(st.integers(0, SEEDS))) if draw(st.booleans()) else scene
 
 
 def frictions() -> st.SearchStrategy[float]:
@@ -178,6 +177,8 @@ def _rubble(draw: st.DrawFn, settles: bool) -> Structure:
     mirrored = [points * [1, -1], points * [-1, 1], points * [-1, 1] + [4, 0], points * [1, -1] + [0, 2]]
     cells = Voronoi(np.vstack([points, *mirrored]))
     polygons = [cells.vertices[cells.regions[cells.point_region[k]]] for k in range(stones)]
+    if min(np.linalg.norm(polygon - np.roll(polygon, 1, axis=0), axis=1).min() for polygon in polygons) < SHORTEST_EDGE:
+        reject()
     blocks = [scenes.block(f"stone {k}", prism=(np.round(polygon, 9), (0.0, DEPTH))) for k, polygon in enumerate(polygons)]
     return Structure((*blocks, *draw(_base(2.0, (0.0, DEPTH), settles))), plane=True)
 
