@@ -126,13 +126,19 @@ def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None
     which the solver works.
     """
     problem = problem or scaled_problem(assembly)
-    seconds, iterations = 0.0, 0
+    tried: list[Solution] = []
     for equilibrate, refine in ATTEMPTS:
-        solution = _attempt(assembly, problem, drive, accuracy, equilibrate, refine)
-        seconds, iterations = seconds + solution.seconds, iterations + solution.iterations
-        if solution.status in (Status.SOLVED, Status.INFEASIBLE) or (refine and solution.status is Status.UNBOUNDED):
+        tried.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine))
+        status = tried[-1].status
+        if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
-    return replace(solution, seconds=seconds, iterations=iterations)
+    best = tried[-1] if tried[-1].status is not Status.INACCURATE else min(tried, key=_worst_residual)
+    return replace(best, seconds=sum(one.seconds for one in tried), iterations=sum(one.iterations for one in tried))
+
+
+def _worst_residual(solution: Solution) -> float:
+    residuals = (solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
+    return float(np.nan_to_num(np.max(residuals), nan=np.inf))
 
 
 def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> DrivenProblem:

@@ -64,9 +64,8 @@ def counted(test: Callable, scenes: int) -> Count:
 
     start = time.perf_counter()
     test.hypothesis.inner_test = try_one  # type: ignore[attr-defined]
-    settings(
-        max_examples=scenes, derandomize=True, deadline=None, database=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck)
-    )(test)()
+    many = settings(max_examples=scenes, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
+    settings(many, suppress_health_check=list(HealthCheck))(test)()
     count.seconds = time.perf_counter() - start
     return count
 

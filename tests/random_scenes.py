@@ -1,5 +1,6 @@
 """Strategies for small random structures of 2 to 15 free blocks; many of them cannot stand, and that is part of it."""
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -108,7 +109,7 @@ def _base(draw: st.DrawFn, length: float, depth: tuple[float, float], settles: b
     support = draw(st.integers(0, len(ends) - 2))
     return tuple(
         scenes.box(f"base {k}", (a * length, depth[0], -0.2), (b * length, depth[1], 0.0), "support" if k == support else "fixed")
-        for k, (a, b) in enumerate(zip(ends, ends[1:], strict=False))
+        for k, (a, b) in enumerate(itertools.pairwise(ends))
     )
 
 
