@@ -132,7 +132,7 @@ def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None
         status = tried[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
-    best = tried[-1] if tried[-1].status is not Status.INACCURATE else min(tried, key=_worst_residual)
+    best = min(tried, key=_worst_residual) if tried[-1].status in (Status.INACCURATE, Status.FAILED) else tried[-1]
     return replace(best, seconds=sum(one.seconds for one in tried), iterations=sum(one.iterations for one in tried))
 
 

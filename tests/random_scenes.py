@@ -40,7 +40,7 @@ def structures(draw: st.DrawFn, settles: bool) -> Structure:
 
 @st.composite
 def random_scenes(draw: st.DrawFn, settles: bool | None = None) -> Scene:
-    """A scene with a settling support or, where `settles` is False or drawn so, a live load; friction, densities and gravity drawn."""
+    """A scene whose support settles or turns, or with a live load where `settles` is False or drawn so; all else is drawn too."""
     if settles is None:
         settles = draw(st.integers(0, 3)) > 0
     structure = draw(structures(settles))
@@ -48,7 +48,10 @@ def random_scenes(draw: st.DrawFn, settles: bool | None = None) -> Scene:
     direction = draw(_directions(plane, likely=scenes.DOWN if settles else (1.0, 0.0, 0.0)))
     tilt = draw(st.just(0.0) | st.floats(-MOST_TILT, MOST_TILT))
     gravity = scenes.rotation((0.0, 1.0, 0.0) if plane else (0.6, 0.8, 0.0), tilt) @ np.array([0.0, 0.0, -9.81])
-    driven = {"settlement": direction} if settles else {"live": direction, "settlement": None}
+    driven: dict = {"settlement": direction} if settles else {"live": direction, "settlement": None}
+    if settles and draw(st.integers(0, 4)) == 0:
+        pivot = (draw(st.floats(-1.0, 3.0)), 0.0, draw(st.floats(-1.0, 1.0)))
+        driven = {"settlement": {"axis": (0.0, 1.0, 0.0) if plane else direction, "point": pivot}}
     try:
         scene = scenes.build(*structure.parts, plane=plane, friction=draw(frictions()), gravity=gravity, **driven)
         assemble(scene)
