@@ -19,6 +19,7 @@ from la_core.limit import scaled_problem
 from la_core.scaling import columns, scaled_load, support_motion
 
 THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
+LOADED = 1e-5  # of the weight: more normal force than the residuals of a joint that carries none
 SLIGHT = 1e-5  # friction up to here may point anywhere: it moves an end by no more, and exact directions contradict equilibrium
 FAN = 0.01  # rad: slip's direction is known no better, and exact ones, far more than equilibrium needs in 3D, would contradict it
 
@@ -31,7 +32,8 @@ def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold
     stride = last.progress - before.progress
     slip = last.trial.slip / stride
     speed = np.linalg.norm(slip, axis=1)
-    parting = (last.trial.gap - before.trial.gap) / stride > threshold
+    unloaded = last.joints.force[:, 0] <= LOADED  # a joint that slides may part by the dilation that is left, and still carries force
+    parting = unloaded & ((last.trial.gap - before.trial.gap) / stride > threshold)
     sliding = ~parting & (speed > threshold) & (joints.assembly.points.friction > SLIGHT)
     direction = slip / np.where(speed > 0.0, speed, 1.0)[:, None]
     ends, seconds = _ends(joints.assembly, parting, sliding, direction)

@@ -65,10 +65,15 @@ def many(scenes: int) -> settings:
     return settings(quiet, suppress_health_check=list(HealthCheck))
 
 
+def words_of(test: Callable) -> str:
+    """The law in words."""
+    return (test.__doc__ or test.__name__).strip()
+
+
 def counted(test: Callable, scenes: int) -> Count:
     """Hold one law against so many scenes, whatever fails."""
     law = test.hypothesis.inner_test  # type: ignore[attr-defined]
-    count = Count((law.__doc__ or law.__name__).strip())
+    count = Count(words_of(test))
 
     def try_one(scene: Scene) -> None:
         try:
@@ -107,12 +112,31 @@ def census(scenes: int) -> dict[str, Counter[str]]:
     return statuses
 
 
+def write_page(path: Path, counts: list[Count], scenes: int) -> None:
+    """Write the page; laws that were not counted this time keep their rows."""
+    rows = {count.law: f"| {count.law} | {count.scenes} | {len(count.failures)} |" for count in counts}
+    before = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    lines = ["| law | scenes | failures |", "|---|---|---|"]
+    for law in (words_of(test) for test in laws([])):
+        lines += [rows[law]] if law in rows else [line for line in before if line.startswith(f"| {law} |")]
+    lines += [
+        "",
+        f"Answers by status, of {scenes} further scenes:",
+        "",
+        f"| method | {' | '.join(Status)} |",
+        "|---" * (len(Status) + 1) + "|",
+    ]
+    for method, found in census(scenes).items():
+        lines.append(f"| {method} | {' | '.join(str(found[status.value]) for status in Status)} |")
+    path.write_text(INTRODUCTION + "\n".join(lines) + "\n", encoding="utf-8")
+
+
 def main() -> int:
     """Count, write the table, and leave the scenes that failed beside it when asked to."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, help="folder for random_laws.md")
     parser.add_argument("--scenes", type=int, default=500, help="for each law")
-    parser.add_argument("--laws", nargs="*", default=[], help="only laws whose name has one of these words")
+    parser.add_argument("--laws", nargs="*", default=[], help="only those whose name has one of these words; others keep their rows")
     parser.add_argument("--failures", type=Path, help="file to pickle the scenes that failed into")
     options = parser.parse_args()
     console, counts = Console(stderr=True, soft_wrap=True), []
@@ -122,13 +146,7 @@ def main() -> int:
     if options.failures:
         options.failures.write_bytes(pickle.dumps({count.law: count.failures for count in counts}))
     if options.output:
-        lines = ["| law | scenes | failures |", "|---|---|---|"]
-        lines += [f"| {count.law} | {count.scenes} | {len(count.failures)} |" for count in counts]
-        lines += ["", f"Answers by status, of {options.scenes} further scenes:", "", f"| method | {' | '.join(Status)} |"]
-        lines.append("|---" * (len(Status) + 1) + "|")
-        for method, found in census(options.scenes).items():
-            lines.append(f"| {method} | {' | '.join(str(found[status.value]) for status in Status)} |")
-        (options.output / "random_laws.md").write_text(INTRODUCTION + "\n".join(lines) + "\n", encoding="utf-8")
+        write_page(options.output / "random_laws.md", counts, options.scenes)
     return 1 if any(count.failures for count in counts) else 0
 
 
