@@ -105,9 +105,20 @@ def maximise(
     offset: np.ndarray,
     cones: Cones,
     tolerance: float = TOLERANCE,
-    quick: bool = False,
+    equilibrate: bool = True,
+    refine: bool = True,
 ) -> Answer:
-    """Maximise power . x subject to matrix x + offset in the product of `cones`, once; `quick` does not equilibrate or refine."""
+    """Maximise power . x subject to matrix x + offset in the product of `cones`, once."""
     start = time.perf_counter()
-    answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=not quick, refine=not quick).solve(power, offset)
+    answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
     return replace(answer, seconds=time.perf_counter() - start)
+
+
+def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> Answer:
+    """`maximise`, and again without equilibration where that finds none: it blows up rows of joints almost without friction."""
+    first = maximise(power, matrix, offset, cones)
+    if first.outcome is Outcome.OPTIMUM:
+        return first
+    second = maximise(power, matrix, offset, cones, equilibrate=False)
+    best = second if second.outcome is Outcome.OPTIMUM else first
+    return replace(best, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)

@@ -72,7 +72,7 @@ class ElasticJoints:
         stiff[:, 0] = stiffness.normal
         self._stiffness = stiff * (self.unit / assembly.weight)
         self._compliance = np.divide(1.0, self._stiffness, out=np.zeros_like(stiff), where=self._stiffness > 0.0)
-        self._programmes: dict[bool, Programme] = {}
+        self._programmes: dict[tuple[bool, bool], Programme] = {}
 
     @property
     def laid(self) -> JointState:
@@ -114,8 +114,11 @@ class ElasticJoints:
         bound = self._flow_rule @ offset.ravel()
         if live is not None:
             bound = np.concatenate([[-live], bound])
-        answer = self._programme(live is not None).solve(np.concatenate([self.weights, history.ravel()]), bound)
-        self.solves, self.seconds = self.solves + 1, self.seconds + answer.seconds
+        for refine in (False, True):  # joints almost without friction need refinement
+            answer = self._programme(live is not None, refine).solve(np.concatenate([self.weights, history.ravel()]), bound)
+            self.solves, self.seconds = self.solves + 1, self.seconds + answer.seconds
+            if answer.outcome is Outcome.OPTIMUM:
+                break
         return self._trial(answer, before, motion, driven=live is not None)
 
     def _trial(self, answer: Answer, before: JointState, motion: np.ndarray, driven: bool) -> Trial:
@@ -135,17 +138,17 @@ class ElasticJoints:
             energy=float(np.sum(force**2 * self._compliance) / 2.0),
         )
 
-    def _programme(self, driven: bool) -> Programme:
+    def _programme(self, driven: bool, refine: bool) -> Programme:
         """The programme without or with the row that imposes the live displacement; made when first asked for."""
-        if driven not in self._programmes:
+        if (driven, refine) not in self._programmes:
             rows, cones = sparse.hstack([self._flow_rule @ self._blocks, -self._flow_rule]).tocsr(), self._cones
             if driven:
                 live = np.concatenate([self._live_load, np.zeros(self._stiffness.size)])
                 rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
                 cones = replace(cones, equalities=cones.equalities + 1)
             quadratic = np.concatenate([np.zeros(len(self.weights)), self._stiffness.ravel()])
-            self._programmes[driven] = Programme(rows, cones, quadratic, TOLERANCE, refine=False)
-        return self._programmes[driven]
+            self._programmes[driven, refine] = Programme(rows, cones, quadratic, TOLERANCE, refine=refine)
+        return self._programmes[driven, refine]
 
     def _local(self, values: np.ndarray) -> np.ndarray:
         return values.reshape(len(self.assembly.points), self._width)

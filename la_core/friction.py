@@ -76,10 +76,11 @@ def advance(
         residual = dilation / max(trial.energy, LEAST_ENERGY)
         values.append(joints.value(trial))
         if last_from is None:
-            suffices = residual <= PATIENT_RESIDUAL
-        else:
-            suffices = dilation <= DILATANCY * joints.work(trial, last_from.trial, progress - last_from.progress)
-        converged = residual <= CONVERGED or (_settled(values) and (residual <= enough or (count > PATIENCE and suffices)))
+            accepted, suffices = True, residual <= PATIENT_RESIDUAL
+        else:  # what the answer is judged by counts before all else
+            accepted = suffices = dilation <= DILATANCY * joints.work(trial, last_from.trial, progress - last_from.progress)
+        settled = _settled(values) and (residual <= enough or (count > PATIENCE and suffices))
+        converged = accepted and (residual <= CONVERGED or settled)
         if best is None or residual < 0.9 * best.strain_residual:
             progressed = count
         if best is None or residual < best.strain_residual or converged:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from la_core.assembly import Assembly
-from la_core.conic import Answer, Outcome, maximise
+from la_core.conic import Answer, Outcome, optimum
 from la_core.contacts import ContactPoints
 from la_core.elastic import ElasticJoints
 from la_core.friction import Step
@@ -19,6 +19,8 @@ from la_core.limit import scaled_problem
 from la_core.scaling import columns, scaled_load, support_motion
 
 THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
+LOADED = 1e-5  # of the weight: more normal force than the residuals of a joint that carries none
+SLIGHT = 1e-5  # friction up to here may point anywhere: it moves an end by no more, and exact directions contradict equilibrium
 FAN = 0.01  # rad: slip's direction is known no better, and exact ones, far more than equilibrium needs in 3D, would contradict it
 
 
@@ -30,8 +32,9 @@ def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold
     stride = last.progress - before.progress
     slip = last.trial.slip / stride
     speed = np.linalg.norm(slip, axis=1)
-    parting = (last.trial.gap - before.trial.gap) / stride > threshold
-    sliding = ~parting & (speed > threshold)
+    unloaded = last.joints.force[:, 0] <= LOADED  # a joint that slides may part by the dilation that is left, and still carries force
+    parting = unloaded & ((last.trial.gap - before.trial.gap) / stride > threshold)
+    sliding = ~parting & (speed > threshold) & (joints.assembly.points.friction > SLIGHT)
     direction = slip / np.where(speed > 0.0, speed, 1.0)[:, None]
     ends, seconds = _ends(joints.assembly, parting, sliding, direction)
     joints.seconds += seconds
@@ -52,10 +55,10 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
             live = sparse.csr_matrix(scaled_load(assembly, assembly.live_load))
             matrix = sparse.vstack([live, imposed[:, free]]).tocsr()
             offset = np.concatenate([[sign], np.zeros(imposed.shape[0])])
-            answer = maximise(problem.power, matrix, offset, replace(cones, equalities=split + 1))
+            answer = optimum(problem.power, matrix, offset, replace(cones, equalities=split + 1))
         else:
             speed, motion = support_motion(assembly, sign)
-            answer = maximise(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
+            answer = optimum(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
         ends.append(sign * _value(answer, problem.power) * (1.0 if assembly.has_live_load else assembly.weight * speed))
         seconds += answer.seconds
     return (ends[0], ends[1]), seconds

@@ -18,13 +18,15 @@ from scipy import sparse
 
 from la_core import evidence
 from la_core.assembly import PLANE_FREEDOMS, Assembly
-from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise
+from la_core.conic import TOLERANCE, Answer, Cones, Outcome, maximise, optimum
 from la_core.heyman import no_sliding_rows, shared_friction
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED, asked of a quick solve: the solver's tests are close to the recomputed ones, not the same
-SECOND_TIME = 0.1  # of that, asked of a thorough solve
+REFINED_SHARE = 0.1  # of that, asked of a refined solve
+ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
+SMOOTH = 0.1 * ACCEPTED  # friction up to here is solved as none, which the residuals do not notice and the solver needs
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
 HEAD_SCALE = 10.0  # of the rows of joints along gravity, against 1 for joints that it presses straight on
 LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
@@ -119,15 +121,24 @@ def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProbl
 def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None, accuracy: float = ACCEPTED) -> Solution:
     """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
 
-    A quick solve comes first; only an answer that the evidence confirms is taken from it. problem: `scaled_problem(assembly)`, for
-    callers with several drives. accuracy: residual up to which an answer is called solved, and for which the solver works.
+    A quick solve comes first; an answer that the evidence does not confirm calls for the next of the ATTEMPTS. problem:
+    `scaled_problem(assembly)`, for callers with several drives. accuracy: residual up to which an answer is called solved, and for
+    which the solver works.
     """
     problem = problem or scaled_problem(assembly)
-    first = _attempt(assembly, problem, drive, accuracy, quick=True)
-    if first.status in (Status.SOLVED, Status.INFEASIBLE):
-        return first
-    second = _attempt(assembly, problem, drive, accuracy, quick=False)
-    return replace(second, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)
+    tried: list[Solution] = []
+    for equilibrate, refine in ATTEMPTS:
+        tried.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine))
+        status = tried[-1].status
+        if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
+            break
+    best = min(tried, key=_worst_residual) if tried[-1].status in (Status.INACCURATE, Status.FAILED) else tried[-1]
+    return replace(best, seconds=sum(one.seconds for one in tried), iterations=sum(one.iterations for one in tried))
+
+
+def _worst_residual(solution: Solution) -> float:
+    residuals = (solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
+    return float(np.nan_to_num(np.max(residuals), nan=np.inf))
 
 
 def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> DrivenProblem:
@@ -145,13 +156,13 @@ def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> 
     return DrivenProblem(problem.power * blocks, rows, offset, cones, imposed, speed)
 
 
-def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy: float, quick: bool) -> Solution:
+def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy: float, equilibrate: bool, refine: bool) -> Solution:
     driven = driven_problem(assembly, problem, drive)
     count = len(driven.offset)
     tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * int(assembly.blocks.free.sum())) * (accuracy / ACCEPTED)
-    tolerance *= 1.0 if quick else SECOND_TIME
-    scale = sparse.diags(_starting_scale(assembly, problem, count) if quick else np.ones(count))
-    answer = maximise(driven.power, scale @ driven.rows, scale @ driven.offset, driven.cones, tolerance, quick)
+    tolerance *= REFINED_SHARE if refine else 1.0
+    scale = sparse.diags(np.ones(count) if refine else _starting_scale(assembly, problem, count))
+    answer = maximise(driven.power, scale @ driven.rows, scale @ driven.offset, driven.cones, tolerance, equilibrate, refine)
     if answer.outcome is Outcome.EMPTY:
         return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.UNBOUNDED, answer)
     if answer.outcome is Outcome.RAY:
@@ -160,8 +171,8 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy:
         return without_value(assembly, Status.FAILED, answer)
     scaled = replace(answer, multipliers=scale @ answer.multipliers)
     solution = solution_of(assembly, problem, drive, driven, scaled, accuracy)
-    # The solver may stall on its way along a ray; a live load below zero has to hold the structure up.
-    if solution.status is not Status.SOLVED or (drive is Drive.LIVE and solution.value < -ACCEPTED):
+    # The solver may stall on its way along a ray; a live load may be what holds the structure up.
+    if solution.status is not Status.SOLVED or drive is Drive.LIVE:
         return _cannot_stand(assembly, problem, answer) or solution
     return solution
 
@@ -191,8 +202,8 @@ def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix
     normal_row = np.arange(count) * width
     scale = 1.0 / np.hypot(1.0, friction)
     no_slip = assembly.effects.sliding_excluded
-    rough = np.flatnonzero(friction > 0.0) if not no_slip else np.zeros(0, dtype=int)
-    smooth = np.flatnonzero(friction == 0.0) if not no_slip else np.arange(count)
+    rough = np.flatnonzero(friction > SMOOTH) if not no_slip else np.zeros(0, dtype=int)
+    smooth = np.flatnonzero(friction <= SMOOTH) if not no_slip else np.arange(count)
     tangents = [normal_row + k for k in range(1, width)]
     pick = sparse.identity(count * width, format="csr")
     equalities = pick[:0]
@@ -226,7 +237,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) ->
     Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
     """
     rows, offset, cones = box_limits(problem)
-    fall = maximise(problem.power, rows, offset, cones)
+    fall = optimum(problem.power, rows, offset, cones)
     twists = twists_of(assembly, fall.x)
     names = falling_blocks(assembly, twists)
     if not names or evidence.flow_rule_violation(assembly, twists) > ACCEPTED:

@@ -149,7 +149,7 @@ def lift(whole: Assembly, part: Assembly, forces: np.ndarray) -> tuple[np.ndarra
     alone = replace(rest, points=_subset(rest.points, own), dead_load=load)
     problem, count = scaled_problem(alone), int(part.aside.sum())
     rows, offset, cones = box_limits(problem)
-    answer = maximise(problem.power * count, rows, offset, cones, TOLERANCE, quick=True)
+    answer = maximise(problem.power * count, rows, offset, cones, TOLERANCE, equilibrate=False, refine=False)
     split, limits = problem.cones.equalities, rows.shape[0] - problem.rows.shape[0]
     multipliers = np.delete(answer.multipliers, np.arange(split, split + limits)) / count
     lifted[~held] = global_forces(alone, problem.flow_rule.T @ multipliers)

@@ -16,7 +16,7 @@ from scipy import sparse
 from la_core import evidence
 from la_core.assembly import Assembly
 from la_core.conic import Answer, Cones, Outcome, maximise
-from la_core.limit import ACCEPTED, Drive, Status
+from la_core.limit import ACCEPTED, SMOOTH, Drive, Status
 from la_core.mechanism import block_speeds
 from la_core.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
@@ -56,6 +56,8 @@ def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.
     equilibrium, load = _equilibrium(assembly, kinematics)
     limits, limits_offset, cones = _limits(assembly, intercept / assembly.weight, slope)
     power = -(kinematics @ columns(assembly, driven))
+    unit = _units(assembly, intercept, slope)
+    equilibrium, limits, power = equilibrium @ sparse.diags(unit), limits @ sparse.diags(unit), unit * power
     if drive is Drive.LIVE:
         live = scaled_load(assembly, assembly.live_load)
         equilibrium = sparse.hstack([equilibrium, sparse.csr_matrix(live).T]).tocsr()
@@ -68,8 +70,7 @@ def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.
         return _without_value(assembly, _WITHOUT_VALUE[answer.outcome], answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return _without_value(assembly, Status.FAILED, answer)
-    width = 2 if assembly.effects.plane else 3
-    forces = global_forces(assembly, answer.x[: len(assembly.points) * width])
+    forces = global_forces(assembly, unit * answer.x[: len(unit)])
     twists = (twists_of(assembly, -answer.multipliers[:count]) + driven) * speed
     with np.errstate(over="ignore", invalid="ignore"):  # where the solver broke off, numbers may be anything
         return _with_evidence(assembly, drive, forces, twists, (intercept, slope), answer)
@@ -110,9 +111,9 @@ def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tup
     width = 2 if assembly.effects.plane else 3
     pick = sparse.identity(len(assembly.points) * width, format="csr")
     normal = np.arange(len(assembly.points)) * width
-    smooth = (intercept == 0.0) & (slope == 0.0)
+    smooth = (intercept == 0.0) & (np.abs(slope) <= SMOOTH)
     rough = np.flatnonzero(~smooth & np.isfinite(intercept))
-    pressed = pick[normal[(intercept > 0.0) | (slope <= 0.0)]]  # elsewhere the friction limit implies n >= 0
+    pressed = pick[normal[(intercept > 0.0) | (slope <= SMOOTH)]]  # elsewhere the friction limit implies n >= 0
     tangents = [pick[normal[rough] + k] for k in range(1, width)]
     strength, fixed = sparse.diags(slope[rough]) @ pick[normal[rough]], intercept[rough]
     frictionless = sparse.vstack([pick[normal[smooth] + k] for k in range(1, width)])
@@ -127,6 +128,14 @@ def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tup
         cones = Cones(frictionless.shape[0], pressed.shape[0], len(rough))
     above = np.zeros(frictionless.shape[0] + pressed.shape[0])
     return sparse.vstack([frictionless, pressed, *rows]).tocsr(), np.concatenate([above, offset]), cones
+
+
+def _units(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Units (n,) of the local forces: friction that only a small slope limits is counted in shares of its limit."""
+    units = np.ones((len(assembly.points), 2 if assembly.effects.plane else 3))
+    small = (intercept == 0.0) & (slope > SMOOTH)
+    units[small, 1:] = np.minimum(slope[small], 1.0)[:, None]
+    return units.ravel()
 
 
 def _without_value(assembly: Assembly, status: Status, answer: Answer) -> StaticSolution:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 import scenes_for_tests
+from hypothesis import HealthCheck, settings
 
 from comparison import shipped
 from comparison.record import Run, read_run
@@ -20,6 +21,13 @@ from la_core.scene import Scene, load_scene
 every_shipped_scene = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.long) if name in shipped.LONG else name for name in shipped.names()]
 )
+
+
+# Laws under random structures: few scenes in every run, many with `--hypothesis-profile long`.
+for profile, scenes in (("few", 20), ("long", 500)):
+    slow = [HealthCheck.too_slow, HealthCheck.filter_too_much]
+    settings.register_profile(profile, max_examples=scenes, derandomize=True, deadline=None, suppress_health_check=slow)
+settings.load_profile("few")
 
 
 @dataclass(frozen=True)
