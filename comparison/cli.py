@@ -44,14 +44,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
     options = parser(COMMANDS).parse_args(arguments)
-    narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
+    narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, emoji=False, soft_wrap=True)
     return code_of(lambda: options.command(options, narrator))
 
 
 def _stdout() -> Console:
     """Results: as wide as the terminal, or wide enough for a table in a file or pipe; text is never cut or broken."""
-    console = Console(highlight=False, soft_wrap=True)
-    return console if console.is_terminal else Console(highlight=False, soft_wrap=True, width=PIPE_WIDTH)
+    console = Console(highlight=False, emoji=False, soft_wrap=True)
+    return console if console.is_terminal else Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)
 
 
 def _print_json(value: Any) -> None:

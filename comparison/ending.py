@@ -20,9 +20,11 @@ def code_of(command: Callable[[], int]) -> int:
     """Exit code of a command, run to its end; whatever stops it is told in one message."""
     try:
         code = int(command())
-        _flush()
+        sys.stdout.flush()
         return code
     except (Exception, KeyboardInterrupt) as error:
+        if isinstance(error, OSError) and error.filename is None:
+            _let_go_of_stdout()
         return complain(_message(error), _code(error))
 
 
@@ -34,7 +36,7 @@ def _message(error: BaseException) -> str:
     if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError):
         return str(error)
     if isinstance(error, OSError):
-        return f"{error.filename or 'file'}: {error.strerror or error}"
+        return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them
     if isinstance(error, MemoryError):
         return f"the memory does not suffice ({error}); take fewer blocks, or a machine with more"
     if isinstance(error, KeyboardInterrupt):
@@ -44,15 +46,11 @@ def _message(error: BaseException) -> str:
 
 def complain(message: str, code: int) -> int:
     """Say what went wrong, with nothing in it that a terminal would obey; returns the exit code."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {visible(message)}", markup=False)
+    Console(stderr=True, highlight=False, emoji=False, soft_wrap=True).print(f"error: {visible(message)}", markup=False)
     return code
 
 
-def _flush() -> None:
-    """Write out what was printed; where that fails, what is left must not fail again when the interpreter ends."""
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        if isinstance(sys.stdout, io.TextIOWrapper):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise OSError(error.errno, error.strerror, "standard output") from error
+def _let_go_of_stdout() -> None:
+    """What could not be written must not fail again when the interpreter ends."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

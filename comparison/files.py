@@ -25,7 +25,7 @@ def alone_in(folder: Path) -> Iterator[None]:
 
     Raises FolderInUseError where another process holds it.
     """
-    with (folder / LOCK).open("w") as lock:
+    with (folder / LOCK).open("a") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
@@ -49,6 +49,10 @@ def copy_inputs(scene: Scene, folder: Path) -> None:
     for mesh in scene.meshes:
         if mesh.path.parts[0] in RESULTS:
             raise SceneError(str(scene.path), f'the mesh "{mesh.path}" has the name of a result', hint="rename the file")
+        if not (folder / mesh.path).parent.resolve().is_relative_to(folder.resolve()):
+            raise SceneError(
+                str(scene.path), f'the mesh "{mesh.path}" would be copied out of {folder} through a link', hint="remove the link"
+            )
     write_text(folder / "scene.toml", scene.text)
     own = {folder / mesh.path: mesh.content for mesh in scene.meshes}
     for path, content in own.items():

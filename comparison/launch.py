@@ -118,7 +118,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     variables = {**environment(), "YADE_MODULES": str(yade.modules)}
     began = time.monotonic()
     try:
-        with log.open("w") as record:
+        log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
+        with log.open("x") as record:
             code = _followed(command, variables, folder, time_limit + GRACE, record, progress)
     except OSError as error:  # the log's own does not say so
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error

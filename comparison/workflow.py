@@ -177,9 +177,9 @@ def _yade(
         yade = find_yade()
         listener.stage(scene.name, "YADE", f"running {yade.version}")
         run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
+        run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
             raise exchange.ExchangeError(f"{path}: not of the run that was started; run it again")
-        run = read_run(path, analysis.assembly)
         return run, yade_summary(run)
     except YadeMissingError as error:
         listener.stage(scene.name, "YADE", f"missing: {error}")

@@ -18,8 +18,10 @@ EXTREMES = (
     "100000", "100001", "9223372036854775808", "true", '"text"', "[]", "{}", "null", "1979-05-27", "3 4", "",
 )  # fmt: skip
 TEXTS = (
-    "x" * 100_000, "x" * 250, "", " ", "\\u0000", "\\u001b[2J", "\\ud800", "\\u202e", "../../etc/passwd", "/etc/passwd", "a\\nb", "%s{0}$HOME",
-    "<script>alert(1)</script>", "[red]", "é" * 40, "\U0001f9f1" * 99, "\u202e\u2066", "\x07\x1b", "fixed", "support", "free", "*", "[!", "con",
+    "x" * 100_000, "x" * 250, "", " ", "\\u0000", "\\u001b[2J", "\\ud800", "\\u202e", "../../etc/passwd", "/etc/passwd", "a\\nb",
+    "%s{0}$HOME",
+    "<script>alert(1)</script>", "[red]", "é" * 40, "\U0001f9f1" * 99, "\u202e\u2066", "\x07\x1b", "fixed", "support", "free", "*", "[!",
+    "con",
 )  # fmt: skip
 FACTORS = (-1.0, 0.0, 1e-9, 1e-3, 0.1, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 1.0 + 1e-5, 1.1, 2.0, 3.0, 10.0, 1e3, 1e6)
 DEPTHS = (10, 120, 3000, 100_000)
@@ -78,15 +80,12 @@ def _lines(content: bytes, other: bytes, chance: random.Random) -> bytes:
 
 def _nesting(content: bytes, other: bytes, chance: random.Random) -> bytes:
     depth = chance.choice(DEPTHS)
-    deep = chance.choice(
-        ("[" * depth, "[" * depth + "]" * depth, "{a=" * depth, '{"a":' * depth + "1" + "}" * depth, "a." * min(depth, 3000))
-    )
+    objects, dotted = '{"a":' * depth + "1" + "}" * depth, "a." * min(depth, 3000)
+    deep = chance.choice(("[" * depth, "[" * depth + "]" * depth, "{a=" * depth, objects, dotted))
+    if chance.random() < 0.5:
+        return _replaced(content, NUMBER, deep, chance)
     place = chance.choice([m.start() for m in re.finditer(rb"\n|$", content)])
-    return (
-        content[:place] + f"\ndeep = {deep}\n".encode() + content[place:]
-        if chance.random() < 0.5
-        else _replaced(content, NUMBER, deep, chance)
-    )
+    return content[:place] + f"\ndeep = {deep}\n".encode() + content[place:]
 
 
 def _cut(content: bytes, other: bytes, chance: random.Random) -> bytes:

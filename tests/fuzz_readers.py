@@ -79,13 +79,13 @@ def _scene_attempt() -> Callable[[random.Random], None]:
 def _mesh_files() -> Iterator[tuple[str, str, str, bytes]]:
     bodies = {name: vertices for name, (vertices, _) in list(meshes.wall().items())[:4]}
     one = next(iter(bodies.values()))
-    ascii_stl = "solid x\n" + "".join(
-        "facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in one[list(triangle)].tolist()) + "endloop\nendfacet\n"
-        for triangle in meshes.TRIANGLES
-    ) + "endsolid x\n"  # fmt: skip
+    ascii_stl = ["solid x"]
+    for triangle in meshes.TRIANGLES:
+        ascii_stl += ["facet normal 0 0 0", "outer loop", *(f"vertex {x!r} {y!r} {z!r}" for x, y, z in one[list(triangle)].tolist())]
+        ascii_stl += ["endloop", "endfacet"]
     yield "obj", "OBJ", ".obj", meshes.obj(bodies).encode()
     yield "ply", "PLY as text", ".ply", meshes.ply(one).encode()
-    yield "stl text", "STL as text", ".stl", ascii_stl.encode()
+    yield "stl text", "STL as text", ".stl", "\n".join([*ascii_stl, "endsolid x\n"]).encode()
     yield "stl", "binary STL", ".stl", meshes.stl(one)
     yield "compas", "COMPAS assembly (JSON)", ".json", meshes.compas(meshes.wall()).encode()
     yield "old compas", "COMPAS assembly of version 0.1 (JSON)", ".json", meshes.compas_of_old(meshes.wall()).encode()
