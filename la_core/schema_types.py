@@ -32,7 +32,7 @@ def _is_harmless(text: str) -> str:
 Text = Annotated[str, Strict(), Field(max_length=10_000), AfterValidator(_is_harmless)]
 LONGEST_NAME = 200  # characters
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
-MOST_BLOCKS = 200_000  # of one generator, and of a scene: a slip of the pen must not fill the memory
+MOST_BLOCKS = 50_000  # of one generator, and of a scene: a slip of the pen must not fill the memory, nor take more than seconds
 LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
 

@@ -20,9 +20,9 @@ from pathlib import Path, PurePosixPath
 import test_mesh as meshes
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 
+from comparison.launch import find_yade, run_yade
 from comparison.record import read_run
 from comparison.shipped import find
-from comparison.workflow import run_scene
 from la_core import case, case_file
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
@@ -31,7 +31,8 @@ from la_core.scene import load_scene, scene_of_text
 from la_core.schema_mesh import Mesh
 from la_core.sealed_file import write_sealed
 
-SECONDS = 5.0  # for one input
+SECONDS = 5.0  # of the processor, for one input
+PATIENCE = 120.0  # s, for one that waits
 MEMORY = 3 * 2**30  # bytes of address space for the process that reads
 SMALL = 40  # blocks: scenes of as many are modelled, too
 SCENES = (
@@ -102,19 +103,12 @@ def _mesh_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None
     return attempt
 
 
-class _Silent:
-    def stage(self, scene: str, stage: str, state: str) -> None:
-        pass
-
-    def progress(self, scene: str, report: dict[str, object]) -> None:
-        pass
-
-
 def _exchange_readers(folder: Path) -> Iterator[Reader]:
     scene = load_scene(find("two_pads"))
-    run_scene(scene, folder / "two_pads", _Silent(), with_yade=True)
-    whole = {name: (folder / "two_pads" / name).read_bytes() for name in ("case.h5", "run.h5")}
-    analysis = case_file.read_case(folder / "two_pads" / "case.h5", scene)
+    analysis = case.analyse(scene)
+    case_file.write_case(folder / "case.h5", scene, analysis, "")
+    run_yade(find_yade(), folder, "", PATIENCE, lambda report: None)
+    whole = {name: (folder / name).read_bytes() for name in ("case.h5", "run.h5")}
     path = folder / "damaged.h5"
     read = {"case.h5": lambda: case_file.read_case(path, scene), "run.h5": lambda: read_run(path, analysis.assembly)}
 
@@ -167,7 +161,7 @@ def outcomes(reader: Reader, numbers: range) -> Iterator[tuple[int, str]]:
         _, status = os.waitpid(child, 0)
         if done < len(numbers):
             number = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit code {status}"
-            yield numbers[done], f"more than {SECONDS:g} s" if number == "SIGALRM" else f"died: {number}"
+            yield numbers[done], "took too long" if number in ("SIGPROF", "SIGALRM") else f"died: {number}"
             done += 1
         numbers = numbers[done:]
 
@@ -176,12 +170,12 @@ def _tell_all(reader: Reader, numbers: range, tell: int) -> None:
     """The process that reads: one line for each input; the system ends it where one takes too long."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # libraries' own words
     for number in numbers:
-        signal.setitimer(signal.ITIMER_REAL, SECONDS)
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)  # their signals end a process that does not handle them
+        signal.setitimer(signal.ITIMER_REAL, PATIENCE)
         found = outcome(reader, number)
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         os.write(tell, json.dumps(found).encode() + b"\n")
     os._exit(0)
 
