@@ -183,20 +183,27 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
     content = io.BytesIO()
     with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
         file.attrs["version"] = VERSION
-        file.attrs["inputs"] = inputs
+        file.attrs["inputs"] = np.bytes_(inputs.encode())
         for field in fields:
-            dtype: Any = h5py.string_dtype() if field.dtype == "str" else field.dtype
-            dataset = file.create_dataset(field.path, data=np.asarray(values[field.path], dtype=dtype))
+            dataset = file.create_dataset(field.path, data=_stored(field, values[field.path]))
             dataset.attrs["unit"] = field.unit
             dataset.attrs["meaning"] = field.meaning
     write_sealed(path, content.getvalue())
+
+
+def _stored(field: Field, value: Any) -> np.ndarray:
+    """A value as it lies in the file; texts as UTF-8 of fixed length, for a damaged heap of texts can catch HDF5 in an endless loop."""
+    if field.dtype != "str":
+        return np.asarray(value, dtype=field.dtype)
+    texts = np.char.encode(np.asarray(value, dtype=str), "utf-8")
+    return texts.astype(h5py.string_dtype("utf-8", max(1, texts.dtype.itemsize)))
 
 
 def inputs_digest(path: Path) -> str:
     """Digest of the inputs that made `path`, or "" when there is no whole file of this version."""
     try:
         with _opened(path) as file:
-            return str(file.attrs.get("inputs", ""))
+            return bytes(file.attrs["inputs"]).decode()
     except ExchangeError:
         return ""
 
@@ -222,7 +229,7 @@ def _opened(path: Path) -> Iterator[Any]:
     """The HDF5 file of a content whose seal holds; whatever HDF5 stumbles over in it is an ExchangeError."""
     content = read_sealed(path)
     try:
-        with h5py.File(io.BytesIO(content), "r") as file:
+        with h5py.File(h5py.h5f.open_file_image(content)) as file:
             yield file
     except ExchangeError:
         raise
@@ -243,9 +250,10 @@ def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
     dataset = _own_dataset(file, field.path)
     if dataset is None:
         raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
-    if dataset.external or dataset.is_virtual or dataset.chunks or dataset.id.get_storage_size() < dataset.nbytes:
+    if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
         raise ExchangeError(f"{path}: {field.path} is not stored as it is, in one piece in this file; run it again")
-    is_text = h5py.check_string_dtype(dataset.dtype) is not None
+    text_type = h5py.check_string_dtype(dataset.dtype)
+    is_text = text_type is not None and text_type.length is not None
     if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
         raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}")
     expected = tuple(n if isinstance(n, int) else sizes.setdefault(n, size) for n, size in zip(field.shape, dataset.shape, strict=False))

@@ -123,10 +123,10 @@ def forged(content: bytes, chance: random.Random) -> bytes:
         return content[:SEAL_BYTES] + mutated_bytes(content[SEAL_BYTES:], chance)
     image = io.BytesIO(content)
     with h5py.File(image, "r+") as file:
-        for _ in range(chance.randint(1, 2)):
-            names: list[str] = []
-            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)  # noqa: B023 - called here
-            _change(file, chance.choice(names), chance)
+        names: list[str] = []
+        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        for name in chance.sample(names, chance.randint(1, 2)):
+            _change(file, name, chance)
     return image.getvalue()
 
 

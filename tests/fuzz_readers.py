@@ -207,6 +207,7 @@ def main() -> int:
                 counts[reader.name][found] += 1
                 if found not in (READ, REFUSED):
                     print(f"{reader.name} {number}: {found}", file=sys.stderr, flush=True)
+            print(f"{reader.name}: {dict(counts[reader.name])}", file=sys.stderr, flush=True)
     text = table(counts, {one.name: one.what for one in all_readers}, options.count)
     print(text, end="")
     if options.write:
