@@ -17,6 +17,8 @@ from comparison.arguments import parser
 from comparison.bought import check_accuracy
 from comparison.check import overall
 from comparison.checks import check_expected
+from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL, code_of, complain
+from comparison.files import FolderInUseError
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
@@ -29,8 +31,6 @@ from la_core.full_model import full_model
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
-AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
-INTERRUPTED = 130  # as shells say it
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
 GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 PIPE_WIDTH = 120  # columns
@@ -44,30 +44,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
     options = parser(COMMANDS).parse_args(arguments)
-    narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, soft_wrap=True)
-    try:
-        return int(options.command(options, narrator))
-    except SceneError as error:
-        return _complain(str(error), USAGE)
-    except ExchangeError as error:
-        return _complain(str(error), TOOL)
-    except OSError as error:
-        return _complain(f"{error.filename or 'file'}: {error.strerror or error}", TOOL)
-    except Exception as error:
-        return _complain(f"unexpected {type(error).__name__}: {error}; this is a fault of the program, please report it", TOOL)
-    except KeyboardInterrupt:
-        return _complain("stopped; what was finished is kept, the same command goes on from there", INTERRUPTED)
-
-
-def _complain(message: str, code: int) -> int:
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {message}", markup=False)
-    return code
+    narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, emoji=False, soft_wrap=True)
+    return code_of(lambda: options.command(options, narrator))
 
 
 def _stdout() -> Console:
     """Results: as wide as the terminal, or wide enough for a table in a file or pipe; text is never cut or broken."""
-    console = Console(highlight=False, soft_wrap=True)
-    return console if console.is_terminal else Console(highlight=False, soft_wrap=True, width=PIPE_WIDTH)
+    console = Console(highlight=False, emoji=False, soft_wrap=True)
+    return console if console.is_terminal else Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)
 
 
 def _print_json(value: Any) -> None:
@@ -192,7 +176,7 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
             for scene in scenes:
                 folder = options.output / scene.name
                 comparisons.append(run_scene(scene, folder, narration, not options.no_yade, options.time_limit))
-    except SceneError:  # what only an answer could tell: the scenes before it keep their report
+    except (SceneError, FolderInUseError):  # what only an answer or the folder could tell: the scenes before it keep their report
         if comparisons:
             _conclude(options, narrator, [(options.output, comparisons)])
         raise
@@ -223,8 +207,8 @@ def _report(options: argparse.Namespace, narrator: Console) -> int:
             for case in cases:
                 try:
                     comparisons.append(report_again(case, narration))
-                except ExchangeError as error:
-                    broken = _complain(str(error), TOOL)
+                except (ExchangeError, FolderInUseError) as error:
+                    broken = complain(str(error), TOOL)
             reports.append((folder, comparisons))
     return max(broken, _conclude(options, narrator, reports), key=_gravity)
 
@@ -242,12 +226,12 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
 
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
     """Write each folder's report, print the verdict table, and return the gravest exit code."""
-    from comparison.report import write_report
+    from comparison.report import stored_report, write_report
 
     codes, stored = [], []
     for folder, comparisons in reports:
         page = write_report(folder, comparisons, describe())
-        stored.append(json.loads((folder / "report.json").read_text(encoding="utf-8")))
+        stored.append(stored_report(comparisons, describe()))
         if not options.json:
             _stdout().print(tables.verdict_table(comparisons))
             if any(comparison.get("accuracy") for comparison in comparisons):

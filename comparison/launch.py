@@ -1,5 +1,6 @@
 """Find YADE on this machine and run one case in its own interpreter: clean environment, time limit, log, typed failures."""
 
+import contextlib
 import json
 import os
 import re
@@ -8,10 +9,11 @@ import signal
 import subprocess
 import tempfile
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
 LOG_TAIL = 8  # lines of the log that an error quotes
@@ -70,10 +72,13 @@ def find_yade() -> Yade:
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
+    said = answer.stderr.strip().splitlines() or ["gives no reason"]
     if answer.returncode != 0:
-        said = (answer.stderr.strip().splitlines() or ["no reason given"])[-1]
-        raise YadeMissingError(f"{python} {said}; get what is missing with: {HOW_TO_GET_YADE}")
-    return Yade(python, modules, answer.stdout.strip().splitlines()[-1])
+        raise YadeMissingError(f"{python} {said[-1]}; get what is missing with: {HOW_TO_GET_YADE}")
+    version = answer.stdout.strip().splitlines()
+    if not version:
+        raise YadeMissingError(f"{python} does not say which YADE it loads; get one that does with: {HOW_TO_GET_YADE}")
+    return Yade(python, modules, version[-1])
 
 
 def _module_folder() -> Path | None:
@@ -111,37 +116,66 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
         for part in (yade.python, "-s", "-u", script, case.resolve(), run.resolve(), "--inputs", inputs, "--time-limit", time_limit)
     ]
     variables = {**environment(), "YADE_MODULES": str(yade.modules)}
-    with log.open("w") as record:
-        process = subprocess.Popen(
-            command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-            text=True, errors="replace", start_new_session=True,
-        )  # fmt: skip
-        overtime = threading.Timer(time_limit + GRACE, _end, [process])
-        overtime.start()
-        try:
-            assert process.stdout is not None  # it is a pipe
-            for line in process.stdout:
-                record.write(line)
-                if line.startswith("progress "):
-                    progress(json.loads(line.removeprefix("progress ")))
-            code = process.wait()
-        finally:
-            overtime.cancel()
-            _end(process)
+    began = time.monotonic()
+    try:
+        log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
+        with log.open("x") as record:
+            code = _followed(command, variables, folder, time_limit + GRACE, record, progress)
+    except OSError as error:  # the log's own does not say so
+        raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code != 0 or not run.exists():
-        raise YadeFailedError(_failure(code, log))
+        overran = time.monotonic() - began >= time_limit + GRACE
+        raise YadeFailedError(_failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else ""))
+
+
+def _followed(
+    command: list[str],
+    variables: dict[str, str],
+    folder: Path,
+    seconds: float,
+    record: TextIO,
+    progress: Callable[[dict[str, Any]], None],
+) -> int:
+    """Exit code of a process that is ended after so many seconds, and with this call however that ends; `record` keeps what it says."""
+    process = subprocess.Popen(
+        command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace", start_new_session=True,
+    )  # fmt: skip
+    overtime = threading.Timer(seconds, _end, [process])
+    overtime.daemon = True
+    try:
+        overtime.start()
+        assert process.stdout is not None  # it is a pipe
+        for line in process.stdout:
+            record.write(line)
+            if (report := _report(line)) is not None:
+                progress(report)
+        return process.wait()
+    finally:
+        overtime.cancel()
+        _end(process)
+
+
+def _report(line: str) -> dict[str, Any] | None:
+    """The report in a line of YADE's, None for any other line."""
+    try:
+        report = json.loads(line.removeprefix("progress ")) if line.startswith("progress ") else None
+    except ValueError:
+        return None  # it only begins like one
+    return report if isinstance(report, dict) else None
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
     """End a process and whatever it started."""
     if process.poll() is None:
-        os.killpg(process.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):  # it may end by itself just now
+            os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 
 
-def _failure(code: int, log: Path) -> str:
+def _failure(code: int, log: Path, when: str) -> str:
     if code < 0:
-        how = f"was ended by {signal.Signals(-code).name}"
+        how = f"was ended by {signal.Signals(-code).name if -code in set(signal.Signals) else f'signal {-code}'}{when}"
     else:
         how = f"ended with exit code {code}" if code else "ended without writing its result"
     lines = [line for line in log.read_text(errors="replace").splitlines() if not line.startswith("progress ")]

@@ -7,6 +7,8 @@ from typing import Any, Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
+from la_core.errors import visible
+
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal
 
 
@@ -29,7 +31,7 @@ class Narration:
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Tell that a stage began, was found cached or ended badly."""
-        self._console.print(f"{scene}: {stage}: {state}", markup=False)
+        self._console.print(visible(f"{scene}: {stage}: {state}"), markup=False)
         if scene in self._tasks:
             self._bars.remove_task(self._tasks.pop(scene))
 

@@ -3,6 +3,7 @@
 Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's global state; `save` writes it.
 """
 
+import io
 import textwrap
 import warnings
 from collections.abc import Mapping, Sequence
@@ -22,6 +23,7 @@ from la_core import mechanism
 from la_core.assembly import Assembly
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.scene import Scene
+from la_core.sealed_file import write_whole
 from la_core.shapes import Blocks
 
 __all__ = ["assembly_figure", "mechanism_figure", "reaction_figure", "save"]
@@ -41,7 +43,9 @@ def save(figure: Figure, path: Path) -> None:
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix, {"Software": None})
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
-        figure.savefig(path, dpi=DPI, metadata=metadata)
+        content = io.BytesIO()
+        figure.savefig(content, format=path.suffix[1:], dpi=DPI, metadata=metadata)
+    write_whole(path, content.getvalue())
 
 
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:

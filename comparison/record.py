@@ -10,6 +10,8 @@ import numpy as np
 from la_core import exchange
 from la_core.assembly import Assembly
 
+STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
+
 
 @dataclass(frozen=True)
 class Run:
@@ -70,8 +72,14 @@ def read_run(path: Path, assembly: Assembly) -> Run:
     for field_path, value in data.items():
         group, name = field_path.split("/")
         groups.setdefault(group, {})[name] = value.item() if isinstance(value, np.generic) else value
-    forces = groups["poses"]["forces"]
-    if forces.shape[1] != len(assembly.points) or groups["poses"]["displacement"].shape[1] != len(assembly.blocks):
+    states, blocks, points = groups["poses"]["forces"].shape[0], len(assembly.blocks), len(assembly.points)
+    extra = groups["extra_contacts"]["blocks"]
+    if groups["poses"]["displacement"].shape[1] != blocks or groups["poses"]["forces"].shape[1] != points:
         raise exchange.ExchangeError(f"{path}: recorded on another assembly; run it again")
-    settings = json.loads(groups["settings"]["json"])
-    return Run(groups["result"], groups["record"], groups["poses"], groups["extra_contacts"]["blocks"], settings)
+    with exchange.values_of(path):
+        settings = json.loads(groups["settings"]["json"])
+        if not isinstance(settings, dict) or not set(exchange.SETTINGS) <= set(settings):
+            raise ValueError("settings/json lacks settings")
+        if states == 0 or groups["result"]["status"] not in STATUSES or not np.all((extra >= 0) & (extra < blocks)):
+            raise ValueError("a state, a status or a block is none")
+    return Run(groups["result"], groups["record"], groups["poses"], extra, settings)

@@ -69,9 +69,14 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
     }
     for name in ("report.md", "report.html"):
         write_text(folder / name, _environment(name).get_template(f"{name}.j2").render(page))
-    stored = without_undefined({"comparisons": comparisons, "provenance": provenance})
+    stored = stored_report(comparisons, provenance)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
+
+
+def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:
+    """What report.json holds."""
+    return dict(without_undefined({"comparisons": comparisons, "provenance": provenance}))
 
 
 def _markdown(text: Any) -> str:

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from comparison.bought import METHODS as ACCURACY_METHODS
@@ -39,7 +40,7 @@ def scene_table(scenes: list[Scene]) -> Table:
     for scene in scenes:
         expected = scene.expected
         shown = "–" if expected is None else _expected(expected, scene.live is not None)
-        table.add_row(scene.name, _plain(scene.title), shown, expected.kind if expected else "–", _plain(scene.source))
+        table.add_row(_plain(scene.name), _plain(scene.title), shown, expected.kind if expected else "–", _plain(scene.source))
     return table
 
 
@@ -52,7 +53,7 @@ def _expected(expected: Expected, live: bool) -> str:
 
 def _plain(text: str) -> str:
     """Text of a scene with nothing that the terminal library would take for markup."""
-    return text.replace("[", r"\[")
+    return escape(text)
 
 
 def scene_facts(scene: Scene, assembly: Assembly) -> dict[str, Any]:
@@ -154,7 +155,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
         if yade and yade["status"] != "plateau":
             values[3] = yade["status"]
         seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
-        table.add_row(comparison["scene"], *values, MARKS[comparison["verdict"]], *seconds)
+        table.add_row(_plain(comparison["scene"]), *values, MARKS[comparison["verdict"]], *seconds)
     return table
 
 
@@ -167,7 +168,7 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
             found = bought[method]
             error = f"{MARKS['agree' if found['kept'] else 'inconclusive'].split()[0]}[/] {percent(found['error'])}"
             row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
-            table.add_row(comparison["scene"], ACCURACY_METHODS[method], *row)
+            table.add_row(_plain(comparison["scene"]), ACCURACY_METHODS[method], *row)
     return table
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from comparison import bought, buying, plots, provenance, turn_back
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
-from comparison.files import copy_inputs, write_text
+from comparison.files import alone_in, copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
@@ -57,9 +57,14 @@ class Stored:
 def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None = None) -> dict[str, Any]:
     """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds.
 
-    time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT.
+    time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT. Raises files.FolderInUseError where another works there.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    with alone_in(folder):
+        return _run_alone(scene, folder, listener, with_yade, time_limit)
+
+
+def _run_alone(scene: Scene, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> dict[str, Any]:
     copy_inputs(scene, folder)
     analysis, inputs = _limit_analysis(scene, folder, listener)
     notes = _notes(scene, analysis)
@@ -78,8 +83,9 @@ def run_scene(scene: Scene, folder: Path, listener: Listener, with_yade: bool, t
 
 
 def _settle_case(scene: Scene, before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
-    """The analysis that YADE's next run is made from, written where it is not the one before."""
+    """The analysis that YADE's next run is made from, written where it is not the one before, whose run is worthless with it."""
     if analysis is not before:
+        (folder / "run.h5").unlink(missing_ok=True)
         case_file.write_case(folder / "case.h5", scene, analysis, inputs)
     return analysis
 
@@ -113,13 +119,17 @@ def read_results(folder: Path) -> tuple[Scene, LimitAnalysis, Run | None]:
 
 
 def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
-    """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing."""
-    scene, analysis, run = read_results(folder)
-    previous = _stored_summary(folder)
-    yade = yade_summary(run) if run else previous.get("yade")
-    inputs = exchange.inputs_digest(folder / ("run.h5" if run else "case.h5"))
-    notes = previous.get("notes") or _notes(scene, analysis)
-    return _compare(Stored(scene, analysis, run, yade, notes, inputs), folder, listener)
+    """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing.
+
+    Raises files.FolderInUseError where another works there.
+    """
+    with alone_in(folder):
+        scene, analysis, run = read_results(folder)
+        previous = _stored_summary(folder)
+        yade = yade_summary(run) if run else previous.get("yade")
+        inputs = exchange.inputs_digest(folder / ("run.h5" if run else "case.h5"))
+        notes = previous.get("notes") or _notes(scene, analysis)
+        return _compare(Stored(scene, analysis, run, yade, notes, inputs), folder, listener)
 
 
 def _notes(scene: Scene, analysis: LimitAnalysis) -> list[str]:
@@ -168,6 +178,8 @@ def _yade(
         listener.stage(scene.name, "YADE", f"running {yade.version}")
         run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
         run = read_run(path, analysis.assembly)
+        if exchange.inputs_digest(path) != inputs:
+            raise exchange.ExchangeError(f"{path}: not of the run that was started; run it again")
         return run, yade_summary(run)
     except YadeMissingError as error:
         listener.stage(scene.name, "YADE", f"missing: {error}")
@@ -198,6 +210,7 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in figures.items():
         plots.save(draw(), path)
+    summary["sum"] = _sum_of(summary)
     write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     return summary
 
@@ -238,9 +251,15 @@ def _figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:
-    """What comparison.json says, or nothing where there is none that can be read."""
+    """What comparison.json says, or nothing where there is none, or where it is not as this program wrote it."""
     try:
         stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
-    return stored if isinstance(stored, dict) else {}
+    return stored if isinstance(stored, dict) and stored.get("sum") == _sum_of(stored) else {}
+
+
+def _sum_of(summary: dict[str, Any]) -> str:
+    """Digest of all that comparison.json says besides."""
+    content = {name: value for name, value in summary.items() if name != "sum"}
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

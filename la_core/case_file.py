@@ -9,7 +9,7 @@ import numpy as np
 
 from la_core import exchange, reach
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import assemble
+from la_core.assembly import Assembly, assemble
 from la_core.case import drives
 from la_core.coulomb import CoulombSolution
 from la_core.effects import Effects
@@ -84,7 +84,16 @@ def read_case(path: Path, scene: Scene) -> LimitAnalysis:
     """
     has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
     data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
-    whole = assemble(scene).with_inset(scene, float(data["scene/inset"]))
+    whole = assemble(scene)
+    with exchange.values_of(path):
+        return _analysis(path, scene, whole, data, has_coulomb)
+
+
+def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], has_coulomb: bool) -> LimitAnalysis:
+    """The stored analysis of a whole assembly, which must be that of the file."""
+    if data["blocks/name"] != list(whole.blocks.names):
+        raise exchange.ExchangeError(f"{path}: blocks/name is not that of {scene.path}; run it again")
+    whole = whole.with_inset(scene, float(data["scene/inset"]))
     assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
     stored = json.loads(data["scene/effects"])
     assembly = replace(assembly, effects=Effects(**{**stored, "called_back": tuple(stored["called_back"])}))

@@ -1,7 +1,10 @@
 """Complaints a user can act on."""
 
 import difflib
+import re
 from collections.abc import Iterable
+
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")  # what a terminal obeys, but for tab and new line
 
 
 class SceneError(Exception):
@@ -17,6 +20,11 @@ def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
     choices = list(valid)
     near = difflib.get_close_matches(word, choices, n=1, cutoff=0.5)
     return f'did you mean "{near[0]}"?' if near else f"valid {kind}: {', '.join(choices)}"
+
+
+def visible(text: str) -> str:
+    """The text with an escape in the place of every character that a terminal would obey, and of halves of characters."""
+    return CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _short(value: object, limit: int = 80) -> str:

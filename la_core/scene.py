@@ -2,8 +2,9 @@
 
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,11 @@ import numpy as np
 import pydantic
 
 from la_core import building, dome, generators, schema, shapes, vault
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
 from la_core.mesh import MeshFile, mesh_blocks, read_files
-from la_core.schema_types import LARGEST_FILE, Vector
+from la_core.schema_types import LARGEST_FILE, MOST_BLOCKS, Vector
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def scene_of_text(text: str, path: Path, name: str) -> Scene:
     """The same from a scene's text; its meshes are looked for beside `path`, which errors name."""
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # a ValueError besides TOML's own is Python's for a number of too many digits
         raise SceneError(str(path), f"not valid TOML: {error}") from error
     try:
         return _build(path, name, text, _validate(data))
@@ -93,6 +94,8 @@ def scene_of_text(text: str, path: Path, name: str) -> Scene:
 
 def _read(path: Path) -> str:
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise SceneError(str(path), "neither a file nor a folder, so it might never end")
         if path.stat().st_size > LARGEST_FILE:
             raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
         return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
@@ -175,9 +178,15 @@ def _table_of(annotation: Any) -> Any:
 
 
 def _build(path: Path, name: str, text: str, file: schema.SceneFile) -> Scene:
+    if not name.isprintable():
+        raise SceneError(f'the name "{visible(name)}"', "must be printable text, for a folder of results has it", hint="rename the file")
     imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
-    named = [*_named_shapes(file), *(shape for mesh, files in imported for shape in mesh_blocks(mesh, files))]
+    every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
+    named = list(islice(every, MOST_BLOCKS + 1))
+    if len(named) > MOST_BLOCKS:
+        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="take larger ones or fewer")
     _require_sense(named, file)
+    shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
     blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
     return Scene(
         name=name,
@@ -206,16 +215,21 @@ def _named_shapes(file: schema.SceneFile) -> Iterator[NamedShape]:
             yield NamedShape(block.name, block.role, block.density, _shape(block))
         except ValueError as error:
             raise SceneError(f'block "{block.name}"', str(error)) from error
-    for wall in file.wall:
-        yield from generators.wall_blocks(wall)
-    for walls in file.building:
-        yield from building.building_blocks(walls)
-    for arch in file.arch:
-        yield from vault.arch_blocks(arch)
-    for barrel in file.vault:
-        yield from vault.vault_blocks(barrel)
-    for shell in file.dome:
-        yield from dome.dome_blocks(shell)
+    for kind, blocks_of in _GENERATORS.items():
+        for table in getattr(file, kind):
+            try:
+                yield from blocks_of(table)
+            except ValueError as error:
+                raise SceneError(f'{kind} "{table.name}"', str(error)) from error
+
+
+_GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
+    "wall": generators.wall_blocks,
+    "building": building.building_blocks,
+    "arch": vault.arch_blocks,
+    "vault": vault.vault_blocks,
+    "dome": dome.dome_blocks,
+}
 
 
 def _shape(block: schema.Block) -> shapes.Shape:

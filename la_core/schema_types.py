@@ -4,6 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
+from la_core.errors import CONTROL
+
 LARGEST, SMALLEST = 1e12, 1e-12  # of any number in SI units: beyond these a slip of the pen, and round-off, not a structure
 Real = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 
@@ -19,10 +21,18 @@ NotNegative = Annotated[Real, Field(ge=0.0)]
 Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
 Pair = tuple[Real, Real]
 Vector = tuple[Real, Real, Real]
-Text = Annotated[str, Strict(), Field(max_length=10_000, pattern=r"^[^\x00]*$")]  # HDF5 ends a text at its first NUL
+
+
+def _is_harmless(text: str) -> str:
+    if found := CONTROL.search(text):
+        raise ValueError(f"must not hold control characters, such as the one numbered {ord(found[0])}")
+    return text
+
+
+Text = Annotated[str, Strict(), Field(max_length=10_000), AfterValidator(_is_harmless)]
 LONGEST_NAME = 200  # characters
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
-MOST_BLOCKS = 200_000  # of one generator: a slip of the pen must not fill the memory
+MOST_BLOCKS = 50_000  # of one generator, and of a scene: a slip of the pen must not fill the memory, nor take more than seconds
 LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.spatial
 
+from la_core.errors import SceneError
 from la_core.exchange import FIXED, FREE, SUPPORT
 
 ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
 FLATNESS = 1e-9  # of the block's size: vertices closer than this to a line lie on it
+ROUND_OFF = 1e-12  # of the distance from the origin: a block thinner than this keeps four digits of its thickness
 FACE_FLATNESS = 1e-4  # of the size: corners closer than this to a plane lie on it; typed ones are seldom exact, faces must not split
 
 
@@ -101,6 +103,19 @@ def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tup
     across = np.cross(normal, arms[0])
     angle = np.arctan2(arms @ across, arms @ np.cross(across, normal))
     return tuple(int(corner) for corner in corners[np.argsort(angle)])
+
+
+def refuse_slivers(names: Sequence[str], shapes: Sequence[Shape]) -> None:
+    """Raises SceneError for a block so thin that round-off decides where its faces are."""
+    vertices = np.concatenate([shape.vertices for shape in shapes])
+    start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])[:-1]])
+    low, high = np.minimum.reduceat(vertices, start), np.maximum.reduceat(vertices, start)
+    extent, farthest = high - low, np.maximum(np.abs(low), np.abs(high)).max(axis=1)
+    thin = ~(extent.min(axis=1) > np.maximum(FLATNESS * extent.max(axis=1), ROUND_OFF * farthest))
+    if thin.any():
+        k = int(np.argmax(thin))
+        rule = f"is {extent[k].min():.3g} m thin, which is round-off beside its length or its distance from the origin"
+        raise SceneError(f'block "{names[k]}"', rule, hint="make it thicker, or move the scene to the origin")
 
 
 @dataclass(frozen=True)

@@ -284,7 +284,7 @@ IMPOSSIBLE = {
     "vault without a bond": (vault(bond=None), "vault[1].bond: missing"),
     "vault of an unknown bond": (vault(bond="english"), "vault[1].bond = 'english': must be 'running' or 'stack'"),
     "vault of a free springer": (vault(springers={"left": "free", "right": "fixed"}), "vault[1].springers.left = 'free': must be"),
-    "vault of too many blocks": (vault(voussoirs=1000, rings=1000), "vault[1]: `voussoirs` times `rings` may be at most 200000"),
+    "vault of too many blocks": (vault(voussoirs=1000, rings=1000), "vault[1]: `voussoirs` times `rings` may be at most 50000"),
     "vault with a depth": (vault(depth=1.0), "vault[1].depth: unknown key"),
     "dome thicker than its sphere": (dome(thickness=4.0), "dome[1]: `thickness` must be less than twice `radius`"),
     "dome that is all oculus": (dome(oculus=80.0), "dome[1]: `oculus` must be less than `embrace`, else nothing is left of the dome"),
@@ -299,7 +299,7 @@ IMPOSSIBLE = {
     "support beyond the sector": (dome(support=(4, 5)), "dome[1]: `support` must be the first and the last of some lunes"),
     "support the wrong way": (dome(support=(3, 2)), "dome[1]: `support` must be the first and the last of some lunes, which are"),
     "support that is no lune": (dome(support=(0, 2)), "dome[1].support[1] = 0: must be greater than or equal to 1"),
-    "dome of too many blocks": (dome(courses=1000, lunes=1200), "dome[1]: `courses` times `lunes` may be at most 200000"),
+    "dome of too many blocks": (dome(courses=1000, lunes=1200), "dome[1]: `courses` times `lunes` may be at most 50000"),
     "abutments in each other's way": (dome(sector=330.0, oculus=10.0), "overlap by"),
 }  # fmt: skip
 

@@ -6,10 +6,12 @@ Ubuntu put them. Run with a plain Python interpreter, YADE opens no network sock
 """
 
 import argparse
+import ctypes
 import dataclasses
 import importlib.util
 import json
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable
@@ -22,6 +24,7 @@ os.environ.setdefault("HOME", str(Path.home()))  # YADE asks for it when it load
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS_BETWEEN_LINES = 0.25
+_PR_SET_PDEATHSIG = 1  # prctl(2)
 
 
 def load_package(name: str) -> ModuleType:
@@ -102,6 +105,12 @@ def _expose(watch: Callable[[], Any]) -> None:
     sys.modules["__main__"].__dict__["watch"] = watch
 
 
+def _end_with_parent() -> None:
+    """Have the system end this process with the one that started it, however that ends: nobody is left to read its result."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 def _reason(error: Exception) -> str:
     """One line; an error that nobody here foresaw says its kind, too."""
     text = " ".join(str(error).split())
@@ -117,6 +126,7 @@ def main() -> int:
     parser.add_argument("--inputs", default="", help="digest of what makes the run, stored in run.h5")
     parser.add_argument("--time-limit", type=float, help="seconds of wall time, in place of the case's setting")
     options = parser.parse_args()
+    _end_with_parent()
     # YADE prints to standard output from C++ and Python: send all that to standard error, keep the original for the protocol.
     protocol_stream = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
