@@ -43,10 +43,13 @@ class EnergyAudit:
 
 
 def audit(assembly: Assembly, run: Run) -> EnergyAudit:
-    """Audit of a run on the assembly that it was made from, from rest, or from the plateau's first state where no others were kept."""
+    """Audit of a run on the assembly that it was made from, from rest, or from the plateau's first state where no others were kept.
+
+    NaN where nothing was recorded at rest.
+    """
     first = 1 if assembly.effects.recording == "plateau" else 0
     settlement = run.poses["settlement"][first:]
-    if len(settlement) < 2:
+    if len(settlement) < 2 or not run.record or GRAVITY not in run.record["stage"]:
         return EnergyAudit(*[float("nan")] * 7)
     poses = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)[first:]
     steps, forces = np.diff(poses, axis=0), run.poses["forces"][first:]
