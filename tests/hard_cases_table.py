@@ -83,10 +83,11 @@ def row(found: Outcome) -> list[str]:
             summary["reason"].split(". ")[0]]  # fmt: skip
 
 
-def page(outcomes: list[Outcome]) -> str:
-    """The table with what it was made on, as Markdown."""
+def page(outcomes: list[Outcome], quick: bool = False) -> str:
+    """The table with the command and the machine that made it, as Markdown."""
     facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")
-    lines = ["# Hard cases", "", "`python tests/hard_cases_table.py -o comparison/gallery/hard_cases.md`", "", facts, ""]
+    command = f"python tests/hard_cases_table.py {'--quick ' if quick else ''}-o comparison/gallery/hard_cases.md"
+    lines = ["# Hard cases", "", f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
     right = sum(one.is_right for one in outcomes)
     lines += [f"{right} of {len(outcomes)} limit analyses say what is known, or what only laws can judge.", ""]
     lines += [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
@@ -104,7 +105,7 @@ def main() -> None:
     cases = [case for case in catalogue() if not options.names or any(name in case.name for name in options.names)]
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         outcomes = [outcome(case, Path(folder) / str(k), narration, not (options.quick and case.long)) for k, case in enumerate(cases)]
-    text = page(outcomes)
+    text = page(outcomes, options.quick)
     print(text)
     if options.output:
         options.output.write_text(text, encoding="utf-8")
