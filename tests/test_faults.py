@@ -80,6 +80,14 @@ def one_message(said: str, *words: str) -> None:
     assert all(word in said for word in words), said
 
 
+@pytest.fixture(autouse=True)
+def interruptions_arrive() -> Iterator[None]:
+    """A job in the background ignores them, and what it starts does so, too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def crosscheck(*arguments: str, **options: Any) -> "subprocess.Popen[str]":
     command = [sys.executable, "-m", "comparison", *arguments]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
