@@ -81,7 +81,7 @@ def chosen(attempt: Attempt) -> str:
             inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {percent(INSET_SHARE)} of the accuracy)"
         if "steps" not in settings:
             return f"{inset}, cone programmes at their tightest, which costs next to nothing"
-        return f"{settings['steps']:.0f} steps (as many as half of them change by friction's history was measured), {inset}"
+        return f"{settings['steps']:.0f} steps (against half as many, which tells what friction's history owes to them), {inset}"
     if "damping_ratio" not in settings:
         return "settings of another model"
     speed = TRAVEL_PERIODS / settings["travel_periods"]
