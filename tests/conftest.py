@@ -1,17 +1,22 @@
 """Shared fixtures."""
 
 import functools
+import shutil
+import signal
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 import scenes_for_tests
+from faulty_runs import Fake
 from hypothesis import HealthCheck, settings
+from matplotlib.figure import Figure
 
-from comparison import shipped
+from comparison import shipped, workflow
+from comparison.cli import main
 from comparison.record import Run, read_run
 from comparison.workflow import run_scene
 from la_core.analysis import LimitAnalysis
@@ -84,3 +89,50 @@ def write_scene(tmp_path: Path) -> Callable[[str], Path]:
 def two_pads() -> str:
     """Text of the contract's example."""
     return (scenes_for_tests.SHIPPED / "two_pads.toml").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of a run that nothing disturbed; tests work on copies."""
+    out = tmp_path_factory.mktemp("undisturbed") / "out"
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    return out
+
+
+@pytest.fixture(scope="session")
+def without_yade(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("without_yade") / "out"
+    assert main(["run", "two_pads", "-o", str(out), "-q", "--no-yade"]) == 0
+    return out
+
+
+@pytest.fixture
+def copy(undisturbed: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(undisturbed, tmp_path / "out"))
+
+
+@pytest.fixture
+def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One empty figure in the place of four, for tests that are not about drawing."""
+    monkeypatch.setattr(workflow, "_figures", lambda scene, analysis, run: {"assembly": Figure})
+
+
+@pytest.fixture(autouse=True)
+def interruptions_arrive() -> Iterator[None]:
+    """A job in the background ignores them, and what it starts does so, too."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def fake_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Fake:
+    """YADE's interpreter replaced by a shell script that passes the probe."""
+
+    def fake(body: str, probe: str = "echo 0.0; exit 0") -> None:
+        path = tmp_path / "python"
+        path.write_text(f'#!/bin/sh\nif [ "$2" = -c ]; then {probe}; fi\n{body}\n')
+        path.chmod(0o755)
+        monkeypatch.setenv("CROSSCHECK_YADE_PYTHON", str(path))
+
+    return fake

@@ -1,0 +1,123 @@
+"""Stored results that are broken are never reported, and the next call makes them again."""
+
+import json
+import os
+import random
+import shutil
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from faulty_runs import INTERRUPTED, TOOL, answer, one_message
+
+from comparison.cli import main
+from comparison.shipped import find
+from comparison.workflow import read_results
+from la_core.exchange import ExchangeError
+from la_core.sealed_file import VERSION
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "cut short": lambda content: content[: len(content) // 2],
+    "empty": lambda content: b"",
+    "a flipped bit": lambda content: content[:-1000] + bytes([content[-1000] ^ 1]) + content[-999:],
+    "foreign": lambda content: b"\x89HDF\r\n\x1a\n" + content[8:],
+    "of the future": lambda content: content.replace(f"crosscheck {VERSION} ".encode(), f"crosscheck {VERSION + 7} ".encode()),
+}
+
+
+@pytest.mark.parametrize("name", ["case.h5", "run.h5"])
+@pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
+def test_a_damaged_result_is_never_reported(
+    name: str, damage: Callable[[bytes], bytes], copy: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = copy / "two_pads" / name
+    path.write_bytes(damage(path.read_bytes()))
+    assert main(["report", str(copy), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, str(path), "run it again")
+
+
+LENGTHS = 50
+
+
+@pytest.mark.parametrize("name", ["case.h5", "run.h5"])
+def test_a_result_cut_at_any_length_is_never_read(name: str, copy: Path) -> None:
+    path = copy / "two_pads" / name
+    content, chance = path.read_bytes(), random.Random(50)
+    for length in [*(chance.randrange(len(content)) for _ in range(LENGTHS)), len(content) - 1]:
+        path.write_bytes(content[:length])
+        with pytest.raises(ExchangeError, match="run it again"):
+            read_results(copy / "two_pads")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["case.h5", "run.h5"])
+def test_a_result_cut_at_any_length_is_never_reported_and_is_made_again(
+    name: str, copy: Path, undisturbed: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = copy / "two_pads" / name
+    content, chance = path.read_bytes(), random.Random(51)
+    for length in (chance.randrange(len(content)) for _ in range(LENGTHS)):
+        path.write_bytes(content[:length])
+        assert main(["report", str(copy), "-q"]) == TOOL
+        one_message(capsys.readouterr().err, str(path), "run it again")
+        assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+        assert answer(copy) == answer(undisturbed)
+
+
+@pytest.mark.parametrize("name", ["case.h5", "run.h5"])
+def test_a_damaged_result_is_made_again(name: str, copy: Path, undisturbed: Path, plain_figures: None) -> None:
+    path = copy / "two_pads" / name
+    path.write_bytes(DAMAGES["a flipped bit"](path.read_bytes()))
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+    assert answer(copy) == answer(undisturbed)
+
+
+def test_a_run_of_another_scene_is_not_taken_for_this_one_s(copy: Path, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
+    """Same blocks and points, another density: only the digest of the inputs tells."""
+    other = tmp_path / "two_pads.toml"
+    other.write_text(find("two_pads").read_text().replace("density = 2200.0", "density = 1100.0"))
+    assert main(["run", str(other), "-o", str(tmp_path / "other"), "-q"]) == 0
+    shutil.copy(tmp_path / "other" / "two_pads" / "run.h5", copy / "two_pads")
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+    assert answer(copy) == answer(undisturbed)
+
+
+def _changed(content: bytes) -> bytes:
+    stored = json.loads(content)
+    stored["yade"]["reaction"] *= 1.5
+    return json.dumps(stored).encode()
+
+
+GARBAGE: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda content: b"",
+    "cut short": lambda content: content[:-100],
+    "not UTF-8": lambda content: b"\xff\xfe" + content,
+    "not an object": lambda content: b"[]",
+    "without end": lambda content: b"[" * 100_000,
+    "the digest alone": lambda content: json.dumps({"inputs": json.loads(content)["inputs"]}).encode(),
+    "a changed number": _changed,
+}
+
+
+@pytest.mark.parametrize("damage", GARBAGE.values(), ids=GARBAGE)
+def test_a_comparison_that_is_garbage_is_made_again(
+    damage: Callable[[bytes], bytes], copy: Path, undisturbed: Path, plain_figures: None
+) -> None:
+    path = copy / "two_pads" / "comparison.json"
+    path.write_bytes(damage(path.read_bytes()))
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+    assert answer(copy) == answer(undisturbed)
+    path.write_bytes(damage(path.read_bytes()))
+    assert main(["report", str(copy), "-q"]) == 0
+    assert answer(copy)["yade"] == answer(undisturbed)["yade"] and answer(copy)["verdict"] == "agree"
+
+
+def test_a_half_drawn_figure_is_never_left(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would pass for a whole one, for a comparison that has not changed is not drawn again."""
+    figure = copy / "two_pads" / "mechanisms.png"
+    figure.unlink()
+    original = Path.write_bytes
+    monkeypatch.setattr(Path, "write_bytes", lambda path, content: original(path, content[:100]) and os.kill(os.getpid(), signal.SIGINT))
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == INTERRUPTED
+    assert not figure.exists()

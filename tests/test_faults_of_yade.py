@@ -1,0 +1,175 @@
+"""However YADE ends: one clear message, the right exit code, nothing half done, and the next call recovers."""
+
+import random
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+from typing import Any
+
+import pytest
+from faulty_runs import RUN_SECONDS, TOOL, Fake, answer, one_message, unfinished
+
+from comparison import launch
+from comparison.cli import main
+
+DEATHS = {
+    "killed": ("kill -KILL $$", "SIGKILL"),
+    "segmentation fault": ("kill -SEGV $$", "SIGSEGV"),
+    "aborted": ("kill -ABRT $$", "SIGABRT"),
+    "nameless signal": ("kill -35 $$", "signal 35"),
+    "memory at an end": ("echo error: MemoryError: ; exit 1", "MemoryError"),
+    "no result": ("exit 0", "without writing its result"),
+    "no reason": ("exit 7", "exit code 7"),
+    "broken reports": ("echo progress {; echo progress 3; echo 'progress [1'; exit 7", "exit code 7"),
+    "a result that is none": ('echo nothing > "$5"; exit 0', "not a whole file"),
+}
+
+
+@pytest.mark.parametrize(("body", "word"), DEATHS.values(), ids=DEATHS)
+def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
+    body: str,
+    word: str,
+    fake_python: Fake,
+    plain_figures: None,
+    undisturbed: Path,
+    copy: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (copy / "two_pads" / "run.h5").unlink()
+    fake_python(body)
+    assert main(["run", "two_pads", "-o", str(copy)]) == TOOL
+    said = capsys.readouterr().err
+    assert said.count("YADE: failed") == 1 and word in said and "Traceback" not in said
+    assert answer(copy)["yade"]["status"] == "failed" and answer(copy)["verdict"] == "inconclusive"
+    shutil.copy(undisturbed / "two_pads" / "run.h5", copy / "two_pads")  # in the place of another run in YADE, which gives the same
+    monkeypatch.delenv("CROSSCHECK_YADE_PYTHON")
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+    assert answer(copy) == answer(undisturbed)
+
+
+def test_a_yade_that_hangs_is_ended_from_outside(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(launch, "GRACE", 0.2)
+    fake_python("exec sleep 600")
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "--time-limit", "0.3"]) == TOOL
+    assert "SIGKILL, 0.2 s after its limit of 0.3 s" in capsys.readouterr().err
+
+
+def test_a_yade_without_memory_is_a_failed_tool(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The real one, with less address space than its libraries take."""
+    fake_python(f'ulimit -v 300000; exec {launch.SYSTEM_PYTHON} "$@"')
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    assert capsys.readouterr().err.count("YADE: failed") == 1
+
+
+def test_h5py_missing_in_yade_s_python_is_named_with_the_remedy(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "h5py.py").write_text('raise ModuleNotFoundError("no", name="h5py")')
+    fake_python("", probe=f'PYTHONPATH={tmp_path} exec {launch.SYSTEM_PYTHON} "$@"')
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    said = capsys.readouterr().err
+    assert "lacks h5py" in said and "apt-get install yade python3-h5py" in said and said.count("YADE: missing") == 1
+
+
+OTHER_YADES = {
+    "lacks what is used": ('version = "9999"', "YADE: failed", "cannot import name"),
+    "has no version": ("", "YADE: missing", "version"),
+    "does not load": ("1 / 0", "YADE: missing", "ZeroDivisionError"),
+}
+
+
+@pytest.mark.parametrize(("config", "state", "word"), OTHER_YADES.values(), ids=OTHER_YADES)
+def test_another_yade_is_refused_in_words(
+    config: str,
+    state: str,
+    word: str,
+    tmp_path: Path,
+    plain_figures: None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    package = tmp_path / "modules" / "yade"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "config.py").write_text(config)
+    monkeypatch.setenv("CROSSCHECK_YADE", str(package.parent))
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    said = capsys.readouterr().err
+    assert said.count(state) == 1 and word in said and "Traceback" not in said
+
+
+def test_a_python_that_says_nothing_is_no_yade(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake_python("", probe="exit 0")
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    assert "does not say which YADE" in capsys.readouterr().err
+
+
+def test_the_ladder_of_costs_without_yade_says_so(
+    fake_python: Fake, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CROSSCHECK_YADE", str(tmp_path / "nowhere"))
+    assert main(["cost", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    one_message(capsys.readouterr().err, "holds no YADE")
+
+
+def killed_at(moment: float, out: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Exit code of a run whose YADE gets SIGKILL so many seconds after its start."""
+
+    class Killed(subprocess.Popen):  # type: ignore[type-arg]
+        def __init__(self, arguments: Any, *args: Any, **options: Any) -> None:
+            super().__init__(arguments, *args, **options)
+            if any("run_case.py" in str(argument) for argument in arguments):
+                timer = threading.Timer(moment, self.kill)
+                timer.daemon = True
+                timer.start()
+
+    with monkeypatch.context() as patch:
+        patch.setattr(launch.subprocess, "Popen", Killed)
+        return main(["run", "two_pads", "-o", str(out), "-q"])
+
+
+def kill_and_recover(moments: list[float], undisturbed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    failed = 0
+    for k, moment in enumerate(moments):
+        out = tmp_path / str(k)
+        code = killed_at(moment, out, monkeypatch)
+        found = answer(out)
+        if code == TOOL:
+            failed += 1
+            assert found["yade"]["status"] == "failed" and "SIGKILL" in found["yade"]["message"]
+            assert not (out / "two_pads" / "run.h5").exists()
+            assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+        assert answer(out) == answer(undisturbed)
+        assert not unfinished(out)
+    assert failed > len(moments) / 3  # else it tested nothing
+
+
+def test_a_yade_killed_at_some_moments_is_run_again(
+    undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kill_and_recover([0.1, 0.35 * RUN_SECONDS, 0.5 * RUN_SECONDS], undisturbed, tmp_path, monkeypatch)
+
+
+@pytest.mark.long
+def test_a_yade_killed_at_any_moment_is_run_again(
+    undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chance = random.Random(20)
+    kill_and_recover([chance.uniform(0.0, RUN_SECONDS) for _ in range(20)], undisturbed, tmp_path, monkeypatch)
+
+
+def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "-q", "--time-limit", "0.01"]) == 4
+    assert answer(out)["yade"]["status"] == "timeout"
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    found, expected = answer(out), answer(undisturbed)
+    assert found["yade"] == expected["yade"] and found["checks"] == expected["checks"]

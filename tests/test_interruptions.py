@@ -1,0 +1,105 @@
+"""Whatever stops the program itself leaves nothing half done and no YADE behind, and the next call goes on."""
+
+import random
+import shutil
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from faulty_runs import INTERRUPTED, ROOT, RUN_SECONDS, TOOL, answer, crosscheck, one_message, processes_about, unfinished, wait_for
+
+from comparison.cli import main
+from comparison.files import LOCK, alone_in
+
+
+def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0) -> tuple[int, str]:
+    """Exit code and words of a run that gets a signal when something has happened, and YADE is gone with it."""
+    with crosscheck("run", "two_pads", "-o", str(out)) as process:
+        wait_for(lambda: at() or process.poll() is not None)
+        time.sleep(delay)
+        process.send_signal(number)
+        _, said = process.communicate()
+    wait_for(lambda: not processes_about(out))
+    return process.returncode, said
+
+
+def begun(out: Path) -> Callable[[], bool]:
+    return lambda: bool(processes_about(out)) and out.exists()
+
+
+def in_yade(out: Path) -> Callable[[], bool]:
+    return (out / "two_pads" / "yade.log").exists
+
+
+@pytest.mark.parametrize(("stage", "delay"), [(begun, 0.0), (in_yade, 0.3)])
+def test_an_interruption_ends_yade_and_the_next_call_goes_on(
+    stage: Callable[[Path], Callable[[], bool]], delay: float, undisturbed: Path, plain_figures: None, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    code, said = stopped_by(signal.SIGINT, out, stage(out), delay)
+    assert code == INTERRUPTED
+    one_message(said, "stopped")
+    assert not unfinished(out)
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert answer(out) == answer(undisturbed)
+
+
+def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path) -> None:
+    """The moment is when its own entry point has taken over from Python."""
+    (tmp_path / "comparison").mkdir()
+    (tmp_path / "comparison" / "__init__.py").touch()
+    shutil.copy(ROOT / "comparison" / "__main__.py", tmp_path / "comparison")
+    (tmp_path / "comparison" / "cli.py").write_text('import time\nprint("loading", flush=True)\ntime.sleep(60.0)\n')
+    with crosscheck("scenes", cwd=tmp_path) as process:
+        assert process.stdout is not None and process.stdout.readline() == "loading\n"
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate()
+    assert process.returncode == INTERRUPTED
+    one_message(said, "stopped before anything began")
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
+def test_yade_ends_with_the_program_that_started_it(number: signal.Signals, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    code, said = stopped_by(number, out, in_yade(out), 0.4)
+    assert code == -number and "Traceback" not in said
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert answer(out) == answer(undisturbed)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(20))
+def test_an_interruption_at_any_moment_leaves_nothing_half_done(seed: int, undisturbed: Path, tmp_path: Path) -> None:
+    out, delay = tmp_path / "out", random.Random(seed).uniform(0.0, 2.0 * RUN_SECONDS)
+    code, said = stopped_by(signal.SIGINT, out, begun(out), delay)
+    assert code in (0, INTERRUPTED) and "Traceback" not in said
+    assert not unfinished(out)
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert answer(out) == answer(undisturbed)
+
+
+def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with alone_in(copy / "two_pads"):
+        for command in (["run", "two_pads", "-o", str(copy), "-q"], ["report", str(copy), "-q"]):
+            assert main(command) == TOOL
+            one_message(capsys.readouterr().err, "another crosscheck works in this folder")
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+
+
+def test_of_two_runs_in_one_folder_the_second_leaves_the_first_alone(undisturbed: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with crosscheck("run", "two_pads", "-o", str(out)) as first:
+        wait_for(lambda: (out / "two_pads" / LOCK).exists() and (out / "two_pads" / "case.h5").exists())
+        assert main(["run", "two_pads", "-o", str(out), "-q"]) == TOOL
+        _, said = first.communicate()
+    assert first.returncode == 0, said
+    assert answer(out) == answer(undisturbed)
+
+
+def test_what_a_killed_process_was_writing_is_taken_away(copy: Path) -> None:
+    (copy / "two_pads" / "case.h5.123.part").write_bytes(b"half")
+    (copy / "two_pads" / "notes.part").write_bytes(b"the user's own")
+    assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
+    assert [path.name for path in unfinished(copy)] == ["notes.part"]
