@@ -14,6 +14,7 @@ from typing import Any
 
 import scenes_for_tests as scenes
 from hard_cases import FALLS, REFUSED, HardCase, catalogue
+from own_formulas import OtherSolvers, ask_other_solvers, drives
 from rich.console import Console
 
 from comparison import workflow
@@ -21,11 +22,25 @@ from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.summary import EVIDENCE
 from comparison.tables import number, over_weight, with_uncertainty
+from la_core.assembly import assemble
 from la_core.errors import SceneError
 
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
-HEAD = ("case", "what is hard", "known", "limit analysis", "R_min/W", "R/W", "residual", "YADE", "R/W", "verdict", "reason")
+HEAD = (
+    "case",
+    "what is hard",
+    "known",
+    "limit analysis",
+    "R_min/W",
+    "R/W",
+    "residual",
+    "other solvers",
+    "YADE",
+    "R/W",
+    "verdict",
+    "reason",
+)
 
 
 @dataclass(frozen=True)
@@ -35,6 +50,7 @@ class Outcome:
     case: HardCase
     summary: dict[str, Any] | None
     refusal: str = ""
+    others: tuple[OtherSolvers, ...] = ()
 
     @property
     def sharp(self) -> float:
@@ -58,7 +74,9 @@ def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool 
     """Take a case through the workflow."""
     try:
         scene = scenes.load(case.text, name="case")
-        return Outcome(case, workflow.run_scene(scene, folder, narration, with_yade and case.yade, time_limit=LONGEST))
+        assembly = assemble(scene)
+        others = tuple(ask_other_solvers(assembly, drive) for drive in drives(assembly))
+        return Outcome(case, workflow.run_scene(scene, folder, narration, with_yade and case.yade, time_limit=LONGEST), others=others)
     except SceneError as error:
         words = str(error).split("/case.toml: ", 1)[-1]
         return Outcome(case, None, words)
@@ -69,7 +87,7 @@ def row(found: Outcome) -> list[str]:
     case, summary = found.case, found.summary
     known = case.known if isinstance(case.known, str) else number(case.known, 5)
     if summary is None:
-        return [case.name, case.what_is_hard, known, "refused", "–", "–", "–", "–", "–", "–", found.refusal.split(";")[0]]
+        return [case.name, case.what_is_hard, known, "refused", *["–"] * 7, found.refusal.split(";")[0]]
     answer, coulomb, weight = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["weight"]
     shared = answer.get("shared_inset", answer)
     predicted = (coulomb or {}).get("shared_inset", coulomb or {}).get("reaction")
@@ -79,8 +97,16 @@ def row(found: Outcome) -> list[str]:
     reaction, uncertainty = (over_weight(yade.get(name), weight) for name in ("reaction", "uncertainty"))
     status = answer["status"] if answer["status"] != "solved" or coulomb is None else coulomb["status"]
     ran = yade.get("status", "not run")
+    values.append(solvers_in_words(found.others))
     return [case.name, case.what_is_hard, known, status, *values, ran, with_uncertainty(reaction, uncertainty), summary["verdict"] or "–",
             summary["reason"].split(". ")[0]]  # fmt: skip
+
+
+def solvers_in_words(others: tuple[OtherSolvers, ...]) -> str:
+    """Whether the static form and HiGHS say the same of least and greatest reaction, and how far they are off, over the weight."""
+    verdict = "agree" if all(other.agree for other in others) else "DISAGREE"
+    off = max((other.beyond for other in others if not math.isnan(other.beyond)), default=None)
+    return verdict if off is None else f"{verdict}, {number(off, 1)}"
 
 
 def page(outcomes: list[Outcome], quick: bool = False) -> str:
@@ -90,6 +116,10 @@ def page(outcomes: list[Outcome], quick: bool = False) -> str:
     lines = ["# Hard cases", "", f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
     right = sum(one.is_right for one in outcomes)
     lines += [f"{right} of {len(outcomes)} limit analyses say what is known, or what only laws can judge.", ""]
+    lines += [
+        "Other solvers: the static form by its own programme; HiGHS with pyramids for cones. Both bounds; the largest difference over W.",
+        "",
+    ]
     lines += [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
     lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in row(one)) + " |" for one in outcomes]
     return "\n".join(lines) + "\n"

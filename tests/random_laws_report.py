@@ -17,9 +17,9 @@ from pathlib import Path
 import test_random_laws
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import UnsatisfiedAssumption
+from own_formulas import drives
 from random_scenes import random_scenes
 from rich.console import Console
-from test_random_laws import drives
 
 from la_core.assembly import assemble
 from la_core.coulomb import predict

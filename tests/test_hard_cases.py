@@ -34,6 +34,7 @@ def test_limit_analysis_says_what_is_known(case: HardCase, tmp_path: Path) -> No
     if found.summary is None:
         assert case.known == REFUSED and found.refusal
         return
+    assert found.others and all(other.agree for other in found.others), found.others
     answer = found.summary["limit_analysis"]["associated"]
     assert answer["status"] == ("infeasible" if case.known == FALLS else answer["status"])
     if answer["status"] == "solved":

@@ -1,0 +1,169 @@
+"""Equilibrium, cones, flow rule and duality by lines of their own: what answers of `la_core` are held against, and other solvers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csc_matrix, hstack, identity
+
+from la_core.assembly import Assembly
+from la_core.limit import Drive, Solution, Status, solve
+from la_core.linearised import solve_linearised
+from la_core.scene import Scene
+from la_core.static_form import StaticSolution, coulomb_limits, optimise
+
+RESIDUAL = 1e-6  # of the mean block weight, or of the fastest block: what la_core promises of an answer called solved
+FACETS = 16  # of the pyramids that bracket a cone in space
+VERDICTS = (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED)
+
+
+def drives(assembly: Assembly) -> list[Drive]:
+    return [Drive.LIVE] if assembly.has_live_load else [Drive.YIELDING, Drive.PUSHING]
+
+
+def kept(assembly: Assembly) -> list[int]:
+    """Freedoms of a block in the plane or in space."""
+    return [0, 2, 4] if assembly.effects.plane else list(range(6))
+
+
+def jumps(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
+    """Velocity (C, 3) of block b relative to block a at every contact point."""
+
+    def velocity(block: np.ndarray) -> np.ndarray:
+        return twists[block, :3] + np.cross(twists[block, 3:], assembly.points.position - assembly.blocks.centroid[block])
+
+    interface = assembly.points.interface
+    return velocity(assembly.interfaces.block_b[interface]) - velocity(assembly.interfaces.block_a[interface])
+
+
+def fastest(assembly: Assembly, twists: np.ndarray) -> float:
+    """Greatest speed of a block's corner."""
+    owner = np.repeat(np.arange(len(assembly.blocks)), np.diff(assembly.blocks.vertex_start))
+    arm = assembly.blocks.vertices - assembly.blocks.centroid[owner]
+    return float(np.linalg.norm(twists[owner, :3] + np.cross(twists[owner, 3:], arm), axis=1).max())
+
+
+def unbalanced(scene: Scene, assembly: Assembly, forces: np.ndarray, multiplier: float = 0.0) -> np.ndarray:
+    """Force and moment over the blocks' mean size (F, 6) that are left on every free block."""
+    total = np.zeros((len(scene.blocks), 6))
+    weight = scene.blocks.density * scene.blocks.volume * np.linalg.norm(scene.gravity)
+    along = scene.gravity / np.linalg.norm(scene.gravity)
+    total[:, :3] = weight[:, None] * (along if scene.live is None else along + multiplier * scene.live)
+    for sign, block in ((-1.0, assembly.interfaces.block_a), (1.0, assembly.interfaces.block_b)):
+        on = block[assembly.points.interface]
+        arm = assembly.points.position - scene.blocks.centroid[on]
+        np.add.at(total, on, sign * np.hstack([forces, np.cross(arm, forces)]))
+    total[:, 3:] /= assembly.length
+    return total[scene.blocks.free][:, kept(assembly)]
+
+
+def parts(assembly: Assembly, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normal component (C,) and size of the rest (C,)."""
+    normal = assembly.interfaces.normal[assembly.points.interface]
+    along = np.einsum("ij,ij->i", vectors, normal)
+    return along, np.linalg.norm(vectors - along[:, None] * normal, axis=1)
+
+
+def cone_residual(assembly: Assembly, forces: np.ndarray) -> float:
+    """Most by which a contact force pulls or exceeds its friction, N."""
+    push, shear = parts(assembly, forces)
+    return max(0.0, -push.min(), (shear - assembly.points.friction * push).max())
+
+
+def flow_residual(assembly: Assembly, twists: np.ndarray) -> float:
+    """Largest distance of a relative velocity from u_n >= mu |u_t|, over the fastest block."""
+    opening, slip = parts(assembly, jumps(assembly, twists))
+    friction = assembly.points.friction
+    return float(np.maximum((friction * slip - opening) / np.hypot(1.0, friction), -opening).max() / fastest(assembly, twists))
+
+
+def reaction(assembly: Assembly, forces: np.ndarray) -> float:
+    """Minus the power of the forces on the structure under the support's unit motion."""
+    held = np.where(assembly.blocks.free[:, None], 0.0, assembly.support_twist)
+    return float(np.sum(forces * jumps(assembly, held)))
+
+
+def work(assembly: Assembly, twists: np.ndarray) -> float:
+    """Power of the weights."""
+    return float(np.sum(assembly.dead_load * twists))
+
+
+def slack(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, residual: float = RESIDUAL) -> float:
+    """Most by which virtual power of a mechanism and of forces may miss a duality when both keep their residuals."""
+    scaled = np.abs(twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3]))[assembly.blocks.free]
+    relative = np.linalg.norm(jumps(assembly, twists), axis=1)
+    resisted = RESIDUAL * fastest(assembly, twists) * np.linalg.norm(forces, axis=1).sum()
+    return float(residual * assembly.mean_weight * (scaled.sum() + 2.0 * relative.sum()) + resisted)
+
+
+def value_slack(assembly: Assembly, drive: Drive, first: Solution | StaticSolution, second: Solution | StaticSolution) -> float:
+    """Most by which the values of two answers to one problem may differ: crosswise, forces of one on the mechanism of the other."""
+    unit = 1.0 if drive is Drive.LIVE else assembly.mean_weight * fastest_support(assembly)
+    cross = slack(assembly, first.twists, second.forces) + slack(assembly, second.twists, first.forces)
+    return cross + 2.0 * RESIDUAL * unit
+
+
+def fastest_support(assembly: Assembly) -> float:
+    return float(np.linalg.norm(jumps(assembly, assembly.support_twist), axis=1).max())
+
+
+def distance_from_equilibrium(scene: Scene, assembly: Assembly, radius: float) -> float:
+    """Least sum of what is left on the free blocks over the weight, forces within pyramids of that radius times friction; by HiGHS.
+
+    It is the greatest work of the weights on a motion that the pyramids admit, no component of it above one.
+    """
+    points, plane = assembly.points, assembly.effects.plane
+    normal, first = assembly.axes[:, 0], assembly.axes[:, 1]
+    second = np.cross(normal, first)
+    angles = np.array([0.0, np.pi]) if plane else 2.0 * np.pi * np.arange(FACETS) / FACETS
+    edges = [normal + radius * points.friction[:, None] * (np.cos(a) * first + np.sin(a) * second) for a in angles]
+    free, sides = np.flatnonzero(assembly.blocks.free), (assembly.interfaces.block_a, assembly.interfaces.block_b)
+    effect = np.zeros((len(edges), len(points), len(scene.blocks), 6))  # of a unit force along each edge on each block
+    for sign, block in zip((-1.0, 1.0), sides, strict=True):
+        on = block[points.interface]
+        arm = points.position - scene.blocks.centroid[on]
+        for k, edge in enumerate(edges):
+            effect[k, np.arange(len(points)), on] += sign * np.hstack([edge, np.cross(arm, edge) / assembly.length])
+    nothing = unbalanced(scene, assembly, np.zeros((len(points), 3)))
+    rows = csc_matrix(effect[:, :, free][..., kept(assembly)].reshape(len(edges) * len(points), -1).T)
+    size, count = rows.shape
+    left = identity(size, format="csc")
+    cost = np.concatenate([np.zeros(count), np.ones(2 * size)])
+    balance = hstack([rows, left, -left]).tocsc()
+    answer = linprog(cost, A_eq=balance, b_eq=-nothing.ravel() / assembly.weight, bounds=(0.0, None), method="highs-ds")
+    assert answer.status == 0, answer.message
+    return float(answer.fun)
+
+
+@dataclass(frozen=True)
+class OtherSolvers:
+    """What the static form and HiGHS say of a problem. Values and differences are over the weight, NaN where a status differs.
+
+    low, high: HiGHS on pyramids about and within the cones, the same in the plane. beyond: most by which the conic value misses the
+    static form's, or leaves the bracket. allowed: what the residuals of the answers can make of it.
+    """
+
+    statuses: tuple[Status, Status, Status, Status]  # conic, static, HiGHS within, HiGHS about
+    static: float
+    low: float
+    high: float
+    beyond: float
+    allowed: float
+
+    @property
+    def agree(self) -> bool:
+        """Whether all say the same status and, where they have one, the same value."""
+        return len(set(self.statuses)) == 1 and (self.statuses[0] is not Status.SOLVED or self.beyond <= self.allowed)
+
+
+def ask_other_solvers(assembly: Assembly, drive: Drive) -> OtherSolvers:
+    """The conic answer beside the static form's, and HiGHS' on the linearised problem."""
+    conic, static = solve(assembly, drive), optimise(assembly, drive, *coulomb_limits(assembly))
+    inside, outside = (solve_linearised(assembly, drive, FACETS, inscribed) for inscribed in (True, False))
+    statuses = (conic.status, static.status, inside.status, outside.status)
+    if set(statuses) != {Status.SOLVED}:
+        return OtherSolvers(statuses, *[float("nan")] * 5)
+    low, high = sorted((inside.value, outside.value))
+    beyond = max(abs(static.value - conic.value), low - conic.value, conic.value - high)
+    allowed = max(value_slack(assembly, drive, conic, other) for other in (static, inside, outside))
+    return OtherSolvers(statuses, *(value / assembly.weight for value in (static.value, low, high, beyond, allowed)))
