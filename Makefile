@@ -29,11 +29,12 @@ system-packages:
 demo: setup
 	$(BIN)/crosscheck run two_pads arch_spreading wall_third
 
+# One process for each core, one thread in each.
 test: setup
-	$(BIN)/python -m pytest
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadgroup
 
 test-long: setup
-	$(BIN)/python -m pytest -m long
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long
 
 lint: setup
 	$(BIN)/ruff check .

@@ -35,6 +35,14 @@ for profile, scenes in (("few", 20), ("long", 500)):
 settings.load_profile("few")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Processes side by side share the work by modules, and one of them takes all that asks for shipped scenes' runs in YADE."""
+    for item in items:
+        shares = "cross_checked" in getattr(item, "fixturenames", ())
+        item.add_marker(pytest.mark.xdist_group("cross_checked" if shares else item.path.name))
+
+
 @dataclass(frozen=True)
 class CrossChecked:
     """A shipped scene after `crosscheck run`: both methods' results and what comparison.json holds."""
