@@ -11,7 +11,7 @@ from urllib.parse import quote
 import jinja2
 
 from comparison.files import write_text
-from comparison.report_costs import accuracy_rows, costs, measures
+from comparison.report_costs import accuracy_rows, costs, energies, measures
 from comparison.report_numbers import DASH, exists, half_width, interval_words, number, signed, value_range
 from comparison.summary import without_undefined
 
@@ -118,6 +118,7 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "rounding": _rounding(comparison),
         "costs": list(costs(comparison, results, EVIDENCE)),
         "accuracy": list(accuracy_rows(comparison)),
+        "energies": energies(comparison),
         "measures": list(measures(comparison, results["live"])),
         "model": list(_model(comparison)),
         "effects": list(_effects(comparison)),

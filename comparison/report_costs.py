@@ -69,6 +69,26 @@ def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
             }
 
 
+ENERGIES = {
+    "weights": "work of the weights",
+    "support": "work of the support",
+    "kinetic": "gained as motion",
+    "elastic": "gained by the joints' strain",
+    "friction": "taken by friction",
+    "viscous": "taken by damping",
+}
+
+
+def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
+    """Where the energy of YADE's run came from and went, and what is not accounted for: J and share of the turnover; none without a run."""
+    found = comparison.get("energy") or {}
+    if not exists(found.get("drift")):
+        return []
+    turnover = found["turnover"]
+    parts = {ENERGIES[name]: found[name] for name in ENERGIES} | {"not accounted for": found["drift"] * turnover}
+    return [{"name": name, "joule": value, "share": f"{number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
+
+
 def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:
     """Measures of each method's mechanism that is known; power per unit motion of the support is a force.
 

@@ -11,6 +11,7 @@ from conftest import CrossChecked
 from comparison.check import Verdict
 from comparison.energy import DRIFT, audit, check_energy
 from comparison.record import Run
+from comparison.report_costs import energies
 from la_core.assembly import Assembly, assemble
 from la_core.exchange import SUPPORT
 
@@ -96,3 +97,11 @@ def test_friction_takes_what_the_mechanism_says_it_takes(cross_checked: CrossChe
     found = cross_checked("wall_third")
     energy, measures = audit(found.analysis.assembly, found.run), found.summary["mechanism_measures"]["yade"]
     assert energy.friction / energy.weights == pytest.approx(measures["dissipated_share"], rel=0.2)
+
+
+def test_the_report_s_energies_add_up(cross_checked: CrossCheck) -> None:
+    """What was put in is what it went to, with what is not accounted for named."""
+    rows = {row["name"]: row["joule"] for row in energies(cross_checked("wall_third").summary)}
+    put_in = rows.pop("work of the weights") + rows.pop("work of the support")
+    assert put_in == pytest.approx(sum(rows.values()), rel=ADDS_UP)
+    assert energies({"energy": None}) == []
