@@ -8,7 +8,7 @@ ask = { echo 'Not installed: $(1). As root: apt-get install $(1); then the same 
 
 .NOTPARALLEL:
 
-.PHONY: setup demo test test-long lint clean
+.PHONY: setup demo test test-long hard-cases lint clean
 
 setup: $(VENV)/.installed system-packages
 
@@ -35,6 +35,13 @@ test: setup
 
 test-long: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long
+
+# What is hard, and what goes wrong, at length: writes the pages of outcomes again. Hours on one core.
+hard-cases: setup
+	OMP_NUM_THREADS=1 $(BIN)/python tests/hard_cases_table.py -o comparison/gallery/hard_cases.md
+	OMP_NUM_THREADS=1 $(BIN)/python tests/random_laws_report.py -o comparison/gallery
+	OMP_NUM_THREADS=1 $(BIN)/python tests/fuzz_readers.py --count 10000 --write comparison/gallery/fuzz.md
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long tests/test_faults_of_yade.py tests/test_interruptions.py tests/test_damaged_results.py
 
 lint: setup
 	$(BIN)/ruff check .
