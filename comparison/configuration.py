@@ -3,6 +3,7 @@
 None of them can change an answer: what is mechanics stands in the scene, or on the command line.
 """
 
+import argparse
 import os
 import tomllib
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from la_core.schema_types import Positive, Table
 
 OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
 PREFIX = "CROSSCHECK_"
+SYSTEM_PYTHON = "/usr/bin/python3"
 LARGEST_FILE = 100_000  # bytes; settings are a few lines
 MOST_WORKERS = 1024
 
@@ -44,11 +46,11 @@ PathText = Annotated[Path, BeforeValidator(_path)]
 class Settings(Table):
     """Every setting, with its default; a path without a beginning starts from the current folder."""
 
-    output: PathText = Field(Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
-    time_limit: Positive | None = Field(None, description="wall seconds for each YADE run")
-    workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(None, description="cases run side by side")
-    yade: PathText | None = Field(None, description="folder that holds YADE's Python package, `yade`")
-    yade_python: PathText = Field(Path("/usr/bin/python3"), description="interpreter that loads YADE")
+    output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
+    time_limit: Positive | None = Field(default=None, description="wall seconds for each YADE run")
+    workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(default=None, description="cases run side by side")
+    yade: PathText | None = Field(default=None, description="folder that holds YADE's Python package, `yade`")
+    yade_python: PathText = Field(default=Path(SYSTEM_PYTHON), description="interpreter that loads YADE")
 
 
 NUMBERS = ("time_limit", "workers")
@@ -92,6 +94,15 @@ def load() -> Configuration:
             holding |= data
             sources[name] = variable
     return Configuration(Settings.model_validate(holding), sources, files)
+
+
+def filled(options: argparse.Namespace) -> argparse.Namespace:
+    """The options, those of its `configured` that the command line leaves open as the configuration has them."""
+    settings = load().settings
+    for name in options.configured:
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(settings, name))
+    return options
 
 
 def unknown_variables() -> list[str]:
@@ -138,10 +149,10 @@ def _check_of_a_folder(data: dict[str, Any]) -> None:
         if name in data:
             rule = "what is run is not for a folder to say"
             raise SettingError(f"{OF_A_FOLDER}: {name}", rule, hint=f"set it in {_file_of_the_user()} or {PREFIX}{name.upper()}")
-    output = Path(data.get("output", ""))
-    if output.is_absolute() or ".." in output.parts or output.parts[:1] == ("~",):
+    output = str(data.get("output", ""))
+    if Path(output).is_absolute() or ".." in Path(output).parts or output.startswith("~"):
         rule = "must lie in this folder"
-        raise SettingError(f"{OF_A_FOLDER}: output", rule, value=str(output), hint=f"elsewhere by {PREFIX}OUTPUT or -o")
+        raise SettingError(f"{OF_A_FOLDER}: output", rule, value=output, hint=f"elsewhere by {PREFIX}OUTPUT or -o")
 
 
 def _number(text: str) -> object:

@@ -176,6 +176,8 @@ def _yade(
     try:
         yade = find_yade()
         listener.stage(scene.name, "YADE", f"running {yade.version}")
+        if yade.caution:
+            listener.stage(scene.name, "YADE", yade.caution)
         run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
