@@ -43,7 +43,8 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     for action in _actions(parser):
         if isinstance(action.metavar, str) and action.metavar in of_kind:
             action.complete = of_kind[action.metavar]  # type: ignore[attr-defined]  # where shtab looks
-    return shtab.complete(parser, shell)
+    text = shtab.complete(parser, shell)
+    return text.replace('"(*):', '"*:') if shell == "zsh" else text  # else zsh would complete the first of several scenes alone
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:

@@ -37,18 +37,18 @@ try:
     import yade.config
 except ImportError as error:
     sys.exit(f"cannot load YADE ({error})")
-lacking = []
+needed, wanted = [], []
 for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
-    for node in ast.parse(source.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.ImportFrom) and node.module.split(".")[0] == "yade":
-            try:
+    body = ast.parse(source.read_text(encoding="utf-8")).body
+    tried = [node for one in body if isinstance(one, ast.Try) for node in one.body]
+    for nodes, lacking in ((body, needed), (tried, wanted)):
+        for node in nodes:
+            if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
                 module = importlib.import_module(node.module)
-            except ImportError:
-                lacking.append(node.module)
-            else:
                 lacking += [name.name for name in node.names if not hasattr(module, name.name)]
-if lacking:
-    sys.exit(f"loads YADE {yade.config.version}, which lacks what is used of it: {', '.join(lacking)}")
+if needed:
+    sys.exit(f"loads YADE {yade.config.version}, which lacks what is used of it: {', '.join(needed)}")
+print("lacks", *wanted)
 print(yade.config.version)
 """  # what is used of YADE is what our scripts import of it: a list of its own would grow old
 
@@ -63,18 +63,24 @@ class YadeFailedError(Exception):
 
 @dataclass(frozen=True)
 class Yade:
-    """A YADE that loads: its interpreter, its module folder, its version."""
+    """A YADE that loads: its interpreter, its module folder, its version, and what it lacks of what is used where it is there."""
 
     python: Path
     modules: Path
     version: str
+    lacks: tuple[str, ...] = ()
 
     @property
     def caution(self) -> str:
-        """A word on a version that was never tried, empty for one that was: only what is missing is refused, a number is not."""
-        if self.version in TESTED:
-            return ""
-        return f"{self.version} is not among the versions this was tested with ({', '.join(TESTED)}); " + HOW_TO_TRY_YADE
+        """What to say of a YADE that lacks something or was never tried, or nothing; a version's number alone is never refused."""
+        words = []
+        if "Polyhedra" in self.lacks:
+            words.append(
+                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes need small displacements"
+            )
+        if self.version not in TESTED:
+            words.append(f"{self.version} is not among the versions this was tested with ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
+        return "; ".join(words)
 
 
 def find_yade() -> Yade:
@@ -106,7 +112,8 @@ def find_yade() -> Yade:
     version = answer.stdout.strip().splitlines()
     if not version:
         raise YadeMissingError(f"{python} does not say which YADE it loads; get one that does with: {HOW_TO_GET_YADE}")
-    return Yade(python, modules, version[-1])
+    lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])
+    return Yade(python, modules, version[-1], tuple(lacks))
 
 
 def _module_folder(named: Path | None) -> Path | None:
