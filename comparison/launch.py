@@ -17,7 +17,7 @@ from typing import Any, TextIO
 
 from comparison.configuration import PREFIX, load
 
-TESTED = ("2023.02a",)  # versions of YADE under which the tests have passed; Debian 12 has the first
+TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were held against known values: Debian 12's and Debian 13's
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
 HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` holds it against known values"
 LOG_TAIL = 8  # lines of the log that an error quotes
@@ -37,6 +37,7 @@ try:
     import yade.config
 except ImportError as error:
     sys.exit(f"cannot load YADE ({error})")
+version = yade.config.version
 needed, wanted = [], []
 for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
     body = ast.parse(source.read_text(encoding="utf-8")).body
@@ -44,12 +45,15 @@ for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
     for nodes, lacking in ((body, needed), (tried, wanted)):
         for node in nodes:
             if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
-                module = importlib.import_module(node.module)
+                try:
+                    module = importlib.import_module(node.module)
+                except ImportError:
+                    module = None
                 lacking += [name.name for name in node.names if not hasattr(module, name.name)]
 if needed:
-    sys.exit(f"loads YADE {yade.config.version}, which lacks what is used of it: {', '.join(needed)}")
+    sys.exit(f"loads YADE {version}, which lacks what is used of it: {', '.join(needed)}")
 print("lacks", *wanted)
-print(yade.config.version)
+print(version)
 """  # what is used of YADE is what our scripts import of it: a list of its own would grow old
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from comparison import configuration
 from comparison.cli import main
 from comparison.configuration import Settings
 from comparison.ending import TOOL, USAGE
-from comparison.launch import find_yade
+from comparison.launch import Yade, find_yade
 
 SOLVE = ["solve", "two_pads", "-q"]
 
@@ -174,6 +175,7 @@ def test_yade_is_looked_for_where_the_user_s_file_says(capsys: pytest.CaptureFix
 
 
 def test_the_doctor_says_what_holds_and_from_where(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("comparison.doctor.find_yade", lambda: Yade(Path("python"), Path("modules"), "2023.02a"))
     path = user_says("workers = 2")
     monkeypatch.setenv("CROSSCHECK_TIME_LIMIT", "60")
     monkeypatch.setenv("CROSSCHECK_OUTPT", "results")
@@ -189,6 +191,14 @@ def test_the_doctor_says_what_holds_and_from_where(monkeypatch: pytest.MonkeyPat
     assert main(["doctor"]) == 0
     printed = capsys.readouterr().out
     assert all(word in printed for word in (str(path), "CROSSCHECK_TIME_LIMIT", "not there", "CROSSCHECK_OUTPT"))
+
+
+def test_the_table_of_the_readme_is_that_of_the_settings() -> None:
+    readme = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| `(CROSSCHECK_\w+)` \| .* \| (.*) \|$", readme, re.MULTILINE)
+    assert [(name, variable) for name, variable, _ in rows] == [(name, f"CROSSCHECK_{name.upper()}") for name in Settings.model_fields]
+    defaults = {name: default.strip("`") for name, _, default in rows}
+    assert all(defaults[name] == str(value) for name, value in Settings() if value is not None)
 
 
 def test_no_setting_is_a_word_of_a_scene() -> None:
