@@ -8,7 +8,7 @@ ask = { echo 'Not installed: $(1). As root: apt-get install $(1); then the same 
 
 .NOTPARALLEL:
 
-.PHONY: setup demo test test-long hard-cases lint clean
+.PHONY: setup demo test test-long hard-cases lint release clean
 
 setup: $(VENV)/.installed system-packages
 
@@ -47,6 +47,12 @@ lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# Source distribution and wheel of the version in pyproject.toml, in dist/.
+release: setup
+	rm -rf build dist *.egg-info
+	$(BIN)/python -m build
+	cd dist && sha256sum * > SHA256SUMS
 
 clean:
 	rm -rf $(VENV) crosscheck-results build dist *.egg-info

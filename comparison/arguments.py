@@ -8,8 +8,8 @@ from comparison.provenance import version
 from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
-RESULTS = Path("crosscheck-results")
 COSTS = Path("crosscheck-cost")
+SHELLS = ("bash", "zsh", "fish")
 
 
 def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:
@@ -24,7 +24,7 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
 
     def add(name: str, text: str) -> argparse.ArgumentParser:
         sub = words.add_parser(name, help=text, description=text)
-        sub.set_defaults(command=commands[name])
+        sub.set_defaults(command=commands[name], configured=())
         sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
         sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
         return sub
@@ -47,18 +47,24 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     cost.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
-    run.add_argument("-o", "--output", type=Path, metavar="DIR", default=RESULTS, help=f"folder of the results (default: {RESULTS})")
+    run.set_defaults(configured=("output", "time_limit"))
+    run.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-results, or as configured)"
+    )
     accuracy_help = "share of the answer, such as 1%%: the cheapest settings that reach it, finer ones where they do not"
     run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
     run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run.add_argument("--time-limit", type=seconds, metavar="S", help="wall seconds for each YADE run (default: the scene's, or 3600)")
+    limit_help = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
+    run.add_argument("--time-limit", type=seconds, metavar="S", help=limit_help)
     report = add("report", "write the report again from stored results")
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
     export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
     add("doctor", "what is installed, what is missing, the command that mends it")
+    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
+    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
     return whole
 
 

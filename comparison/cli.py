@@ -17,13 +17,13 @@ from comparison.arguments import parser
 from comparison.bought import check_accuracy
 from comparison.check import overall
 from comparison.checks import check_expected
+from comparison.configuration import filled
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL, code_of, complain
 from comparison.files import FolderInUseError
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
 from la_core.accuracy import analyse, with_accuracy
-from la_core.assembly import assemble
 from la_core.case import model, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
     options = parser(COMMANDS).parse_args(arguments)
     narrator = Console(stderr=True, quiet=getattr(options, "quiet", False), highlight=False, emoji=False, soft_wrap=True)
-    return code_of(lambda: options.command(options, narrator))
+    return code_of(lambda: options.command(filled(options), narrator))
 
 
 def _stdout() -> Console:
@@ -54,15 +54,16 @@ def _stdout() -> Console:
     return console if console.is_terminal else Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)
 
 
-def _print_json(value: Any) -> None:
-    print(json.dumps(value, indent=2, ensure_ascii=False))
+def _print_json(value: dict[str, Any]) -> None:
+    print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _scenes(options: argparse.Namespace, narrator: Console) -> int:
     scenes = [load_scene(shipped.find(name)) for name in shipped.names()]
     if options.json:
         rows = [{"name": s.name, "title": s.title, "source": s.source} for s in scenes]
-        _print_json([row | {"expected": s.expected.model_dump() if s.expected else None} for row, s in zip(rows, scenes, strict=True)])
+        expected = [{"expected": s.expected.model_dump() if s.expected else None} for s in scenes]
+        _print_json({"scenes": [row | one for row, one in zip(rows, expected, strict=True)]})
     else:
         _stdout().print(tables.scene_table(scenes))
     return AGREE
@@ -114,25 +115,13 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
 
 
 def _sensitivity(options: argparse.Namespace, narrator: Console) -> int:
-    from comparison import plots, sensitivity
-    from comparison.plot_sensitivity import sensitivity_figure
+    from comparison import sensitivity
+    from comparison.sensitivity_run import study_and_draw
 
     scene = load_scene(shipped.find(options.scene))
-    analysis = analyse(scene)
-    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
-    if main.status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so there is nothing to iterate on")
-    references = {"associated": (main.value, 1)}
-    if coulomb is not None:
-        references["Coulomb, elastic joints"] = (coulomb.value, coulomb.iterations)
     figure = options.output or Path(f"{scene.name}-sensitivity.png")
     with Narration(narrator) as narration:
-        result = sensitivity.study(
-            scene,
-            assemble(scene).with_inset(scene, analysis.assembly.inset),
-            progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}"),
-        )
-    plots.save(sensitivity_figure(result, references), figure)
+        result, references = study_and_draw(scene, figure, narration)
     if options.json:
         _print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
     else:
@@ -154,7 +143,7 @@ def _cost(options: argparse.Namespace, narrator: Console) -> int:
         for target in ladder.references:
             _stdout().print(cost.ladder_table(ladder, target))
     if options.json:
-        _print_json([cost.ladder_dict(ladder) for ladder in found])
+        _print_json({"ladders": [cost.ladder_dict(ladder) for ladder in found]})
     narrator.print(f"drawn in {options.output}", markup=False)
     return AGREE
 
@@ -257,15 +246,28 @@ def _code(comparison: dict[str, Any]) -> int:
 
 
 def _doctor(options: argparse.Namespace, narrator: Console) -> int:
-    findings = doctor.examine()
+    findings, settings = doctor.examine(), doctor.configuration_dict()
     if options.json:
-        _print_json([vars(finding) for finding in findings])
+        _print_json({"parts": [vars(finding) for finding in findings], "configuration": settings})
     else:
         _stdout().print(tables.doctor_table(findings))
         for finding in findings:
-            if not finding.well:
+            if finding.remedy:
                 _stdout().print(f"{finding.part}: {finding.remedy}", markup=False)
+        _stdout().print(tables.settings_table(settings))
+        _stdout().print(doctor.configuration_words(settings), markup=False)
     return AGREE if all(finding.well for finding in findings) else TOOL
+
+
+def _completion(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.completion import script
+
+    text = script(parser(COMMANDS), options.shell)
+    if options.json:
+        _print_json({"shell": options.shell, "script": text})
+    else:
+        print(text)
+    return AGREE
 
 
 COMMANDS = {
@@ -278,6 +280,7 @@ COMMANDS = {
     "report": _report,
     "export": _export,
     "doctor": _doctor,
+    "completion": _completion,
 }
 
 

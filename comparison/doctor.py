@@ -3,14 +3,17 @@
 import importlib.metadata
 import shutil
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
+from comparison import configuration
 from comparison.launch import HOW_TO_GET_YADE, YadeMissingError, find_yade
 from comparison.provenance import PACKAGES
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One part of the tool chain: its state, and the remedy where it is not well."""
+    """One part of the tool chain: its state, and the remedy where it is not well, or a caution where it might not be."""
 
     part: str
     well: bool
@@ -20,15 +23,36 @@ class Finding:
 
 def examine() -> list[Finding]:
     """Look at every part the program needs."""
-    findings = [_package(name) for name in (*PACKAGES, "pydantic", "jinja2", "rich")]
+    findings = [_package(name) for name in (*PACKAGES, "pydantic", "jinja2", "rich", "shtab")]
     try:
         yade = find_yade()
-        findings.append(Finding("YADE", True, f"{yade.version}, loaded by {yade.python} with nothing listening"))
+        tested = "" if yade.caution else ", a version this was tested with"
+        state = f"{yade.version}{tested}, loaded by {yade.python} with nothing listening"
+        findings.append(Finding("YADE", True, state, yade.caution))
     except YadeMissingError as error:
         findings.append(Finding("YADE", False, str(error), HOW_TO_GET_YADE))
     free = shutil.disk_usage(".").free / 1e9
     findings.append(Finding("disk", free > 1.0, f"{free:.0f} GB free here", "" if free > 1.0 else "make room: a run stores some megabytes"))
     return findings
+
+
+def configuration_dict() -> dict[str, Any]:
+    """Every setting with its value and where it comes from, the files that were looked for, and variables that mean nothing."""
+    found = configuration.load()
+    settings = {name: {"value": _plain(value), "from": found.source(name)} for name, value in found.settings}
+    files = {str(path): path.exists() for path in found.files}
+    return {"settings": settings, "files": files, "unknown_variables": configuration.unknown_variables()}
+
+
+def configuration_words(found: dict[str, Any]) -> str:
+    """Lines on what was looked for: a file that is not there, and a variable that means nothing, might be taken to hold."""
+    lines = [f"{path}: {'read' if exists else 'not there'}" for path, exists in found["files"].items()]
+    return "\n".join([*lines, *(f"{words}; this one means nothing" for words in found["unknown_variables"])])
+
+
+def _plain(value: object) -> object:
+    """A value as JSON has it."""
+    return str(value) if isinstance(value, Path) else value
 
 
 def _package(name: str) -> Finding:

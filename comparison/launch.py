@@ -15,15 +15,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
+from comparison.configuration import PREFIX, load
+
+TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were held against known values: Debian 12's and Debian 13's
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
+HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` holds it against known values"
 LOG_TAIL = 8  # lines of the log that an error quotes
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
 PROBE_SECONDS = 60.0
-SYSTEM_PYTHON = "/usr/bin/python3"
+SCRIPTS = Path(__file__).parent.parent / "yade_scripts"
 
 
 _PROBE = """
-import sys
+import ast, importlib, pathlib, sys
 sys.path.insert(0, sys.argv[1])
 try:
     import h5py, numpy
@@ -33,8 +37,24 @@ try:
     import yade.config
 except ImportError as error:
     sys.exit(f"cannot load YADE ({error})")
-print(yade.config.version)
-"""
+version = yade.config.version
+needed, wanted = [], []
+for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
+    body = ast.parse(source.read_text(encoding="utf-8")).body
+    tried = [node for one in body if isinstance(one, ast.Try) for node in one.body]
+    for nodes, lacking in ((body, needed), (tried, wanted)):
+        for node in nodes:
+            if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
+                try:
+                    module = importlib.import_module(node.module)
+                except ImportError:
+                    module = None
+                lacking += [name.name for name in node.names if not hasattr(module, name.name)]
+if needed:
+    sys.exit(f"loads YADE {version}, which lacks what is used of it: {', '.join(needed)}")
+print("lacks", *wanted)
+print(version)
+"""  # what is used of YADE is what our scripts import of it: a list of its own would grow old
 
 
 class YadeMissingError(Exception):
@@ -47,29 +67,47 @@ class YadeFailedError(Exception):
 
 @dataclass(frozen=True)
 class Yade:
-    """A YADE that loads: its interpreter, its module folder, its version."""
+    """A YADE that loads: its interpreter, its module folder, its version, and what it lacks of what is used where it is there."""
 
     python: Path
     modules: Path
     version: str
+    lacks: tuple[str, ...] = ()
+
+    @property
+    def caution(self) -> str:
+        """What to say of a YADE that lacks something or was never tried, or nothing; a version's number alone is never refused."""
+        words = []
+        if "Polyhedra" in self.lacks:
+            words.append(
+                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes need small displacements"
+            )
+        if self.version not in TESTED:
+            words.append(f"{self.version} is not among the versions this was tested with ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
+        return "; ".join(words)
 
 
 def find_yade() -> Yade:
     """Locate YADE's interpreter and modules and check that they load; raises YadeMissingError with the remedy.
 
     YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
-    The environment variable CROSSCHECK_YADE names another module folder.
+    The settings `yade` and `yade_python` name another module folder and another interpreter.
     """
-    modules = _module_folder()
-    if modules is None and "CROSSCHECK_YADE" in os.environ:
-        raise YadeMissingError(f"CROSSCHECK_YADE = {os.environ['CROSSCHECK_YADE']} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
+    configuration = load()
+    asked, named = configuration.settings.yade_python, configuration.settings.yade
+    python = Path(shutil.which(asked) or asked).absolute()  # it will run in a folder of results
+    modules = _module_folder(named)
+    if modules is None and named is not None:
+        where = configuration.source("yade")
+        setting = where if where.startswith(PREFIX) else f"{where}: yade"
+        raise YadeMissingError(f"{setting} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
     if modules is None:
         raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
-    python = Path(os.environ.get("CROSSCHECK_YADE_PYTHON", SYSTEM_PYTHON))
     try:
         answer = subprocess.run(
-            [python, "-s", "-c", _PROBE, modules], env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False
-        )
+            [python, "-s", "-c", _PROBE, modules, SCRIPTS],
+            env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
+        )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
     said = answer.stderr.strip().splitlines() or ["gives no reason"]
@@ -78,14 +116,14 @@ def find_yade() -> Yade:
     version = answer.stdout.strip().splitlines()
     if not version:
         raise YadeMissingError(f"{python} does not say which YADE it loads; get one that does with: {HOW_TO_GET_YADE}")
-    return Yade(python, modules, version[-1])
+    lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])
+    return Yade(python, modules, version[-1], tuple(lacks))
 
 
-def _module_folder() -> Path | None:
-    """Folder that holds the `yade` package: named by the environment, else as YADE's launcher names it."""
-    named = os.environ.get("CROSSCHECK_YADE")
+def _module_folder(named: Path | None) -> Path | None:
+    """Folder that holds the `yade` package: as a setting names it, else as YADE's launcher does."""
     if named is not None:
-        return Path(named) if (Path(named) / "yade").is_dir() else None
+        return named.absolute() if (named / "yade").is_dir() else None
     launcher = shutil.which("yade")
     if launcher is None:
         return None
@@ -110,11 +148,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     Raises YadeFailedError when no result was written. An interruption ends YADE, too.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
-    script = Path(__file__).parent.parent / "yade_scripts" / "run_case.py"
-    command = [
-        str(part)
-        for part in (yade.python, "-s", "-u", script, case.resolve(), run.resolve(), "--inputs", inputs, "--time-limit", time_limit)
-    ]
+    options = ["--inputs", inputs, "--time-limit", time_limit]
+    command = [str(part) for part in (yade.python, "-s", "-u", SCRIPTS / "run_case.py", case.resolve(), run.resolve(), *options)]
     variables = {**environment(), "YADE_MODULES": str(yade.modules)}
     began = time.monotonic()
     try:
@@ -125,7 +160,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
-        raise YadeFailedError(_failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else ""))
+        reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
+        raise YadeFailedError(reason + (f"\n{yade.caution}" if yade.caution else ""))
 
 
 def _followed(

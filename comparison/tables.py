@@ -196,3 +196,11 @@ def doctor_table(findings: list[Finding]) -> Table:
     for finding in findings:
         table.add_row(finding.part, _plain(finding.state), "[green]✓[/]" if finding.well else "[red]✗ missing[/]")
     return table
+
+
+def settings_table(configuration: dict[str, Any]) -> Table:
+    """Which settings hold, and from where."""
+    table = _table("setting", "value", "from")
+    for name, one in configuration["settings"].items():
+        table.add_row(name, "–" if one["value"] is None else _plain(str(one["value"])), _plain(one["from"]))
+    return table

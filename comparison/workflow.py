@@ -175,7 +175,8 @@ def _yade(
     path.unlink(missing_ok=True)
     try:
         yade = find_yade()
-        listener.stage(scene.name, "YADE", f"running {yade.version}")
+        caution = ", of which `crosscheck doctor` has a word to say" if yade.caution else ""
+        listener.stage(scene.name, "YADE", f"running {yade.version}{caution}")
         run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:

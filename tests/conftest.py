@@ -43,6 +43,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         item.add_marker(pytest.mark.xdist_group("cross_checked" if shares else item.path.name))
 
 
+@pytest.fixture(autouse=True, scope="session")
+def no_settings_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("configuration")))
+        for name in ("OUTPUT", "TIME_LIMIT", "WORKERS"):
+            patch.delenv(f"CROSSCHECK_{name}", raising=False)
+        yield
+
+
 @dataclass(frozen=True)
 class CrossChecked:
     """A shipped scene after `crosscheck run`: both methods' results and what comparison.json holds."""

@@ -20,7 +20,7 @@ SOLVED_KEYS = {
 
 def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenes", "--json"]) == 0
-    listed = json.loads(capsys.readouterr().out)
+    listed = json.loads(capsys.readouterr().out)["scenes"]
     assert [scene["name"] for scene in listed] == shipped.names()
     assert all(scene["title"] and scene["source"] for scene in listed)
     assert main(["scenes"]) == 0

@@ -111,7 +111,7 @@ def test_the_command_writes_figure_and_numbers_and_prints_both_tables(tmp_path: 
     assert {one["family"] for one in stored["rungs"]} >= {"cone programme", "linearised", "inset", "contact points", "Coulomb", "path"}
     assert stored["provenance"] and (tmp_path / "two_pads-cost.png").stat().st_size > 10_000
     assert main(["cost", "two_pads", "--no-yade", "-o", str(tmp_path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)[0]["scene"] == "two_pads"
+    assert json.loads(capsys.readouterr().out)["ladders"][0]["scene"] == "two_pads"
 
 
 def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -119,7 +119,7 @@ def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: py
     toml = scenes.text(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (0.8, 1.0, 0.3)), inset=0.001)
     (tmp_path / "idle.toml").write_text(toml)
     assert main(["cost", str(tmp_path / "idle.toml"), "--no-yade", "-o", str(tmp_path), "--json"]) == 0
-    (stored,) = json.loads(capsys.readouterr().out)
+    (stored,) = json.loads(capsys.readouterr().out)["ladders"]
     assert all(rung["error"] is None and not rung["pareto"] for rung in stored["rungs"])
     assert any(rung["value"] == pytest.approx(0.0, abs=1e-8) for rung in stored["rungs"])
     assert (tmp_path / "idle-cost.png").exists()

@@ -12,6 +12,7 @@ from faulty_runs import RUN_SECONDS, TOOL, Fake, answer, one_message, unfinished
 
 from comparison import launch
 from comparison.cli import main
+from comparison.configuration import SYSTEM_PYTHON
 
 DEATHS = {
     "killed": ("kill -KILL $$", "SIGKILL"),
@@ -62,7 +63,7 @@ def test_a_yade_without_memory_is_a_failed_tool(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The real one, with less address space than its libraries take."""
-    fake_python(f'ulimit -v 300000; exec {launch.SYSTEM_PYTHON} "$@"')
+    fake_python(f'ulimit -v 300000; exec {SYSTEM_PYTHON} "$@"')
     assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
     assert capsys.readouterr().err.count("YADE: failed") == 1
 
@@ -71,14 +72,14 @@ def test_h5py_missing_in_yade_s_python_is_named_with_the_remedy(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "h5py.py").write_text('raise ModuleNotFoundError("no", name="h5py")')
-    fake_python("", probe=f'PYTHONPATH={tmp_path} exec {launch.SYSTEM_PYTHON} "$@"')
+    fake_python("", probe=f'PYTHONPATH={tmp_path} exec {SYSTEM_PYTHON} "$@"')
     assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
     said = capsys.readouterr().err
     assert "lacks h5py" in said and "apt-get install yade python3-h5py" in said and said.count("YADE: missing") == 1
 
 
 OTHER_YADES = {
-    "lacks what is used": ('version = "9999"', "YADE: failed", "cannot import name"),
+    "lacks what is used": ('version = "9999"', "YADE: missing", "YADE 9999, which lacks what is used of it: Bo1_Box_Aabb"),
     "has no version": ("", "YADE: missing", "version"),
     "does not load": ("1 / 0", "YADE: missing", "ZeroDivisionError"),
 }

@@ -5,14 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from yade import (
     Bo1_Box_Aabb,
-    Bo1_Polyhedra_Aabb,
     Bo1_Sphere_Aabb,
     Body,
     Box,
     ForceResetter,
-    HelixEngine,
     Ig2_Box_Sphere_ScGeom,
-    Ig2_Sphere_Polyhedra_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
     Ip2_ViscElMat_ViscElMat_ViscElPhys,
@@ -20,21 +17,24 @@ from yade import (
     Law2_ScGeom_ViscElPhys_Basic,
     NewtonIntegrator,
     Omega,
-    Polyhedra,
     PyRunner,
     Sphere,
-    TranslationEngine,
     ViscElMat,
 )
 from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
+from yade_scripts.drive import drive_of
 from yade_scripts.settings import Settings
 
 try:
     from yade.minieigenHP import Matrix3, Quaternion, Vector3
 except ImportError:  # YADE before 2022 kept them in a package of their own
     from minieigen import Matrix3, Quaternion, Vector3
+try:
+    from yade import Bo1_Polyhedra_Aabb, Ig2_Sphere_Polyhedra_ScGeom, Polyhedra
+except ImportError:  # YADE built without CGAL, as Debian 13 has it: boxes alone offer faces
+    Polyhedra = None
 
 # Spheres meet faces only, and nothing meets between two held blocks. YADE pairs bodies whose masks share a bit, unless the
 # masks are equal and share a bit with the collider's avoidSelfInteractionMask.
@@ -172,6 +172,11 @@ def _solid(case: Case, block: int) -> Body:
     if box is not None:
         body.shape = Box(extents=0.5 * (box[1] - box[0]))
         body.state.pos = 0.5 * (box[0] + box[1])
+    elif Polyhedra is None:
+        raise YadeError(
+            f"block {block} is no box along the axes, and this YADE was built without polyhedra (CGAL); take one with them, such as "
+            'Debian 12\'s, or, where blocks meet only where they touch, [effects] displacement = "small"'
+        )
     else:
         # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
         body.shape = Polyhedra(v=[Vector3(vertex) for vertex in case.vertices[block]])
@@ -257,7 +262,8 @@ def _pair(spheres: list[int], faces: list[int]) -> None:
 
 def _collider(settings: Settings) -> InsertionSortCollider:
     """Looks for spheres and faces that come near each other, once something has moved by the margin of their bounds."""
-    collider = InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), Bo1_Polyhedra_Aabb()])
+    bounds = [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), *([Bo1_Polyhedra_Aabb()] if Polyhedra else [])]
+    collider = InsertionSortCollider(bounds)
     collider.verletDist = _BOUND_MARGIN * settings.sphere_radius
     collider.avoidSelfInteractionMask = _NO_PAIRS_OF_EQUALS
     return collider
@@ -267,33 +273,14 @@ def _engines(case: Case, settings: Settings, clumps: list[int], command: str) ->
     """Set YADE's engines; the support's drive runs before the integrator, at rest until its velocity is set."""
     colliders = [_collider(settings)] if case.displacement == "finite" else []
     contacts = InteractionLoop(
-        [Ig2_Box_Sphere_ScGeom(), Ig2_Sphere_Polyhedra_ScGeom()],
+        [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Polyhedra else [])],
         [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
         [Law2_ScGeom_ViscElPhys_Basic()],
     )
     integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
-    drive = _drive(case, [clumps[block] for block in case.supports])
+    drive = drive_of(case, [clumps[block] for block in case.supports])
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
     omega = Omega()
     omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch]
     omega.dt = settings.time_step
     return integrator, drive, watch
-
-
-def _drive(case: Case, ids: list[int]) -> KinematicEngine:
-    """Rigid motion of all supports with the direction of the unit twist: a translation, or a screw about its axis."""
-    velocity, spin = case.support_twist[:3], case.support_twist[3:]
-    if not case.is_rotation:
-        return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)
-    rate = float(np.linalg.norm(spin))
-    return HelixEngine(ids=ids, rotationAxis=spin / rate, zeroPoint=np.cross(spin, velocity) / rate**2, rotateAroundZero=True)
-
-
-def set_speed(case: Case, drive: KinematicEngine, speed: float) -> None:
-    """Move the supports with `speed` times the unit twist from the next step on."""
-    if case.is_rotation:
-        rate = float(np.linalg.norm(case.support_twist[3:]))
-        drive.angularVelocity = speed * rate
-        drive.linearVelocity = speed * float(case.support_twist[:3] @ case.support_twist[3:]) / rate
-    else:
-        drive.velocity = speed * float(np.linalg.norm(case.support_twist[:3]))

@@ -10,8 +10,9 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model, set_speed
+from yade_scripts.bodies import Model
 from yade_scripts.case import Case
+from yade_scripts.drive import set_speed
 from yade_scripts.plateau import Plateau
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
 from yade_scripts.settings import Settings

@@ -1,0 +1,90 @@
+"""Every command obeys `--json`: one JSON object on standard output and nothing else, or nothing at all beside an error."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+from comparison.arguments import parser
+from comparison.cli import COMMANDS, main
+from comparison.ending import AGREE, USAGE
+
+VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
+PREFERRED = ("no_yade",)  # switches that spare time
+
+
+def _commands() -> dict[str, argparse.ArgumentParser]:
+    (words,) = [action for action in parser(COMMANDS)._actions if isinstance(action, argparse._SubParsersAction)]
+    return dict(words.choices)
+
+
+COMMAND_LINE = _commands()
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("results")
+    assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(folder)]) == AGREE
+    return folder
+
+
+def example(sub: argparse.ArgumentParser, results: Path, folder: Path) -> list[str]:
+    """Arguments with which a command does its work: what it demands, and where its files go."""
+    given = []
+    for action in sub._actions:
+        if action.dest == "output":
+            given += ["-o", str(folder / ("figure.png" if action.metavar == "FIG" else "files"))]
+        elif action.dest in PREFERRED:
+            given.append(action.option_strings[0])
+        elif action.required:
+            value = str(results) if action.metavar == "DIR" else VALUES.get(str(action.metavar))
+            assert value is not None, f"say in VALUES what this test is to give for {action.metavar} of {sub.prog}"
+            given += [*action.option_strings[:1], value]
+    return given
+
+
+def one_object(text: str) -> dict[str, Any]:
+    """The object that a text is; anything before, after or beside it, or a number that JSON does not know, is an error."""
+
+    def refuse(name: str) -> NoReturn:
+        raise AssertionError(f"{name} is no JSON")
+
+    found = json.loads(text, parse_constant=refuse)
+    assert isinstance(found, dict) and found
+    return found
+
+
+@pytest.mark.parametrize("name", COMMAND_LINE)
+def test_every_command_prints_one_object_and_nothing_else(
+    name: str, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([name, *example(COMMAND_LINE[name], results, tmp_path), "--json"]) == AGREE
+    one_object(capfd.readouterr().out)
+
+
+@pytest.mark.parametrize("name", COMMAND_LINE)
+def test_an_error_is_one_line_on_standard_error_and_an_exit_code(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Of a configuration that cannot hold, which every command meets; and of a scene or folder that is not there."""
+    monkeypatch.chdir(tmp_path)
+    absent = [*example(COMMAND_LINE[name], tmp_path / "nowhere", tmp_path), "--json"]
+    if "two_pads" in absent or str(tmp_path / "nowhere") in absent:
+        assert main([name, *("two_pds" if word == "two_pads" else word for word in absent)]) == USAGE
+        _one_error(capfd)
+    Path("crosscheck.toml").write_text("friction = 0.6")
+    assert main([name, *absent]) == USAGE
+    _one_error(capfd)
+
+
+def _one_error(capfd: pytest.CaptureFixture[str]) -> None:
+    captured = capfd.readouterr()
+    assert captured.out == "" and captured.err.startswith("error: ") and captured.err.count("\n") == 1
+
+
+def test_several_folders_are_still_one_object(results: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", str(results), str(results), "--json"]) == AGREE
+    assert len(one_object(capfd.readouterr().out)["reports"]) == 2

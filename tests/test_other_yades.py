@@ -1,0 +1,64 @@
+"""YADE of other versions and builds: run with a word of caution, and refused only where something that is needed is missing."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from faulty_runs import TOOL
+
+from comparison import launch
+from comparison.cli import main
+
+
+@pytest.fixture
+def altered_yade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """The YADE of this machine under another version and without some of its names, as another release or build would be."""
+
+    def alter(version: str, *lacking: str) -> None:
+        modules = tmp_path / "modules"
+        (modules / "yade").mkdir(parents=True)
+        (modules / "yade" / "__init__.py").write_text(f"""
+import sys
+sys.path[:] = [{str(launch.find_yade().modules)!r}, *(path for path in sys.path if path != {str(modules)!r})]
+del sys.modules["yade"]
+import yade, yade.config
+yade.config.version = {version!r}
+for name in {lacking!r}:
+    delattr(yade, name)
+""")
+        monkeypatch.setenv("CROSSCHECK_YADE", str(modules))
+
+    return alter
+
+
+POLYHEDRA = ("Bo1_Polyhedra_Aabb", "Ig2_Sphere_Polyhedra_ScGeom", "Polyhedra")
+
+
+@pytest.mark.parametrize("version", ["2022.01a", "20301231-9999~abcdef~trixie1"])
+def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
+    version: str, altered_yade: Callable[..., None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    altered_yade(version)
+    assert main(["doctor"]) == 0
+    said = capsys.readouterr().out
+    assert f"YADE: {version} is not among the versions this was tested with (2023.02a, 2025.2.0)" in said and "two_pads" in said
+
+
+def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
+    altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As Debian 13 builds it. A trapezium is no box along the axes; with finite displacements spheres may meet any of its faces."""
+    altered_yade("2025.2.0", *POLYHEDRA)
+    out, box = tmp_path / "out", "box     = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }"
+    assert box in two_pads
+    trapezium = two_pads.replace(box, "prism = { profile = [[0.0, 0.0], [1.0, 0.0], [0.8, 0.5], [0.2, 0.5]], y = [0.0, 0.2] }")
+    for displacement in ("small", "finite"):
+        path = tmp_path / f"{displacement}.toml"
+        path.write_text(f'{trapezium.split("[expected]")[0]}\n[effects]\ndisplacement = "{displacement}"\n')
+    capsys.readouterr()
+    assert main(["run", "two_pads", str(tmp_path / "small.toml"), "-o", str(out)]) == 0
+    assert capsys.readouterr().err.count("running 2025.2.0, of which `crosscheck doctor` has a word to say") == 2
+    assert main(["run", str(tmp_path / "finite.toml"), "-o", str(out)]) == TOOL
+    said = capsys.readouterr().err
+    assert "no box along the axes" in said and 'displacement = "small"' in said and said.count("YADE: failed") == 1
+    assert "Debian 12" in said and "Traceback" not in said
