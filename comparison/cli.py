@@ -256,6 +256,12 @@ def _code(comparison: dict[str, Any]) -> int:
     return EXIT_OF_VERDICT[comparison["verdict"]]
 
 
+def _campaign(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.command import campaign
+
+    return campaign(options, narrator, _stdout(), _print_json)
+
+
 def _doctor(options: argparse.Namespace, narrator: Console) -> int:
     findings = doctor.examine()
     if options.json:
@@ -275,6 +281,7 @@ COMMANDS = {
     "sensitivity": _sensitivity,
     "cost": _cost,
     "run": _run,
+    "campaign": _campaign,
     "report": _report,
     "export": _export,
     "doctor": _doctor,

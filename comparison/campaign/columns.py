@@ -51,7 +51,6 @@ COSTS = {
     "classic_iterations": ("", "its programmes"),
     "yade_seconds": ("s", "wall time inside YADE"),
     "yade_steps": ("", "time steps of YADE"),
-    "attempts": ("", "times that the case was begun in the call that ended it"),
 }
 
 
@@ -64,7 +63,7 @@ def result_columns(keys: Sequence[str]) -> dict[str, tuple[str, str]]:
     return columns
 
 
-def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str]) -> dict[str, Any]:
+def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> dict[str, Any]:
     """What a row takes from an object of comparison.json; None where undefined. labels: of the mechanisms, by method."""
     answers, yade = summary["limit_analysis"], summary["yade"] or {}
     own, own_coulomb = answers["associated"], answers["coulomb"] or {}

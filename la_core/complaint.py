@@ -1,0 +1,72 @@
+"""What pydantic says of a file that a person wrote, in one sentence that they can act on."""
+
+from typing import Any
+
+import pydantic
+
+from la_core.errors import SceneError, nearest
+
+
+def complaint(found: pydantic.ValidationError, data: dict[str, Any], model: type[pydantic.BaseModel]) -> SceneError:
+    """What is wrong with a file as one sentence: key path (with the block's name), value, rule, nearest key of the file's `model`."""
+    # A misspelt key is also a missing one: the misspelling says more.
+    error: Any = min(found.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    path, value = _key_path(error["loc"], data), error["input"]
+    if error["type"] == "extra_forbidden":
+        *parents, key = error["loc"]
+        return SceneError(path, "unknown key", hint=nearest(str(key), _valid_keys(parents, model)))
+    if error["type"] == "missing" and isinstance(error["loc"][-1], int):
+        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
+    if error["type"] == "missing":
+        return SceneError(path, "missing", hint="no physical quantity has a silent default")
+    if error["type"] == "value_error":
+        return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
+    rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
+    return SceneError(path, rule.format(**error.get("ctx", {})), value=value)
+
+
+_RULES = {  # in place of pydantic's words, which are about Python
+    "bool_type": "must be true or false",
+    "dict_type": "must be a table",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "model_type": "must be a table",
+    "string_type": "must be text in quotes",
+    "too_long": "has too many entries, {actual_length} where at most {max_length} belong",
+    "too_short": "has too few entries, {actual_length} where at least {min_length} belong",
+    "tuple_type": "must be an array",
+}
+
+
+def _key_path(location: tuple[Any, ...], data: Any) -> str:
+    parts: list[str] = []
+    for step in location:
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            data = None
+        if not isinstance(step, int):
+            parts.append(str(step))
+        elif isinstance(data, dict) and isinstance(data.get("name"), str):
+            parts[-1] += f' "{data["name"]}"'
+        else:
+            parts[-1] += f"[{step + 1}]"
+    return ".".join(part for part in parts if not part.startswith(("constrained-", "literal[", "tuple[", "bool")))
+
+
+def _valid_keys(parents: list[Any], model: type[pydantic.BaseModel]) -> list[str]:
+    """Keys of the table that `parents` lead to, by walking the schema."""
+    for step in parents:
+        if isinstance(step, int):
+            continue
+        field = next(f for name, f in model.model_fields.items() if step in (name, f.alias))
+        model = _table_of(field.annotation)
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _table_of(annotation: Any) -> Any:
+    """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`."""
+    if isinstance(annotation, type) and issubclass(annotation, pydantic.BaseModel):
+        return annotation
+    return next(found for part in annotation.__args__ if part is not type(None) and (found := _table_of(part)))
