@@ -20,6 +20,7 @@ from comparison.campaign.local import Local
 from comparison.campaign.narration import CampaignNarration
 from comparison.campaign.table import CampaignTable
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL
+from comparison.report_numbers import DASH
 from comparison.tables import number
 from la_core.errors import SceneError
 
@@ -70,7 +71,7 @@ def show(found: CampaignTable, out: Console) -> None:
     for row in found.rows[:MOST_SHOWN]:
         divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
         values = [number(None if row[name] is None else row[name] / divisor, 5) for name in ("least", "coulomb", "greatest", "yade")]
-        shown.add_row(row["case"].replace("[", r"\["), *values, row["verdict"] or row["state"])
+        shown.add_row(row["case"].replace("[", r"\["), *values, row["verdict"] or ("failed" if row["state"] == "failed" else DASH))
     out.print(shown)
     if len(found.rows) > MOST_SHOWN:
         out.print(f"and {len(found.rows) - MOST_SHOWN} more", markup=False)

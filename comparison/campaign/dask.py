@@ -5,10 +5,12 @@ before anything is handed out, and again by each job. A job stops by itself once
 lock of the folder, and its token lies there.
 """
 
+import contextlib
 import errno
 import fcntl
 import logging
 import os
+import queue
 import uuid
 from pathlib import Path
 from typing import Any
@@ -29,6 +31,7 @@ class Dask:
     def __init__(self, address: str, folder: Path) -> None:
         self._address, self._folder, self._token = address, folder, uuid.uuid4().hex
         self._jobs: dict[Any, Job] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._client: Any = None
         self.name, self.capacity = "Dask", 1
 
@@ -42,8 +45,12 @@ class Dask:
             self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
             raise OSError(errno.EHOSTUNREACH, f"no Dask scheduler answers there ({error})", self._address) from error
-        write_text(self._folder / CALL, self._token)
-        self._look_at_workers(distributed)
+        try:
+            write_text(self._folder / CALL, self._token)
+            self._look_at_workers()
+        except BaseException:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -52,7 +59,7 @@ class Dask:
             self._client.cancel(list(self._jobs))
             self._client.close(timeout=PATIENCE)
 
-    def _look_at_workers(self, distributed: Any) -> None:
+    def _look_at_workers(self) -> None:
         """That there are workers, and each can do the work: it sees the folder, has this code, and one thread."""
         try:
             self._client.wait_for_workers(1, timeout=PATIENCE)
@@ -76,23 +83,20 @@ class Dask:
     def begin(self, job: Job) -> None:
         """Hand a job to the scheduler."""
         key = f"crosscheck-{self._token}-{job.folder.name}"
-        self._jobs[self._client.submit(_work, job, self._folder, self._token, key=key, pure=False)] = job
+        future = self._client.submit(_work, job, self._folder, self._token, key=key, pure=False)
+        self._jobs[future] = job
+        future.add_done_callback(self._done.put)
 
     def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
         """Jobs that ended, with what they came to, once there is one or after so many seconds."""
-        import distributed  # noqa: PLC0415
-
-        try:
-            distributed.wait(list(self._jobs), timeout=seconds, return_when="FIRST_COMPLETED")
-        except TimeoutError:
-            self._require_scheduler()
-            return []
         found = []
-        for future in [future for future in self._jobs if future.done()]:
+        with contextlib.suppress(queue.Empty):
+            future = self._done.get(timeout=seconds)
             self._require_scheduler()
             job = self._jobs.pop(future)
             error = future.exception() if future.status == "error" else None
             found.append((job, future.result() if error is None else failure(_reason(error), job.folder)))
+        self._require_scheduler()
         self.capacity = max(1, sum(self._client.nthreads().values()))
         return found
 
