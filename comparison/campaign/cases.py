@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pydantic
 import tomli_w
 
 from comparison import shipped
 from comparison.campaign import keys
 from comparison.campaign.definition import Definition, Sweep
 from la_core.classic import ClassicParameters
+from la_core.complaint import complaint
 from la_core.errors import SceneError, nearest
 from la_core.scene import Scene, load_scene, scene_of_text
 from la_core.schema import SceneFile
@@ -62,21 +64,21 @@ def expand(definition: Definition) -> list[Case]:
     names, folders = _Names(), _Names()
     for sweep in definition.file.sweep:
         path, original = _scene_of(definition, sweep)
-        stem = _safe(sweep.name or path.stem).replace(".", "") or "scene"
+        stem = _stem(sweep.name or path.stem)
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
+            own = [part for key, part in parts.items() if not key.startswith(keys.CLASSIC)]
             try:
-                data, parameters = _overridden(tomllib.loads(original), {**sweep.set, **values})
-                identity = (path.resolve(), tomli_w.dumps(data))
+                data, whole = _overridden(path, original, {**sweep.set, **values})
+                parameters = _classic({**sweep.set, **values})
+                identity = (path.resolve(), json.dumps(whole))
                 if identity not in runs:
-                    own = [part for key, part in parts.items() if not key.startswith(keys.CLASSIC)]
-                    folder = folders.unique("_".join([stem, *own]))
-                    text = original if data == tomllib.loads(original) else _titled(data, path.stem, own)
-                    runs[identity] = _run(folder, path, text)
+                    text = _titled(data, path.stem, own) if data != tomllib.loads(original) else original
+                    runs[identity] = _run(folders.unique("_".join([stem, *own])), path, text)
                 run = runs[identity]
                 if (run, parameters) not in found:
-                    found[run, parameters] = Case(names.unique(name), run, _values(data, parameters, definition.keys), parameters)
+                    found[run, parameters] = Case(names.unique(name), run, _values(whole, parameters, definition.keys), parameters)
             except SceneError as error:
                 raise SceneError(f"{definition.path}: case {name}", str(error)) from error
     return list(found.values())
@@ -102,45 +104,56 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
         raise SceneError(str(definition.path), str(error)) from error
 
 
-def _overridden(data: dict[str, Any], given: dict[str, Any]) -> tuple[dict[str, Any], ClassicParameters | None]:
-    """A scene's data with other values, and the classic iteration's parameters where one is given.
+def _overridden(path: Path, original: str, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene's data with other values, and all of it with the schema's defaults.
 
-    What the scene is known to yield does not hold for another structure, so [expected] goes unless the campaign gives it.
+    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless the campaign gives it.
     """
-    own = {key: value for key, value in given.items() if not key.startswith(keys.CLASSIC)}
-    first = {keys.steps(key)[0] for key in own}
-    if first - set(KEEP_EXPECTED) and "expected" not in first:
-        data.pop("expected", None)
-    for key, value in own.items():
-        keys.put(data, key, copy.deepcopy(value))
-    parameters = {key.removeprefix(keys.CLASSIC): value for key, value in given.items() if key.startswith(keys.CLASSIC)}
-    return data, _classic(parameters) if parameters else None
+    data = tomllib.loads(original)
+    before = _whole(path, data)
+    for key, value in given.items():
+        if not key.startswith(keys.CLASSIC):
+            keys.put(data, key, copy.deepcopy(value))
+    whole = _whole(path, data)
+    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    if is_another and whole["expected"] == before["expected"] is not None:
+        del data["expected"]
+        whole["expected"] = None
+    return data, whole
 
 
-def _classic(given: dict[str, Any]) -> ClassicParameters:
+def _whole(path: Path, data: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return SceneFile.model_validate(data).model_dump(by_alias=True, mode="json")
+    except pydantic.ValidationError as error:
+        raise SceneError(str(path), str(complaint(error, data, SceneFile))) from error
+
+
+def _classic(given: dict[str, Any]) -> ClassicParameters | None:
+    """The classic iteration's parameters, None where none is given."""
+    own = {key.removeprefix(keys.CLASSIC): value for key, value in given.items() if key.startswith(keys.CLASSIC)}
     defaults = dataclasses.asdict(ClassicParameters())
-    for name, value in given.items():
+    for name, value in own.items():
         if name not in defaults:
             raise SceneError(f"{keys.CLASSIC}{name}", "unknown key", hint=nearest(name, defaults))
         kinds = (int,) if isinstance(defaults[name], int) else (int, float)
         if type(value) not in kinds:
             raise SceneError(f"{keys.CLASSIC}{name}", f"must be a {'' if float in kinds else 'whole '}number", value=value)
     try:
-        return ClassicParameters(**{name: type(defaults[name])(value) for name, value in given.items()})
+        return ClassicParameters(**{name: type(defaults[name])(value) for name, value in own.items()}) if own else None
     except ValueError as error:
         raise SceneError(keys.CLASSIC.rstrip("."), str(error)) from error
 
 
 def _run(folder: str, path: Path, text: str) -> Run:
     """A run of a scene, which is checked by being built."""
-    name = _safe(path.stem).replace(".", "") or "scene"
+    name = _stem(path.stem)
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene_of_text(text, path, name).meshes]
     return Run(folder, name, path, text, tuple(meshes))
 
 
-def _values(data: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:
+def _values(whole: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:
     """Values of the varied keys as the scene has them, its defaults included."""
-    whole = SceneFile.model_validate(data).model_dump(by_alias=True, mode="json")
     classic = dataclasses.asdict(parameters) if parameters else {}
     return {key: classic.get(key.removeprefix(keys.CLASSIC)) if key.startswith(keys.CLASSIC) else keys.get(whole, key) for key in varied}
 
@@ -175,6 +188,11 @@ def _word(value: Any, values: tuple[Any, ...]) -> str:
 def _safe(text: str) -> str:
     """The text without anything that leads out of a folder, or that a shell or a file system reads otherwise."""
     return _UNSAFE.sub("", text)[:LONGEST]
+
+
+def _stem(text: str) -> str:
+    """The same without a dot, so that no name of a folder begins with one, or is that of a file beside it."""
+    return _safe(text).replace(".", "") or "scene"
 
 
 class _Names:

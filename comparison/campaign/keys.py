@@ -1,6 +1,7 @@
 """Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first of an array."""
 
 import re
+from itertools import pairwise
 from typing import Any
 
 from la_core.errors import SceneError
@@ -25,7 +26,7 @@ def put(data: dict[str, Any], key: str, value: Any) -> None:
     *way, last = steps(key)
     place: Any = data
     walked = ""
-    for step, following in zip(way, [*way[1:], last], strict=True):
+    for step, following in pairwise([*way, last]):
         _require(place, step, walked, key)
         if isinstance(step, str) and step not in place:
             if isinstance(following, int):
@@ -60,4 +61,4 @@ def _require(place: Any, step: str | int, walked: str, key: str) -> None:
     elif isinstance(place, list):
         raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"say which of its entries: {walked}[0].{step}")
     elif not isinstance(place, dict):
-        raise SceneError(f'"{key}"', f"{walked} is a value, not a table", value=place)
+        raise SceneError(f'"{key}"', f"{walked} is a value, not a table")
