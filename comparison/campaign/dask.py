@@ -88,7 +88,7 @@ class Dask:
         future.add_done_callback(self._done.put)
 
     def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
-        """Jobs that ended, with what they came to, once there is one or after so many seconds."""
+        """Jobs that ended, with what they came to, once there is one or after so many seconds; raises OSError without a scheduler."""
         found = []
         with contextlib.suppress(queue.Empty):
             future = self._done.get(timeout=seconds)
@@ -97,13 +97,19 @@ class Dask:
             error = future.exception() if future.status == "error" else None
             found.append((job, future.result() if error is None else failure(_reason(error), job.folder)))
         self._require_scheduler()
-        self.capacity = max(1, sum(self._client.nthreads().values()))
         return found
 
     def _require_scheduler(self) -> None:
-        if self._client.status != "running" or any(future.status in ("cancelled", "lost") for future in self._jobs):
+        """That the scheduler is there and knows the jobs; also how many workers it has now."""
+        try:
+            is_there = self._client.status == "running" and not any(future.status in ("cancelled", "lost") for future in self._jobs)
+            threads = self._client.nthreads() if is_there else {}
+        except OSError:
+            is_there = False
+        if not is_there:
             hint = "what was finished is kept, the same command goes on from there"
             raise OSError(errno.ECONNRESET, f"the Dask scheduler is gone; {hint}", self._address)
+        self.capacity = max(1, sum(threads.values()))
 
 
 def _reason(error: BaseException) -> str:

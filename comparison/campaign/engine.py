@@ -17,7 +17,6 @@ from comparison.campaign.narration import CampaignNarration
 from comparison.files import alone_in, write_text
 from comparison.provenance import describe
 from la_core.classic import ClassicParameters
-from la_core.errors import SceneError
 
 CASES = "cases"  # folder of the cases' folders
 LOOKS_EVERY = 0.5  # s
@@ -157,9 +156,3 @@ def gather(campaign: Campaign, outcomes: dict[str, Outcome], engine: str, began:
     return table.CampaignTable(
         campaign.definition.title, varied, rows, costs, provenance, campaign.folder, dict(campaign.definition.file.labels)
     )
-
-
-def require_distinct(folder: Path) -> None:
-    """That a campaign does not lie in a folder of another kind of results; raises SceneError."""
-    if (folder / "report.json").exists() and not (folder / table.STORED).exists():
-        raise SceneError(str(folder), "holds results of `crosscheck run`", hint="take another folder by -o")
