@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from campaigns_for_tests import QUICK, Inline, begun, campaign, finished, run
-from faulty_runs import INTERRUPTED, PATIENCE, ROOT, crosscheck, one_message, processes_about, unfinished, wait_for
+from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, one_message, processes_about, unfinished, wait_for
 from matplotlib.figure import Figure
 from test_security import listening, tree
 
@@ -158,13 +158,13 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
 ) -> None:
     out, path = tmp_path / "out", tmp_path / "campaign.toml"
     path.write_text(WITH_YADE, encoding="utf-8")
-    with crosscheck("campaign", str(path), "-o", str(out), "--workers", "1") as process:
+    with crosscheck("campaign", str(path), "-o", str(out), "--workers", "1", start_new_session=True) as process:
         wait_for(lambda: (len(finished(out)) >= 1 and bool(list(out.glob("cases/*/*/yade.log")))) or process.poll() is not None)
         wait_for(lambda: bool(processes_about(out / "cases")) or process.poll() is not None)
         family = tree(process.pid)
         assert len(family) >= 3  # the campaign, a worker, YADE
         assert not listening(family)
-        process.send_signal(number)
+        os.killpg(process.pid, number) if number is signal.SIGINT else process.kill()  # a terminal tells all of them
         _, said = process.communicate()
     assert process.returncode == code
     wait_for(lambda: all(is_gone(one) for one in family))
@@ -190,6 +190,20 @@ def test_a_scheduler_that_is_not_there_is_named(
         assert main(["campaign", str(path), "-o", str(tmp_path / "out"), "--scheduler", address, "-q"]) == 3
         one_message(capsys.readouterr().err, address)
     assert begun(tmp_path / "out") == []
+
+
+@pytest.mark.long
+def test_a_scheduler_that_goes_away_in_the_middle_is_told_and_the_next_call_goes_on(tmp_path: Path, plain_figures: None) -> None:
+    out, path = tmp_path / "out", tmp_path / "campaign.toml"
+    path.write_text(WITH_YADE, encoding="utf-8")
+    with cluster(1) as address:
+        process = crosscheck("campaign", str(path), "-o", str(out), "--scheduler", address)
+        wait_for(lambda: len(finished(out)) >= 1 or process.poll() is not None, 600.0)
+    with process:
+        _, said = process.communicate()
+    assert process.returncode == TOOL
+    one_message(said, "the Dask scheduler is gone")
+    assert [row["state"] for row in run(WITH_YADE, out).rows] == ["done"] * 3
 
 
 def test_a_missing_extra_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
