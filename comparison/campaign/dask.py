@@ -40,7 +40,8 @@ class Dask:
             import distributed  # noqa: PLC0415 - an extra
         except ImportError as error:
             raise SceneError("--scheduler", "campaigns are handed out by distributed, which is not installed", hint=INSTALL) from error
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here
+        for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said here
         try:
             self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -92,10 +93,13 @@ class Dask:
         found = []
         with contextlib.suppress(queue.Empty):
             future = self._done.get(timeout=seconds)
-            self._require_scheduler()
-            job = self._jobs.pop(future)
-            error = future.exception() if future.status == "error" else None
-            found.append((job, future.result() if error is None else failure(_reason(error), job.folder)))
+            job = self._jobs[future]
+            try:
+                found.append((job, future.result()))
+            except Exception as error:  # the worker's own, or what became of it
+                self._require_scheduler()
+                found.append((job, failure(_reason(error), job.folder)))
+            del self._jobs[future]
         self._require_scheduler()
         return found
 
