@@ -2,11 +2,11 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 from comparison.campaign import table
 from comparison.campaign.cases import Case, Run, axes
@@ -65,7 +65,7 @@ def run_campaign(campaign: Campaign, engine: Engine, narration: CampaignNarratio
         began, outcomes = time.monotonic(), dict[str, Outcome]()
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
-        with _tables(campaign, outcomes, engine.name, began) as write:
+        with _tables(campaign, outcomes, engine, began) as write:
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
@@ -95,7 +95,7 @@ def _run_all(
     engine: Engine,
     narration: CampaignNarration,
     outcomes: dict[str, Outcome],
-    write: Any,
+    write: Callable[[], None],
 ) -> None:
     running = 0
     while waiting or running:
@@ -113,20 +113,20 @@ def _run_all(
 
 
 @contextmanager
-def _tables(campaign: Campaign, outcomes: dict[str, Outcome], engine: str, began: float) -> Iterator[Any]:
+def _tables(campaign: Campaign, outcomes: dict[str, Outcome], engine: Engine, began: float) -> Iterator[Callable[[], None]]:
     """Gives what writes the tables, at most now and then; they are written at the end in any case."""
     latest = time.monotonic()
 
     def write() -> None:
         nonlocal latest
         if time.monotonic() - latest >= WRITES_EVERY:
-            table.write(gather(campaign, outcomes, engine, began), campaign.parquet)
+            table.write(gather(campaign, outcomes, engine.name, began), campaign.parquet)
             latest = time.monotonic()
 
     try:
         yield write
     finally:
-        table.write(gather(campaign, outcomes, engine, began), campaign.parquet)
+        table.write(gather(campaign, outcomes, engine.name, began), campaign.parquet)
 
 
 def gather(campaign: Campaign, outcomes: dict[str, Outcome], engine: str, began: float) -> table.CampaignTable:
