@@ -9,6 +9,7 @@ from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 COSTS = Path("crosscheck-cost")
+MOST_WORKERS = 1000
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -57,6 +58,15 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     limit_help = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
     run.add_argument("--time-limit", type=seconds, metavar="S", help=limit_help)
+    campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
+    campaign.set_defaults(configured=("workers",))
+    campaign.add_argument("campaign", metavar="FILE", type=Path, help="campaign file (TOML): scenes, and the ranges of their keys")
+    campaign.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)")
+    where = campaign.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=count, metavar="N", help="processes on this machine (default: its cores)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
+    campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
+    campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
     report = add("report", "write the report again from stored results")
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
@@ -86,6 +96,13 @@ def accuracy(text: str) -> float:
     if not LEAST_ACCURACY <= value <= MOST_ACCURACY:
         raise argparse.ArgumentTypeError(f"{text}: must be a share from {LEAST_ACCURACY:.1%} to {MOST_ACCURACY:.0%}, such as 1%")
     return value
+
+
+def count(text: str) -> int:
+    """A positive whole number."""
+    if not (text.isdecimal() and 1 <= int(text[:9]) <= MOST_WORKERS):
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_WORKERS}")
+    return int(text)
 
 
 def seconds(text: str) -> float:

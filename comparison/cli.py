@@ -245,6 +245,12 @@ def _code(comparison: dict[str, Any]) -> int:
     return EXIT_OF_VERDICT[comparison["verdict"]]
 
 
+def _campaign(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.command import campaign
+
+    return campaign(options, narrator, _stdout(), _print_json)
+
+
 def _doctor(options: argparse.Namespace, narrator: Console) -> int:
     findings, settings = doctor.examine(), doctor.configuration_dict()
     if options.json:
@@ -277,6 +283,7 @@ COMMANDS = {
     "sensitivity": _sensitivity,
     "cost": _cost,
     "run": _run,
+    "campaign": _campaign,
     "report": _report,
     "export": _export,
     "doctor": _doctor,

@@ -25,14 +25,15 @@ def code_of(command: Callable[[], int]) -> int:
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, OSError) and error.filename is None:
             _let_go_of_stdout()
-        return complain(_message(error), _code(error))
+        return complain(message_of(error), _code(error))
 
 
 def _code(error: BaseException) -> int:
     return USAGE if isinstance(error, SceneError) else INTERRUPTED if isinstance(error, KeyboardInterrupt) else TOOL
 
 
-def _message(error: BaseException) -> str:
+def message_of(error: BaseException) -> str:
+    """What stopped a command, in one message."""
     if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError):
         return str(error)
     if isinstance(error, OSError):

@@ -42,8 +42,8 @@ def crosscheck(*arguments: str, **options: Any) -> "subprocess.Popen[str]":
     return subprocess.Popen(command, **{"cwd": ROOT, **pipes, **options})
 
 
-def wait_for(happens: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
+def wait_for(happens: Callable[[], bool], seconds: float = PATIENCE) -> None:
+    deadline = time.monotonic() + seconds
     while not happens():
         assert time.monotonic() < deadline
         time.sleep(0.01)

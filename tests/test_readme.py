@@ -1,5 +1,6 @@
 """The README is true: its commands run, its outputs and numbers are those of today."""
 
+import dataclasses
 import json
 import math
 import re
@@ -14,11 +15,13 @@ from growth_report import fit
 from scenes_for_tests import load
 
 from comparison import shipped, tables
+from comparison.campaign import definition
+from comparison.campaign.cases import expand
 from comparison.cli import COMMANDS, main
 from comparison.effects_table import effects_summary
 from la_core.assembly import assemble
 from la_core.case import analyse, settled
-from la_core.classic import iterate
+from la_core.classic import ClassicParameters, iterate
 from la_core.full_model import full_model
 from la_core.limit import Drive, Status
 from la_core.scene import load_scene
@@ -79,13 +82,23 @@ def test_every_command_of_the_table_exists(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_the_scene_of_the_readme_is_a_scene_with_its_expected_value() -> None:
-    (text,) = _blocks("toml")
+    text, _ = _blocks("toml")
     assert tomllib.loads(text)
     scene = load(text)
     expected = scene.expected
     assert expected is not None and expected.reaction_over_weight is not None
     sharp = analyse(scene).sharp[Drive.YIELDING].value / scene.weight
     assert sharp == pytest.approx(expected.reaction_over_weight, abs=expected.tolerance)
+
+
+def test_the_campaign_of_the_readme_is_one(tmp_path: Path) -> None:
+    path = tmp_path / "campaign.toml"
+    path.write_text(_blocks("toml")[1], encoding="utf-8")
+    cases = expand(definition.load(path))
+    assert len(cases) == 3 * 2 * 2 and cases[1].name == "wall_third_mu=0.4_courses=8_to0=1.2"
+    assert f"At most {definition.MOST_CASES:,} cases" in README
+    parameters = re.findall(r"`classic\.(\w+)`", README)
+    assert set(parameters) == {field.name for field in dataclasses.fields(ClassicParameters)}
 
 
 def test_every_file_and_figure_of_the_readme_exists() -> None:

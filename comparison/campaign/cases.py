@@ -1,0 +1,210 @@
+"""From a campaign's definition to its cases: each a scene with values of its own, under a name that is safe as a file's."""
+
+import copy
+import dataclasses
+import hashlib
+import json
+import re
+import tomllib
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pydantic
+import tomli_w
+
+from comparison import shipped
+from comparison.campaign import keys
+from comparison.campaign.definition import Definition, Sweep
+from la_core.classic import ClassicParameters
+from la_core.complaint import complaint
+from la_core.errors import SceneError, nearest
+from la_core.scene import Scene, load_scene, scene_of_text
+from la_core.schema import SceneFile
+
+LONGEST = 120  # characters of a case's name
+KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
+_UNSAFE = re.compile(r"[^\w.+=-]", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One scene to take through both methods, in a folder of its own: what cases share that differ in the classic iteration alone.
+
+    path: of the scene it is made from, beside which its meshes lie. meshes: their paths and digests.
+    """
+
+    name: str
+    scene_name: str
+    path: Path
+    text: str
+    meshes: tuple[str, ...]
+
+    def scene(self) -> Scene:
+        """The scene; raises SceneError for anything wrong in it."""
+        return scene_of_text(self.text, self.path, self.scene_name)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the campaign's tables. values: of every varied key that its scene knows, None for the others."""
+
+    name: str
+    run: Run
+    values: dict[str, Any]
+    classic: ClassicParameters | None
+
+
+def expand(definition: Definition) -> list[Case]:
+    """All cases in order, equal ones once; raises SceneError, which names the campaign and the case, for any whose scene is wrong."""
+    labels = _labels(definition)
+    runs: dict[tuple[Path, str], Run] = {}
+    found: dict[tuple[Run, ClassicParameters | None], Case] = {}
+    names, folders = _Names(), _Names()
+    for sweep in definition.file.sweep:
+        path, original = _scene_of(definition, sweep)
+        stem = _stem(sweep.name or path.stem)
+        for values in sweep.combinations():
+            parts = _parts(sweep, values, labels)
+            name = "_".join([stem, *parts.values()])
+            own = [part for key, part in parts.items() if not key.startswith(keys.CLASSIC)]
+            try:
+                data, whole = _overridden(path, original, {**sweep.set, **values})
+                parameters = _classic({**sweep.set, **values})
+                identity = (path.resolve(), json.dumps(whole))
+                if identity not in runs:
+                    text = _titled(data, path.stem, own) if data != tomllib.loads(original) else original
+                    runs[identity] = _run(folders.unique("_".join([stem, *own])), path, text)
+                run = runs[identity]
+                if (run, parameters) not in found:
+                    found[run, parameters] = Case(names.unique(name), run, _values(whole, parameters, definition.keys), parameters)
+            except SceneError as error:
+                raise SceneError(f"{definition.path}: case {name}", str(error)) from error
+    return list(found.values())
+
+
+def axes(definition: Definition, cases: list[Case]) -> dict[str, list[Any]]:
+    """Values of every varied key among the cases, in order of their first appearance."""
+    found: dict[str, dict[str, Any]] = {key: {} for key in definition.keys}
+    for case in cases:
+        for key, value in case.values.items():
+            if value is not None:
+                found[key].setdefault(json.dumps(value), value)
+    return {key: list(values.values()) for key, values in found.items()}
+
+
+def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
+    """Path and text of a sweep's scene: beside the campaign, or shipped."""
+    own = definition.path.parent / sweep.scene
+    try:
+        path = own if own.is_file() or own.suffix == ".toml" else shipped.find(sweep.scene)
+        return path, load_scene(path).text
+    except SceneError as error:
+        raise SceneError(str(definition.path), str(error)) from error
+
+
+def _overridden(path: Path, original: str, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A scene's data with other values, and all of it with the schema's defaults.
+
+    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless the campaign gives it.
+    """
+    data = tomllib.loads(original)
+    before = _whole(path, data)
+    for key, value in given.items():
+        if not key.startswith(keys.CLASSIC):
+            keys.put(data, key, copy.deepcopy(value))
+    whole = _whole(path, data)
+    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    if is_another and whole["expected"] == before["expected"] is not None:
+        del data["expected"]
+        whole["expected"] = None
+    return data, whole
+
+
+def _whole(path: Path, data: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return SceneFile.model_validate(data).model_dump(by_alias=True, mode="json")
+    except pydantic.ValidationError as error:
+        raise SceneError(str(path), str(complaint(error, data, SceneFile))) from error
+
+
+def _classic(given: dict[str, Any]) -> ClassicParameters | None:
+    """The classic iteration's parameters, None where none is given."""
+    own = {key.removeprefix(keys.CLASSIC): value for key, value in given.items() if key.startswith(keys.CLASSIC)}
+    defaults = dataclasses.asdict(ClassicParameters())
+    for name, value in own.items():
+        if name not in defaults:
+            raise SceneError(f"{keys.CLASSIC}{name}", "unknown key", hint=nearest(name, defaults))
+        kinds = (int,) if isinstance(defaults[name], int) else (int, float)
+        if type(value) not in kinds:
+            raise SceneError(f"{keys.CLASSIC}{name}", f"must be a {'' if float in kinds else 'whole '}number", value=value)
+    try:
+        return ClassicParameters(**{name: type(defaults[name])(value) for name, value in own.items()}) if own else None
+    except ValueError as error:
+        raise SceneError(keys.CLASSIC.rstrip("."), str(error)) from error
+
+
+def _run(folder: str, path: Path, text: str) -> Run:
+    """A run of a scene, which is checked by being built."""
+    name = _stem(path.stem)
+    meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene_of_text(text, path, name).meshes]
+    return Run(folder, name, path, text, tuple(meshes))
+
+
+def _values(whole: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:
+    """Values of the varied keys as the scene has them, its defaults included."""
+    classic = dataclasses.asdict(parameters) if parameters else {}
+    return {key: classic.get(key.removeprefix(keys.CLASSIC)) if key.startswith(keys.CLASSIC) else keys.get(whole, key) for key in varied}
+
+
+def _titled(data: dict[str, Any], stem: str, parts: list[str]) -> str:
+    """The scene's text, whose title says what it is a case of."""
+    title = f"{data.get('title') or stem}{': ' if parts else ''}{', '.join(part.replace('=', ' = ') for part in parts)}"
+    return tomli_w.dumps({"title": title} | {key: value for key, value in data.items() if key != "title"})
+
+
+def _labels(definition: Definition) -> dict[str, str]:
+    """Short names of the varied keys: as given, else the last name in their path where no other key has it, else all of it."""
+    last = {key: re.split(r"\.", key)[-1] for key in definition.keys}
+    often = Counter(last.values())
+    return {key: definition.file.labels.get(key) or (short if often[short] == 1 else key) for key, short in last.items()}
+
+
+def _parts(sweep: Sweep, values: dict[str, Any], labels: dict[str, str]) -> dict[str, str]:
+    """What names a case among its sweep's, by key: its values; of keys that go together the first."""
+    naming = [*sweep.vary, *(next(iter(group)) for group in sweep.together)]
+    ranges = sweep.vary | {key: values for group in sweep.together for key, values in group.items()}
+    return {key: _safe(f"{labels[key]}={_word(values[key], ranges[key])}") for key in naming}
+
+
+def _word(value: Any, values: tuple[Any, ...]) -> str:
+    """A value as a word; an array or table by its place among the values."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"v{values.index(value) + 1}" if isinstance(value, list | dict) else str(value)
+
+
+def _safe(text: str) -> str:
+    """The text without anything that leads out of a folder, or that a shell or a file system reads otherwise."""
+    return _UNSAFE.sub("", text)[:LONGEST]
+
+
+def _stem(text: str) -> str:
+    """The same without a dot, so that no name of a folder begins with one, or is that of a file beside it."""
+    return _safe(text).replace(".", "") or "scene"
+
+
+class _Names:
+    """Names that were given; each is given once, whatever the case of its letters."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def unique(self, wanted: str) -> str:
+        name, number = wanted[:LONGEST], 1
+        while name.casefold() in self._taken:
+            number += 1
+            name = f"{wanted[:LONGEST]}-{number}"
+        self._taken.add(name.casefold())
+        return name

@@ -1,0 +1,128 @@
+"""The campaign file: scenes, and the ranges of their keys. Every complaint about the file itself is made here."""
+
+import math
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import pydantic
+from pydantic import Field, Strict, model_validator
+
+from comparison.campaign import keys
+from la_core.complaint import complaint
+from la_core.errors import SceneError
+from la_core.schema_types import LARGEST_FILE, Name, Table, Text
+
+MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
+Values = Annotated[tuple[Any, ...], Field(min_length=1)]
+
+
+class Sweep(Table):
+    """One scene over the product of ranges of its keys.
+
+    set: fixed values in place of the scene's own. vary: each key's values. together: tables of keys whose values, equally many, go
+    together. name: of the cases, in place of the scene's.
+    """
+
+    scene: Name
+    name: Name | None = None
+    set: dict[str, Any] = Field(default_factory=dict)
+    vary: dict[str, Values] = Field(default_factory=dict)
+    together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = ()
+
+    @model_validator(mode="after")
+    def _goes_together(self) -> Self:
+        for group in self.together:
+            counts = {key: len(values) for key, values in group.items()}
+            if len(set(counts.values())) > 1:
+                raise ValueError(f"keys that go together need equally many values, not {', '.join(f'{k}: {n}' for k, n in counts.items())}")
+        every = [*self.set, *self.varied()]
+        if twice := [key for key in every if every.count(key) > 1]:
+            raise ValueError(f'"{twice[0]}" is given twice')
+        return self
+
+    def varied(self) -> list[str]:
+        """Keys that vary, in the order of the file."""
+        return [*self.vary, *(key for group in self.together for key in group)]
+
+    def count(self) -> int:
+        """How many cases it comes to."""
+        return math.prod([len(values) for values in self.vary.values()] + [len(next(iter(group.values()))) for group in self.together])
+
+    def combinations(self) -> Iterator[dict[str, Any]]:
+        """The varied keys' values of each case; the last key varies fastest."""
+        ranges = [[{key: value} for value in values] for key, values in self.vary.items()]
+        ranges += [[dict(zip(group, values, strict=True)) for values in zip(*group.values(), strict=True)] for group in self.together]
+        for parts in product(*ranges):
+            yield {key: value for part in parts for key, value in part.items()}
+
+
+class CampaignFile(Table):
+    """The whole file. labels: short names of varied keys, for axes and the names of cases."""
+
+    title: Text = ""
+    yade: Annotated[bool, Strict()] = True
+    sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)]
+    labels: dict[str, Name] = Field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A campaign file as it was read. keys: every varied one, in order."""
+
+    path: Path
+    text: str
+    file: CampaignFile
+    keys: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """The campaign's title, or else its file's name."""
+        return self.file.title or self.path.stem
+
+
+def load(path: Path) -> Definition:
+    """Read and validate a campaign file; raises SceneError for anything a user must mend."""
+    try:
+        text = _read(path)
+        data = tomllib.loads(text)
+        file = CampaignFile.model_validate(data)
+        varied = list(dict.fromkeys(key for sweep in file.sweep for key in sweep.varied()))
+        _require_sense(file, varied)
+    except pydantic.ValidationError as error:
+        raise SceneError(str(path), str(complaint(error, data, CampaignFile))) from error
+    except (ValueError, RecursionError) as error:
+        raise SceneError(str(path), f"not valid TOML: {error}") from error
+    except SceneError as error:
+        raise SceneError(str(path), str(error)) from error
+    return Definition(path, text, file, tuple(varied))
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.exists() and not path.is_file():
+            raise SceneError("campaign", "not a file")
+        if path.stat().st_size > LARGEST_FILE:
+            raise SceneError("campaign", f"larger than {LARGEST_FILE} bytes; a campaign is a short text")
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise SceneError("campaign", f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise SceneError("campaign", f"not UTF-8 text (byte {error.start})") from error
+
+
+def _require_sense(file: CampaignFile, varied: list[str]) -> None:
+    for number, sweep in enumerate(file.sweep, 1):
+        for key in [*sweep.set, *sweep.varied()]:
+            try:
+                keys.steps(key)
+            except SceneError as error:
+                raise SceneError(f"sweep[{number}]", str(error)) from error
+    if (count := sum(sweep.count() for sweep in file.sweep)) > MOST_CASES:
+        raise SceneError("sweep", f"at most {MOST_CASES} cases make a campaign", value=count, hint="take fewer values")
+    if unknown := [key for key in file.labels if key not in varied]:
+        hint = f"varied keys: {', '.join(varied)}" if varied else "no key is varied"
+        raise SceneError("labels", f'"{unknown[0]}" is varied by no sweep', hint=hint)

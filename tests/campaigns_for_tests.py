@@ -1,0 +1,78 @@
+"""What tests of campaigns share: an engine in this very process, and a campaign from its text to its table."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from conftest import Silent
+from rich.console import Console
+
+from comparison.campaign import definition
+from comparison.campaign.cases import expand
+from comparison.campaign.engine import Campaign, run_campaign
+from comparison.campaign.job import Job, Outcome, run_job
+from comparison.campaign.narration import CampaignNarration
+from comparison.campaign.table import CampaignTable
+
+QUICK = """
+title = "Friction of two scenes"
+yade = false
+
+[[sweep]]
+scene = "two_blocks"
+vary = { "joint.friction" = [0.3, 0.6] }
+
+[[sweep]]
+scene = "two_pads"
+vary = { "joint.friction" = [0.4, 0.5] }
+"""  # scenes whose limit analysis takes milliseconds
+
+
+class Inline:
+    """Jobs in this process, one after the other; remembers which. `fails` may raise in the place of a job."""
+
+    name, capacity = "inline", 1
+
+    def __init__(self, fails: Callable[[Job], None] = lambda job: None) -> None:
+        self.done: list[str] = []
+        self._ended: list[tuple[Job, Outcome]] = []
+        self._fails = fails
+
+    def __enter__(self) -> "Inline":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+    def begin(self, job: Job) -> None:
+        self._fails(job)
+        self.done.append(job.folder.name)
+        self._ended.append((job, run_job(job, Silent())))
+
+    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+        return [self._ended.pop()]
+
+
+def campaign(text: str, folder: Path) -> Campaign:
+    """A campaign of a text, whose file lies beside the folder of its results."""
+    path = folder.parent / "campaign.toml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    asked = definition.load(path)
+    return Campaign(asked, expand(asked), folder, asked.file.yade)
+
+
+def run(text: str, folder: Path, engine: Any = None) -> CampaignTable:
+    """Run a campaign of a text in a folder, in this process where no engine is given."""
+    with CampaignNarration(Console(quiet=True), "test") as narration:
+        return run_campaign(campaign(text, folder), engine or Inline(), narration)
+
+
+def begun(folder: Path) -> list[str]:
+    """Cases of a campaign's folder that have begun."""
+    return sorted(path.parent.name for path in folder.glob("cases/*/.lock"))
+
+
+def finished(folder: Path) -> dict[str, int]:
+    """Cases of a campaign's folder that are finished, with when."""
+    return {path.parent.name: path.stat().st_mtime_ns for path in folder.glob("cases/*/outcome.json")}
