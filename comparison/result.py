@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.text import Text
 
 from comparison import plots, tables
-from comparison.arguments import RESULTS
 from comparison.check import Check, Verdict
 from comparison.figures import figures
 from comparison.files import refuse_name
@@ -101,7 +100,11 @@ class Result(Tabled):
 
 
 def run(
-    scene: Scene | Path | str, folder: Path | str = RESULTS, yade: bool = True, time_limit: float | None = None, quiet: bool = False
+    scene: Scene | Path | str,
+    folder: Path | str = "crosscheck-results",
+    yade: bool = True,
+    time_limit: float | None = None,
+    quiet: bool = False,
 ) -> Result:
     """Take a scene through both methods, as `crosscheck run` does; what is in the folder and did not change is not run again.
 
@@ -110,7 +113,7 @@ def run(
     YADE is missing or fails is a verdict, `inconclusive`.
 
     >>> import comparison
-    >>> comparison.run("two_pads", "/tmp/crosscheck-docs", yade=False, quiet=True).verdict
+    >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
     <Verdict.AGREE: 'agree'>
     """
     chosen = scene if isinstance(scene, Scene) else load(scene)
