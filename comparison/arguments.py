@@ -10,6 +10,7 @@ from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 RESULTS = Path("crosscheck-results")
 COSTS = Path("crosscheck-cost")
+TUTORIALS = Path("crosscheck-tutorial")
 
 
 def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:
@@ -58,6 +59,11 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
     export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
+    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
+    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
+    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
+    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
     add("doctor", "what is installed, what is missing, the command that mends it")
     return whole
 

@@ -222,6 +222,17 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
     return AGREE
 
 
+def _tutorial(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison import tutorial
+
+    console = _stdout()
+    console.quiet = options.json
+    told = tutorial.command(options.name, options.output, options.notebook, console)
+    if options.json:
+        _print_json(told)
+    return AGREE
+
+
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
     """Write each folder's report, print the verdict table, and return the gravest exit code."""
     from comparison.report import stored_report, write_report
@@ -275,6 +286,7 @@ COMMANDS = {
     "run": _run,
     "report": _report,
     "export": _export,
+    "tutorial": _tutorial,
     "doctor": _doctor,
 }
 

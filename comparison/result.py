@@ -33,10 +33,10 @@ class Picture:
 
     figure: Any
 
-    def save(self, path: Path | str) -> Path:
-        """Write PNG, SVG or PDF, as the name ends; returns the path."""
+    def save(self, path: Path | str) -> "Picture":
+        """Write PNG, SVG or PDF, as the name ends; returns the picture, so that a notebook shows what was saved."""
         plots.save(self.figure, Path(path))
-        return Path(path)
+        return self
 
     def _repr_png_(self) -> bytes:
         return plots.rendered(self.figure, ".png")

@@ -194,7 +194,8 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     again = comparison.read(tmp_path / "two_pads")
     assert (str(again), again.checks) == (str(result), result.checks)
     for name in ("assembly", "mechanisms", "reaction", "dissipation"):
-        assert result.plot(name).save(tmp_path / f"{name}.svg").read_text().count("<path") > 5
+        result.plot(name).save(tmp_path / f"{name}.svg")
+        assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("<path") > 5
     assert result.plot()._repr_png_() == (result.folder / "mechanisms.png").read_bytes()
     assert "data:image/png;base64," in result._repr_html_()
     with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
