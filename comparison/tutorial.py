@@ -3,7 +3,6 @@
 import contextlib
 import io
 import json
-import linecache
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -62,7 +61,6 @@ def run(name: str, folder: Path) -> Iterator[tuple[Cell, str, list[Path]]]:
     folder.mkdir(parents=True, exist_ok=True)
     space: dict[str, Any] = {"__name__": name}
     script = str(SCRIPTS / f"{name}.py")
-    linecache.checkcache(script)
     for cell in found:
         before, said = _figures(folder, name), io.StringIO()
         if not cell.is_text:

@@ -17,6 +17,7 @@ from la_core.errors import SceneError
 from la_core.scene import Scene, scene_of_text
 
 LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
+LONGEST_TITLE = 120  # characters of a title made so
 
 
 def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = ".") -> Scene:
@@ -39,7 +40,7 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     """The scene with some keys changed; raises SceneError for a key that leads nowhere and for what the schema refuses.
 
     changes: new values by dotted key, such as "joint.friction" or "wall[0].courses"; None takes a key or a table away. What the
-    original scene expects is left out unless it is changed, too. name: made from the changes where none is given.
+    original scene expects is left out unless it is changed, too. name: made from the changes where none is given, as is the title.
 
     >>> import la_core
     >>> smooth = la_core.variant(la_core.load("wall_third"), {"joint.friction": 0.4})
@@ -48,6 +49,8 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     """
     tables = tomllib.loads(scene.text)
     keys.override(tables, changes)
+    if "title" not in changes:
+        tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
     made = ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
     return build(tables, name or made[:LONGEST_NAME], scene.path.parent)
 

@@ -11,7 +11,8 @@ import comparison
 import la_core
 
 radius, thickness, voussoirs = 2.0, 0.3, 12
-scene = la_core.variant(la_core.load("arch_spreading"), {"arch[0].voussoirs": voussoirs}, "arch_of_12")
+changes = {"title": "Semicircular arch of 12 voussoirs, right springing spreads", "arch[0].voussoirs": voussoirs}
+scene = la_core.variant(la_core.load("arch_spreading"), changes, "arch_of_12")
 comparison.draw(scene).save("arch-structure.png")
 
 # %% [markdown]

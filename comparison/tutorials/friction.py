@@ -38,10 +38,11 @@ assert abs(answer.least - associated) < 1e-6 * scene.weight
 assert abs(answer.coulomb - coulomb) < 1e-3 * scene.weight  # joints are a little elastic in the prediction
 
 # %% [markdown]
-# The mechanism of the associated rule gives it away: the right block moves sideways, and lifts off its pad while both slide.
+# The mechanism of the associated rule gives it away: the right block moves sideways, and rises from its pad while it slides on it.
 
 # %%
-bound = la_core.solve(la_core.variant(scene, {"effects.friction": "associated", "path": None}))
+rule = {"title": "The same, friction that dilates", "effects.friction": "associated", "path": None}
+bound = la_core.solve(la_core.variant(scene, rule))
 comparison.draw(bound).save("friction-associated.png")
 
 # %% [markdown]

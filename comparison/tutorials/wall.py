@@ -31,8 +31,8 @@ comparison.draw(scene).save("wall-structure.png")
 # Every course is laid half a block farther, so the wedge loses half a block a course: one block in the lowest course, half a block in the
 # next, nothing above. The wall weighs 16 blocks, the wedge 1.5.
 #
-# - If its flanks carry nothing, R = 1.5 / 16 W. Nothing without dilation can leave more.
-# - If its flanks slid by the associated rule, R = 1.5 / 16 W / (1 + mu²), as for the two blocks side by side. Nothing can leave less.
+# - If its flanks carry nothing, R = 1.5 / 16 W. Friction on a wedge that goes down can only hold it back, so this is the most.
+# - If its flanks slide by the associated rule, R = 1.5 / 16 W / (1 + mu²), as for the two blocks side by side. This is a bound: the least.
 
 # %%
 wedge = 1.5 / 16.0 * scene.weight
