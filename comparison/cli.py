@@ -223,14 +223,9 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
 
 
 def _tutorial(options: argparse.Namespace, narrator: Console) -> int:
-    from comparison import tutorial
+    from comparison.tutorial import tutorial
 
-    console = _stdout()
-    console.quiet = options.json
-    told = tutorial.command(options.name, options.output, options.notebook, console)
-    if options.json:
-        _print_json(told)
-    return AGREE
+    return tutorial(options, _stdout(), _print_json)
 
 
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:

@@ -1,10 +1,11 @@
 """Walk-throughs for students: scripts in cells of text and code that are told, run and drawn, or written as notebooks."""
 
+import argparse
 import contextlib
 import io
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.markdown import Markdown
 
+from comparison.ending import AGREE
 from comparison.files import write_text
 from comparison.launch import find_yade
 from la_core.errors import SceneError, nearest
@@ -95,22 +97,25 @@ def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:
     return paths
 
 
-def command(name: str | None, folder: Path, as_notebook: bool, console: Console) -> dict[str, Any]:
-    """What `crosscheck tutorial` does: list, write notebooks, or tell and run one on the console; returns the same as one object."""
-    if as_notebook:
-        paths = [str(path) for path in write_notebooks((name,) if name else NAMES, folder)]
+def tutorial(options: argparse.Namespace, console: Console, print_json: Callable[[Any], None]) -> int:
+    """Do what `crosscheck tutorial` was asked for on the console, or print it as one JSON object; returns the exit code."""
+    console.quiet = options.json
+    if options.notebook:
+        paths = [str(path) for path in write_notebooks((options.name,) if options.name else NAMES, options.output)]
         console.print("\n".join(paths), markup=False)
-        return {"files": paths}
-    if name is None:
-        listed = [{"name": one, "title": title(one)} for one in NAMES]
-        for row in listed:
-            console.print(f"  {row['name']:<14}{row['title']}", markup=False)
-        return {"tutorials": listed}
-    told = []
-    for cell, said, figures in run(name, folder):
-        _tell(console, cell, said, figures)
-        told.append({"text" if cell.is_text else "code": cell.source, "output": said, "figures": [str(path) for path in figures]})
-    return {"tutorial": name, "title": title(name), "cells": told}
+        told: dict[str, Any] = {"files": paths}
+    elif options.name is None:
+        told = {"tutorials": [{"name": name, "title": title(name)} for name in NAMES]}
+        console.print("\n".join(f"  {row['name']:<14}{row['title']}" for row in told["tutorials"]), markup=False)
+    else:
+        told = {"tutorial": options.name, "title": title(options.name), "cells": []}
+        for cell, said, figures in run(options.name, options.output):
+            _tell(console, cell, said, figures)
+            kind = "text" if cell.is_text else "code"
+            told["cells"].append({kind: cell.source, "output": said, "figures": [str(path) for path in figures]})
+    if options.json:
+        print_json(told)
+    return AGREE
 
 
 def _tell(console: Console, cell: Cell, said: str, figures: list[Path]) -> None:

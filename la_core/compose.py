@@ -48,7 +48,7 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     ('wall_third,joint.friction=0.4', 0.4)
     """
     tables = tomllib.loads(scene.text)
-    keys.override(tables, changes)
+    keys.override(tables, {key: None if value is None else _plain(value, key) for key, value in changes.items()})
     if "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
     made = ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])

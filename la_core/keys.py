@@ -45,12 +45,13 @@ def put(data: dict[str, Any], key: str, value: Any) -> None:
 
 
 def override(data: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Set several keys; what the scene is known to yield does not hold for another structure, so [expected] goes unless it is given."""
-    first = {steps(key)[0] for key in changes}
-    if first - set(KEEP_EXPECTED) and "expected" not in first:
-        data.pop("expected", None)
+    """Set several keys; what the scene is known to yield does not hold for another structure, so [expected] goes unless it changes, too."""
+    before = copy.deepcopy(data)
     for key, value in changes.items():
         put(data, key, copy.deepcopy(value))
+    is_another = any(before.get(table) != data.get(table) for table in {*before, *data} - set(KEEP_EXPECTED))
+    if is_another and data.get("expected") == before.get("expected"):
+        data.pop("expected", None)
 
 
 def _joined(walked: str, step: str | int) -> str:

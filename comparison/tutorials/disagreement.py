@@ -14,7 +14,7 @@ pads, blocks = la_core.load("two_pads"), la_core.load("two_blocks")
 # %% [markdown]
 # ## A hand calculation that is wrong
 #
-# A colleague puts the forces of the two pads at their middles, x = 0.2 m and x = 0.75 m, and writes down what he expects:
+# A colleague puts the forces of the two pads at their middles, x = 0.2 m and x = 0.75 m, and writes down what should come out:
 # R = W (0.5 - 0.2) / (0.75 - 0.2).
 
 # %%
@@ -25,7 +25,7 @@ print(first)
 assert first.verdict == "disagree"
 
 # %% [markdown]
-# Not the program is at fault. His state is in equilibrium, it lies between the bounds, and the pads may carry it before anything moves.
+# Not the program is at fault. The state is in equilibrium, it lies between the bounds, and the pads may carry it before anything moves.
 # But it belongs to no mechanism: once the pad settles, the block touches at edges, and R = W / 6.
 
 # %%
