@@ -7,10 +7,10 @@ from pathlib import Path
 from comparison.provenance import version
 from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
+TUTORIALS = Path("crosscheck-tutorial")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 RESULTS = Path("crosscheck-results")
 COSTS = Path("crosscheck-cost")
-TUTORIALS = Path("crosscheck-tutorial")
 
 
 def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:

@@ -95,7 +95,7 @@ class Result(Tabled):
     def _repr_html_(self) -> str:
         figure = self.folder / "mechanisms.png"
         shown = base64.b64encode(figure.read_bytes()).decode() if figure.is_file() else ""
-        image = f'<img alt="mechanisms" src="data:image/png;base64,{shown}">' if shown else ""
+        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{shown}">' if shown else ""
         return f"{super()._repr_html_()}\n<p>{html.escape(self.reason)}</p>\n{image}"
 
 

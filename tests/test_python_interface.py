@@ -148,6 +148,15 @@ def test_a_variant_keeps_what_its_changes_leave_true() -> None:
     assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
 
 
+def test_a_variant_is_named_and_titled_by_its_changes() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"title": "Mine"}).title == "Mine"
+    assert la_core.variant(pads, {"joint.friction": 0.4}).title == f"{pads.title}: joint.friction = 0.4"
+    assert la_core.variant(pads, {"joint.friction": 0.4}, "own").name == "own"
+    assert "/" not in la_core.variant(pads, {"title": "../../a/b"}).name
+    assert len(la_core.variant(pads, {"source": 1000 * "x"}).name) < 255  # bytes of a file's name
+
+
 @pytest.mark.parametrize("friction", [0.3, 0.9])
 def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float) -> None:
     """Right block on the settling pad: W_b without dilatancy, W_b / (1 + mu^2) by the associated law."""
