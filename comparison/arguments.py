@@ -7,6 +7,7 @@ from pathlib import Path
 from comparison.provenance import version
 from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
+TUTORIALS = Path("crosscheck-tutorial")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
 COSTS = Path("crosscheck-cost")
 MOST_WORKERS = 1000
@@ -72,6 +73,11 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
     export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
+    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
+    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
+    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
+    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
     add("doctor", "what is installed, what is missing, the command that mends it")
     completion = add("completion", "print the script by which a shell completes commands, options and scenes")
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))

@@ -19,11 +19,12 @@ from comparison.check import overall
 from comparison.checks import check_expected
 from comparison.configuration import filled
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL, code_of, complain
-from comparison.files import FolderInUseError
+from comparison.files import FolderInUseError, refuse_name
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
-from la_core.accuracy import analyse, with_accuracy
+from la_core.accuracy import with_accuracy
+from la_core.answer import solve
 from la_core.case import model, settled
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
@@ -89,9 +90,7 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
 def _solve(options: argparse.Namespace, narrator: Console) -> int:
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
-    if options.path and scene.effects.friction not in ("auto", "coulomb"):
-        raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
-    analysis = analyse(scene, with_path=options.path)
+    analysis = solve(scene, options.path).analysis
     summary = limit_analysis_summary(scene, analysis)
     checks = [*check_expected(scene, analysis), *check_accuracy(scene, analysis, None)]
     if options.json:
@@ -176,8 +175,7 @@ def _refuse_names(scenes: list[Scene]) -> None:
     """A scene's name is its folder's: it must be one, and its own."""
     seen: dict[str, Scene] = {}
     for scene in scenes:
-        if scene.name in (".", "..", "report.html", "report.md", "report.json"):
-            raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
+        refuse_name(scene)
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
@@ -211,6 +209,12 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
     else:
         _stdout().print("\n".join(files), markup=False)
     return AGREE
+
+
+def _tutorial(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.tutorial import tutorial
+
+    return tutorial(options, _stdout(), _print_json)
 
 
 def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
@@ -286,6 +290,7 @@ COMMANDS = {
     "campaign": _campaign,
     "report": _report,
     "export": _export,
+    "tutorial": _tutorial,
     "doctor": _doctor,
     "completion": _completion,
 }

@@ -13,8 +13,8 @@ from rich.table import Table
 
 from comparison.cost_methods import ASSOCIATED, PREDICTION, Method, Outcome, coulomb, shared_inset
 from comparison.summary import without_undefined
-from comparison.tables import ROUND_OFF, number
 from la_core.scene import Scene
+from la_core.text_table import ROUND_OFF, number
 
 REPEATS, ENOUGH = 3, 10.0  # times a rung is run; seconds after which it is not run again
 FINEST_STEPS = 32  # of the prediction that all are held against where no value is known

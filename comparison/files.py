@@ -11,12 +11,19 @@ from la_core.schema_mesh import FOLDER_FORMATS
 from la_core.sealed_file import write_whole
 
 RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # no mesh, or folder of them, can have a result's name
+REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of scenes
 LOCK = ".lock"
 UNFINISHED = "*.[0-9]*.part"  # what a process that was killed left
 
 
 class FolderInUseError(Exception):
     """Another process works in a run's folder."""
+
+
+def refuse_name(scene: Scene) -> None:
+    """Raise SceneError for a scene whose name cannot be that of a folder of results."""
+    if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
+        raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
 
 
 @contextmanager

@@ -32,6 +32,16 @@ class Run:
         """plateau, no plateau, collapsed, timeout or failed."""
         return str(self.result["status"])
 
+    @property
+    def reaction(self) -> float:
+        """Reaction on the plateau, extrapolated to no settlement, N or N m; NaN where there is no plateau."""
+        return float(self.result["reaction"])
+
+    @property
+    def uncertainty(self) -> float:
+        """Half width of the interval that holds the reaction 19 times in 20, N or N m."""
+        return float(self.result["uncertainty"])
+
     def settling(self, series: str) -> np.ndarray:
         """One recorded series during the settlement stage."""
         return self.record[series][self.record["stage"] == 1]

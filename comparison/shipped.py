@@ -1,26 +1,7 @@
-"""The scenes that come with the program."""
+"""The scenes that come with the program, as the commands name them."""
 
-from pathlib import Path
+from la_core.shipped import FOLDER, find, names
 
-import la_core
-from la_core.errors import SceneError, nearest
+__all__ = ["FOLDER", "LONG", "find", "names"]
 
-FOLDER = Path(la_core.__file__).parent / "scenes"
 LONG = ("building_corner",)  # minutes of limit analysis and most of an hour of YADE
-
-
-def names() -> list[str]:
-    """Names of the shipped scenes, in order."""
-    return sorted(path.stem for path in FOLDER.glob("*.toml"))
-
-
-def find(scene: str) -> Path:
-    """Path of a scene given by path or by a shipped scene's name; raises SceneError when there is neither."""
-    path = Path(scene)
-    if path.suffix == ".toml" or path.is_file():
-        return path
-    if scene not in names():
-        if path.is_dir():
-            raise SceneError(scene, "is a folder, not a scene file")
-        raise SceneError(scene, "neither a file nor a shipped scene", hint=nearest(scene, names()) + "; `crosscheck scenes` lists them")
-    return FOLDER / f"{scene}.toml"

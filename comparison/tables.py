@@ -12,12 +12,15 @@ from comparison.bought import percent
 from comparison.check import Check
 from comparison.doctor import Finding
 from comparison.effects_table import effects_summary
+from la_core import answer_table
 from la_core.assembly import Assembly
 from la_core.scene import Scene
 from la_core.schema import Expected
+from la_core.text_table import number, over_weight
 
+VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
+VERDICT_TITLE = "reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau"
 MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
-ROUND_OFF = 1e-9  # of the weight: what the solver leaves of a reaction that is zero
 
 
 def _table(*headings: str, title: str | None = None) -> Table:
@@ -25,13 +28,6 @@ def _table(*headings: str, title: str | None = None) -> Table:
     for column in table.columns:
         column.overflow = "fold"
     return table
-
-
-def number(value: float | None, digits: int = 6) -> str:
-    """A number in `digits` significant digits, a dash for none; up to a million its whole part is written out."""
-    if value is None:
-        return "–"
-    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
 
 
 def scene_table(scenes: list[Scene]) -> Table:
@@ -86,41 +82,12 @@ def effects_table(effects: dict[str, Any]) -> Table:
 
 def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
     """Limit analysis of one scene: values in their unit and over the weight, residuals, checks against expected values."""
-    answer = summary["limit_analysis"]["associated"]
-    table = _table("limit analysis", scene.unit or "value", "over W" if scene.live is None else "", title=_plain(scene.title))
-    table.add_row("status", answer["status"], "")
-    for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
-        if name in answer:
-            value = answer[name]
-            over = "" if scene.live is not None else number(over_weight(value, scene.weight))
-            table.add_row(name.replace("_", " "), number(value), over)
-    if "falling" in answer:
-        table.add_row("blocks that fall", _plain(", ".join(answer["falling"])), "")
-    for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
-        table.add_row(name.replace("_", " "), number(answer[name], 2), "")
-    if summary["limit_analysis"]["coulomb"]:
-        _add_coulomb(table, scene, summary)
+    table = _table(*answer_table.headings(scene), title=_plain(scene.title))
+    for row in answer_table.rows(scene, summary["limit_analysis"]):
+        table.add_row(*map(_plain, row))
     for check in checks:
         table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])
     return table
-
-
-def _add_coulomb(table: Table, scene: Scene, summary: dict[str, Any]) -> None:
-    """Rows of the Coulomb answer: value, interval, value for sharp arrises, evidence, and what it took."""
-    answer, divisor = summary["limit_analysis"]["coulomb"], scene.weight if scene.live is None else None
-
-    def over(value: float | None) -> str:
-        return "" if divisor is None else number(over_weight(value, divisor))
-
-    table.add_row("Coulomb: status", answer["status"], "")
-    low, high = answer[f"{scene.quantity}_interval"]
-    for name, value in ((scene.quantity, answer[scene.quantity]), ("least by its mechanism", low), ("greatest by its mechanism", high)):
-        table.add_row(f"Coulomb: {name}", number(value), over(value))
-    sharp = answer[f"{scene.quantity}_sharp"]
-    table.add_row(f"Coulomb: {scene.quantity} sharp", number(sharp), over(sharp))
-    for name in ("dilatancy_residual", "drift", "seconds"):
-        table.add_row(f"Coulomb: {name.replace('_', ' ')}", number(answer[name], 2), "")
-    table.add_row("Coulomb: associated solves", str(answer["iterations"]), "")
 
 
 def path_table(scene: Scene, path: dict[str, Any]) -> Table:
@@ -137,26 +104,31 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
 
 def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     """One row a scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
-    headings = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
-    table = _table(*headings, title="reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau")
+    table = _table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
     for comparison in comparisons:
-        answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
-        coulomb = comparison["limit_analysis"]["coulomb"] or {}
-        if "multiplier" in answer:
-            values = [number(answer["multiplier"], 5), number(coulomb.get("multiplier"), 5), "–", "–"]
-        else:
-            shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb).get("reaction")
-            values = [_over(value, weight) for value in (shared["reaction"], predicted, shared["reaction_max"])]
-            values.append(with_uncertainty(over_weight(yade.get("reaction"), weight), over_weight(yade.get("uncertainty"), weight)))
-        if answer["status"] != "solved":
-            values[0] = answer["status"]
-        elif coulomb and coulomb["status"] != "solved":
-            values[1] = f"{values[1]} {coulomb['status']}"
-        if yade and yade["status"] != "plateau":
-            values[3] = yade["status"]
-        seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
-        table.add_row(_plain(comparison["scene"]), *values, MARKS[comparison["verdict"]], *seconds)
+        scene, *values, own_seconds, yade_seconds = verdict_cells(comparison)
+        table.add_row(_plain(scene), *values, MARKS[comparison["verdict"]], own_seconds, yade_seconds)
     return table
+
+
+def verdict_cells(comparison: dict[str, Any]) -> list[str]:
+    """Cells of a row of the verdict table but for the verdict itself."""
+    answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
+    coulomb = comparison["limit_analysis"]["coulomb"] or {}
+    if "multiplier" in answer:
+        values = [number(answer["multiplier"], 5), number(coulomb.get("multiplier"), 5), "–", "–"]
+    else:
+        shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb).get("reaction")
+        values = [_over(value, weight) for value in (shared["reaction"], predicted, shared["reaction_max"])]
+        values.append(with_uncertainty(over_weight(yade.get("reaction"), weight), over_weight(yade.get("uncertainty"), weight)))
+    if answer["status"] != "solved":
+        values[0] = answer["status"]
+    elif coulomb and coulomb["status"] != "solved":
+        values[1] = f"{values[1]} {coulomb['status']}"
+    if yade and yade["status"] != "plateau":
+        values[3] = yade["status"]
+    seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
+    return [comparison["scene"], *values, *seconds]
 
 
 def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
@@ -170,12 +142,6 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
             row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
             table.add_row(_plain(comparison["scene"]), ACCURACY_METHODS[method], *row)
     return table
-
-
-def over_weight(value: float | None, weight: float) -> float | None:
-    """A value over the weight; zero where only round-off is left of it."""
-    ratio = None if value is None else value / weight
-    return 0.0 if ratio is not None and abs(ratio) < ROUND_OFF else ratio
 
 
 def _over(value: float | None, weight: float) -> str:

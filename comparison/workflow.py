@@ -3,7 +3,6 @@
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -13,14 +12,13 @@ import numpy as np
 from comparison import bought, buying, plots, provenance, turn_back
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
+from comparison.figures import figures as _figures
 from comparison.files import alone_in, copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
-from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
 from la_core import accuracy, case, case_file, exchange
 from la_core.analysis import LimitAnalysis
-from la_core.dissipation import measure
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
@@ -230,25 +228,6 @@ def _judge(stored: Stored) -> list[Check]:
         reason = f"Coulomb limit analysis ended as {coulomb.status} (strain residual {coulomb.strain_residual:.1e})."
         return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     return []
-
-
-def _figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
-    """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
-    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
-    best, friction = (coulomb, "Coulomb") if coulomb and np.isfinite(coulomb.value) else (main, "associated")
-    method = f"limit analysis ({friction})"
-    mechanisms = {method: best.twists}
-    reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
-    if run is not None:
-        mechanisms["YADE"] = run.mechanism()
-        reasons["YADE"] = f"{run.status}: {run.result['message']}"
-    measures = measure(analysis.assembly, best.twists, best.forces)
-    return {
-        "assembly": lambda: plots.assembly_figure(scene, analysis.assembly),
-        "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
-        "reaction": lambda: plots.reaction_figure(scene, analysis, run),
-        "dissipation": lambda: dissipation_figure(analysis.assembly, best.twists, measures, f"{scene.title}: {method}"),
-    }
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
@@ -18,10 +18,11 @@ from la_core.exchange import FREE, SETTINGS
 from la_core.generators import NamedShape
 from la_core.mesh import MeshFile, mesh_blocks, read_files
 from la_core.schema_types import LARGEST_FILE, MOST_BLOCKS, Vector
+from la_core.text_table import Tabled, number
 
 
-@dataclass(frozen=True)
-class Scene:
+@dataclass(frozen=True, repr=False)
+class Scene(Tabled):
     """A validated scene: blocks as arrays, joint law, motion or load, what is expected of it. SI units, z up.
 
     support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
@@ -71,6 +72,11 @@ class Scene:
     def unit(self) -> str:
         """Unit of that quantity."""
         return "" if self.live is not None else "N m" if self.is_rotation else "N"
+
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in shapes.ROLES.items()]
+        values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
+        return self.title, (self.name, "", "unit"), [*counts, *((name, number(value), unit) for name, value, unit in values)]
 
 
 def load_scene(path: Path, name: str = "") -> Scene:

@@ -20,11 +20,11 @@ from comparison.campaign.definition import Definition, Sweep
 from la_core.classic import ClassicParameters
 from la_core.complaint import complaint
 from la_core.errors import SceneError, nearest
+from la_core.keys import KEEP_EXPECTED
 from la_core.scene import Scene, load_scene, scene_of_text
 from la_core.schema import SceneFile
 
 LONGEST = 120  # characters of a case's name
-KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
 _UNSAFE = re.compile(r"[^\w.+=-]", re.ASCII)
 
 

@@ -1,40 +1,12 @@
-"""Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first of an array."""
+"""Keys of a campaign: those of its scenes (`la_core.keys`), and those of the classic iteration's parameters."""
 
-import re
-from itertools import pairwise
 from typing import Any
 
-from la_core.errors import SceneError
+from la_core.keys import put, steps
+
+__all__ = ["CLASSIC", "get", "put", "steps"]
 
 CLASSIC = "classic."  # begins the keys of the classic iteration's parameters, which are no keys of a scene
-_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*)((?:\[\d{1,6}\])*)")
-
-
-def steps(key: str) -> list[str | int]:
-    """The names and indices that a key leads along; raises SceneError for a text that is no such path."""
-    found: list[str | int] = []
-    for part in key.split("."):
-        step = _STEP.fullmatch(part)
-        if step is None:
-            raise SceneError(f'"{key}"', "must be a dotted path into a scene, such as joint.friction or wall[0].courses")
-        found += [step[1], *(int(index) for index in re.findall(r"\d+", step[2]))]
-    return found
-
-
-def put(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a key of a scene's data, in tables that are made where they are missing; raises SceneError where the path leads nowhere."""
-    *way, last = steps(key)
-    place: Any = data
-    walked = ""
-    for step, following in pairwise([*way, last]):
-        _require(place, step, walked, key)
-        if isinstance(step, str) and step not in place:
-            if isinstance(following, int):
-                raise SceneError(f'"{key}"', f"the scene has no {_joined(walked, step)}, and a campaign adds no entry to an array")
-            place[step] = {}
-        place, walked = place[step], _joined(walked, step)
-    _require(place, last, walked, key)
-    place[last] = value
 
 
 def get(data: Any, key: str) -> Any:
@@ -45,20 +17,3 @@ def get(data: Any, key: str) -> Any:
         except (KeyError, IndexError, TypeError):
             return None
     return data
-
-
-def _joined(walked: str, step: str | int) -> str:
-    return f"{walked}[{step}]" if isinstance(step, int) else f"{walked}.{step}".lstrip(".")
-
-
-def _require(place: Any, step: str | int, walked: str, key: str) -> None:
-    """That a place in a scene's data can be gone on from by a step."""
-    if isinstance(step, int):
-        if not isinstance(place, list):
-            raise SceneError(f'"{key}"', f"{walked} is no array")
-        if step >= len(place):
-            raise SceneError(f'"{key}"', f"{walked} has {len(place)} entries, of which [0] is the first")
-    elif isinstance(place, list):
-        raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"say which of its entries: {walked}[0].{step}")
-    elif not isinstance(place, dict):
-        raise SceneError(f'"{key}"', f"{walked} is a value, not a table")

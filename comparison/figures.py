@@ -1,0 +1,33 @@
+"""Which figures show a scene's results."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from comparison import plots
+from comparison.plot_dissipation import dissipation_figure
+from comparison.record import Run
+from la_core.analysis import LimitAnalysis
+from la_core.dissipation import measure
+from la_core.limit import Status
+from la_core.scene import Scene
+
+
+def figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
+    """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
+    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
+    best, friction = (coulomb, "Coulomb") if coulomb and np.isfinite(coulomb.value) else (main, "associated")
+    method = f"limit analysis ({friction})"
+    mechanisms = {method: best.twists}
+    reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
+    if run is not None:
+        mechanisms["YADE"] = run.mechanism()
+        reasons["YADE"] = f"{run.status}: {run.result['message']}"
+    measures = measure(analysis.assembly, best.twists, best.forces)
+    return {
+        "assembly": lambda: plots.assembly_figure(scene, analysis.assembly),
+        "mechanisms": lambda: plots.mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
+        "reaction": lambda: plots.reaction_figure(scene, analysis, run),
+        "dissipation": lambda: dissipation_figure(analysis.assembly, best.twists, measures, f"{scene.title}: {method}"),
+    }

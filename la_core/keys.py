@@ -1,0 +1,72 @@
+"""Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first of an array."""
+
+import copy
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from la_core.errors import SceneError
+
+KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
+_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*)((?:\[\d{1,6}\])*)")
+
+
+def steps(key: str) -> list[str | int]:
+    """The names and indices that a key leads along; raises SceneError for a text that is no such path."""
+    found: list[str | int] = []
+    for part in key.split("."):
+        step = _STEP.fullmatch(part)
+        if step is None:
+            raise SceneError(f'"{key}"', "must be a dotted path into a scene, such as joint.friction or wall[0].courses")
+        found += [step[1], *(int(index) for index in re.findall(r"\d+", step[2]))]
+    return found
+
+
+def put(data: dict[str, Any], key: str, value: Any) -> None:
+    """Set a key of a scene's data, in tables that are made where they are missing, or take it away where the value is None.
+
+    Raises SceneError where the path leads nowhere.
+    """
+    *way, last = steps(key)
+    place: Any = data
+    walked = ""
+    for step, following in pairwise([*way, last]):
+        _require(place, step, walked, key)
+        if isinstance(step, str) and step not in place:
+            if isinstance(following, int):
+                raise SceneError(f'"{key}"', f"the scene has no {_joined(walked, step)}, and an array grows as a whole only")
+            place[step] = {}
+        place, walked = place[step], _joined(walked, step)
+    _require(place, last, walked, key)
+    if value is None and isinstance(last, str):
+        place.pop(last, None)
+    else:
+        place[last] = value
+
+
+def override(data: dict[str, Any], changes: Mapping[str, Any]) -> None:
+    """Set several keys; what the scene is known to yield does not hold for another structure, so [expected] goes unless it changes, too."""
+    before = copy.deepcopy(data)
+    for key, value in changes.items():
+        put(data, key, copy.deepcopy(value))
+    is_another = any(before.get(table) != data.get(table) for table in {*before, *data} - set(KEEP_EXPECTED))
+    if is_another and data.get("expected") == before.get("expected"):
+        data.pop("expected", None)
+
+
+def _joined(walked: str, step: str | int) -> str:
+    return f"{walked}[{step}]" if isinstance(step, int) else f"{walked}.{step}".lstrip(".")
+
+
+def _require(place: Any, step: str | int, walked: str, key: str) -> None:
+    """That a place in a scene's data can be gone on from by a step."""
+    if isinstance(step, int):
+        if not isinstance(place, list):
+            raise SceneError(f'"{key}"', f"{walked} is no array")
+        if step >= len(place):
+            raise SceneError(f'"{key}"', f"{walked} has {len(place)} entries, of which [0] is the first")
+    elif isinstance(place, list):
+        raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"say which of its entries: {walked}[0].{step}")
+    elif not isinstance(place, dict):
+        raise SceneError(f'"{key}"', f"{walked} is a value, not a table", value=place)

@@ -1,0 +1,233 @@
+"""The Python interface: its names are stable, its scenes are those of files, its answers those of the command line."""
+
+import ast
+import dataclasses
+import doctest
+import importlib
+import re
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import api_page
+import numpy as np
+import pytest
+
+import comparison
+import la_core
+from comparison import shipped, workflow
+from comparison.cli import main
+from la_core.case import digest
+from la_core.scene import Scene
+
+ROOT = Path(__file__).parent.parent
+ROUND_OFF = 1e-6  # of the weight: residuals of a solved cone programme
+ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
+both_packages = pytest.mark.parametrize("package", [la_core, comparison], ids=lambda package: package.__name__)
+
+
+@both_packages
+def test_stable_names_are_those_that_type_checkers_read(package) -> None:
+    stub = ast.parse((ROOT / package.__name__ / "__init__.pyi").read_text(encoding="utf-8"))
+    homes = {alias.name: node.module for node in stub.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert package.__all__ == sorted(homes)
+    for name, home in homes.items():
+        assert getattr(package, name) is getattr(importlib.import_module(home), name)
+        assert name in dir(package)
+    (listed,) = (ast.literal_eval(node.value) for node in stub.body if isinstance(node, ast.Assign))
+    assert listed == package.__all__
+
+
+@both_packages
+def test_a_name_that_is_none_is_told_as_python_tells_it(package) -> None:
+    with pytest.raises(AttributeError, match=f"module '{package.__name__}' has no attribute 'reticulate'"):
+        package.reticulate  # noqa: B018
+
+
+def test_the_page_of_names_is_that_of_the_docstrings() -> None:
+    assert api_page.PAGE.read_text(encoding="utf-8") == api_page.page()
+
+
+@both_packages
+def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(workflow, "_figures", lambda *results: {})  # the report's, which nobody looks at here
+    tried = 0
+    for name in package.__all__:
+        for example in doctest.DocTestFinder(recurse=False).find(getattr(package, name), name, module=False, globs={}):
+            result = doctest.DocTestRunner().run(example)
+            assert result.failed == 0
+            tried += result.attempted
+    assert tried
+
+
+def test_the_code_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(workflow, "_figures", lambda *results: {})  # the report's, which nobody looks at here
+    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    exec(code, {})
+    predicted, found, verdict = capsys.readouterr().out.split()
+    weight = la_core.load("two_blocks").weight
+    assert [float(predicted), float(found)] == pytest.approx([0.5 * weight] * 2, abs=ELASTIC * weight)
+    assert verdict == "agree"
+    assert (tmp_path / "mechanisms.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", [name for name in la_core.names() if name not in shipped.LONG])
+def test_the_tables_of_a_file_build_its_scene(name: str) -> None:
+    filed = la_core.load(name)
+    built = la_core.build(tomllib.loads(filed.text), name, filed.path.parent)
+    for field in dataclasses.fields(Scene):
+        if field.name not in ("text", "path", "blocks", "meshes"):
+            np.testing.assert_equal(getattr(built, field.name), getattr(filed, field.name))
+    np.testing.assert_array_equal(built.blocks.vertices, filed.blocks.vertices)
+    np.testing.assert_array_equal(built.blocks.mass, filed.blocks.mass)
+    assert built.blocks.names == filed.blocks.names
+
+
+def test_a_scene_built_of_arrays_is_one_built_of_lists() -> None:
+    tables = tomllib.loads(la_core.load("two_pads").text)
+    arrays = tables | {"gravity": np.array(tables["gravity"]), "joint": {"friction": np.float64(0.6)}}
+    arrays["block"] = tuple(block | {"box": {k: tuple(v) for k, v in block["box"].items()}} for block in tables["block"])
+    assert digest(la_core.build(arrays)) == digest(la_core.build(tables))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("joint.friction", -0.1), ("joint.fricton", 0.6), ("stone.density", "heavy"), ("wall[0].courses", 2.5), ("settlement", None)],
+)
+def test_a_mistake_in_code_is_told_as_in_a_file(key: str, value: object, write_scene: Callable[..., Path]) -> None:
+    wall = la_core.load("wall_third")
+    with pytest.raises(la_core.SceneError) as in_code:
+        la_core.variant(wall, {key: value}, "wall")
+    tables = tomllib.loads(wall.text)
+    words = {"joint.friction": "friction = -0.1", "joint.fricton": "friction = 0.6\nfricton = 0.6"}
+    texts = {
+        "stone.density": wall.text.replace("density = 2000.0", 'density = "heavy"'),
+        "wall[0].courses": re.sub(r"courses +=.*", "courses = 2.5", wall.text),
+        "settlement": wall.text.replace("[settlement]\ndirection = [0.0, 0.0, -1.0]", ""),
+    }
+    text = texts.get(key) or wall.text.replace("friction = 0.6", words[key])
+    assert tables != tomllib.loads(text)
+    with pytest.raises(la_core.SceneError) as in_file:
+        la_core.load(write_scene(text, "wall"))
+    assert str(in_code.value).split("wall.toml")[1] == str(in_file.value).split("wall.toml")[1]
+
+
+@pytest.mark.parametrize(
+    ("key", "rule"),
+    [
+        ("joint friction", "must be a dotted path"),
+        ("joint.friction.static", "is a value, not a table"),
+        ("wall.courses", r"say which of its entries: wall\[0\].courses"),
+        ("block[7].density", "has 2 entries"),
+        ("joint[0]", "is no array"),
+        ("arch[0].radius", "has no arch"),
+    ],
+)
+def test_a_key_that_leads_nowhere_is_named(key: str, rule: str) -> None:
+    with pytest.raises(la_core.SceneError, match=rule) as told:
+        la_core.variant(la_core.load("wall_third"), {key: 1.0})
+    assert key in str(told.value)
+
+
+def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
+        la_core.build({"joint": {"friction": None}})
+
+
+def test_a_variant_keeps_what_its_changes_leave_true() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"title": "same"}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.friction": pads.friction, "yade.speed": 1e-3}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.friction": 0.4}).expected is None
+    kept = la_core.variant(pads, {"joint.friction": 0.4, "expected.reaction_over_weight": 1 / 6})
+    assert kept.expected is not None and kept.expected.reaction_over_weight == 1 / 6
+    assert pads.friction == 0.6
+    assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
+
+
+def test_a_variant_is_named_and_titled_by_its_changes() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"title": "Mine"}).title == "Mine"
+    assert la_core.variant(pads, {"joint.friction": 0.4}).title == f"{pads.title}: joint.friction = 0.4"
+    assert la_core.variant(pads, {"joint.friction": 0.4}, "own").name == "own"
+    assert "/" not in la_core.variant(pads, {"title": "../../a/b"}).name
+    assert len(la_core.variant(pads, {"source": 1000 * "x"}).name) < 255  # bytes of a file's name
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.9])
+def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float) -> None:
+    """Right block on the settling pad: W_b without dilatancy, W_b / (1 + mu^2) by the associated law."""
+    scene = la_core.variant(la_core.load("two_blocks"), {"joint.friction": friction})
+    answer = la_core.solve(scene)
+    assert answer.least_sharp / scene.weight == pytest.approx(0.5 / (1 + friction**2), abs=ROUND_OFF)
+    assert answer.coulomb_sharp / scene.weight == pytest.approx(0.5, abs=ELASTIC)
+    assert answer.least <= answer.interval[0] + ROUND_OFF * scene.weight
+
+
+@pytest.mark.parametrize("name", ["trilith", "wall_low_friction", "ferris_tin_loi_1"])
+def test_an_answer_prints_the_table_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["solve", name])
+    shown = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip() and "seconds" not in line and "─" not in line]
+    own = [line.split() for line in str(la_core.solve(la_core.load(name))).splitlines() if "seconds" not in line and "─" not in line]
+    assert len(own) > 8
+    assert own == [line for line in shown if line[0] != "expected"]
+
+
+def test_an_answer_of_a_live_load_has_a_multiplier_and_no_reaction() -> None:
+    answer = la_core.solve(la_core.load("ferris_tin_loi_1"))
+    assert answer.coulomb <= answer.multiplier
+    assert np.isnan([answer.least, answer.greatest, answer.least_sharp]).all()
+
+
+def test_an_answer_cannot_be_changed() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        answer.scene = la_core.load("trilith")  # type: ignore[misc]
+    with pytest.raises(AttributeError):
+        answer.least = 0.0  # type: ignore[misc]
+
+
+def test_what_a_notebook_shows_is_escaped() -> None:
+    scene = la_core.variant(la_core.load("two_pads"), {"title": "<script>alert(1)</script>"})
+    for shown in (scene._repr_html_(), la_core.solve(scene)._repr_html_()):
+        assert "<script" not in shown and "&lt;script" in shown
+
+
+def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = comparison.run("two_pads", tmp_path, quiet=True)
+    assert capsys.readouterr().err == ""
+    assert result.verdict is comparison.Verdict.AGREE and result.reason == ""
+    assert result.yade is not None
+    assert result.yade.reaction == pytest.approx(result.answer.coulomb, rel=ELASTIC)
+    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE}
+    again = comparison.read(tmp_path / "two_pads")
+    assert (str(again), again.checks) == (str(result), result.checks)
+    for name in ("assembly", "dissipation"):
+        result.plot(name).save(tmp_path / f"{name}.svg")
+        assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("<path") > 5
+    assert result.plot()._repr_png_() == (result.folder / "mechanisms.png").read_bytes()
+    assert "data:image/png;base64," in result._repr_html_()
+    with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
+        result.plot("mechanism")
+    assert result.report().is_file()
+    with pytest.raises(ValueError, match="one folder"):
+        result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
+
+
+@pytest.mark.parametrize("name", ["..", "report.html", "a/b"])
+def test_a_scene_whose_name_is_no_folders_is_not_run(name: str, tmp_path: Path) -> None:
+    scene = dataclasses.replace(la_core.load("two_pads"), name=name)
+    with pytest.raises(la_core.SceneError, match="cannot name a folder"):
+        comparison.run(scene, tmp_path / "results", yade=False, quiet=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_loading_the_packages_draws_nothing() -> None:
+    program = "import comparison, la_core, sys; print(any(name in sys.modules for name in ('matplotlib', 'numpy', 'pydantic')))"
+    import subprocess
+
+    said = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert said.strip() == "False"
