@@ -19,6 +19,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 CHANGELOG = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 VERSION = PROJECT["project"]["version"]
+SCRIPTS = "comparison/tutorials/"  # read as text, in cells
 REQUIRED_OF_A_CITATION = {"authors", "cff-version", "message", "title"}  # by the schema of the Citation File Format 1.2.0
 
 
@@ -55,7 +56,8 @@ def test_every_package_and_every_file_beside_its_code_is_declared() -> None:
     settings = PROJECT["tool"]["setuptools"]
     assert {pattern.removesuffix("*") for pattern in settings["packages"]["find"]["include"]} == set(ROOMS)
     files = shipped_files()
-    folders = {Path(name).parent for name in files if name.endswith(".py")}
+    code = {name for name in files if name.endswith(".py") and not name.startswith(SCRIPTS)}
+    folders = {Path(name).parent for name in code}
     assert all((ROOT / folder / "__init__.py").is_file() for folder in folders)
     data = settings["package-data"]
     declared = {
@@ -64,7 +66,7 @@ def test_every_package_and_every_file_beside_its_code_is_declared() -> None:
         for pattern in [*data["*"], *data.get(folder.as_posix().replace("/", "."), [])]
         for path in (ROOT / folder).glob(pattern)
     }
-    assert {name for name in files if not name.endswith(".py")} <= declared
+    assert files - code <= declared
 
 
 @pytest.mark.long
