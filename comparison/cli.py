@@ -17,7 +17,7 @@ from comparison.arguments import parser
 from comparison.bought import check_accuracy
 from comparison.check import overall
 from comparison.checks import check_expected
-from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL, code_of, complain
+from comparison.ending import AGREE, DISAGREE, GRAVITY, INCONCLUSIVE, TOOL, code_of, complain
 from comparison.files import FolderInUseError
 from comparison.narration import Narration
 from comparison.provenance import describe
@@ -32,7 +32,6 @@ from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
 EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
-GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 PIPE_WIDTH = 120  # columns
 
 
@@ -109,7 +108,7 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
         narrator.print(reason, markup=False)
     statuses = {analysis.rounded[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
     if statuses & {Status.INACCURATE, Status.FAILED}:
-        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=_gravity)
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[verdict]
 
 
@@ -195,8 +194,11 @@ def _refuse_names(scenes: list[Scene]) -> None:
 
 
 def _report(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.report_command import is_campaign, report_campaigns
     from comparison.workflow import report_again
 
+    if any(map(is_campaign, options.folders)):
+        return report_campaigns(options, _stdout(), _print_json)
     reports, broken = [], AGREE
     with Narration(narrator) as narration:
         for folder in options.folders:
@@ -210,7 +212,7 @@ def _report(options: argparse.Namespace, narrator: Console) -> int:
                 except (ExchangeError, FolderInUseError) as error:
                     broken = complain(str(error), TOOL)
             reports.append((folder, comparisons))
-    return max(broken, _conclude(options, narrator, reports), key=_gravity)
+    return max(broken, _conclude(options, narrator, reports), key=GRAVITY.index)
 
 
 def _export(options: argparse.Namespace, narrator: Console) -> int:
@@ -243,11 +245,7 @@ def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tupl
         codes += [_code(comparison) for comparison in comparisons]
     if options.json:
         _print_json(stored[0] if len(stored) == 1 else {"reports": stored})
-    return max(codes, key=_gravity, default=AGREE)
-
-
-def _gravity(code: int) -> int:
-    return GRAVITY.index(code)
+    return max(codes, key=GRAVITY.index, default=AGREE)
 
 
 def _code(comparison: dict[str, Any]) -> int:
@@ -260,6 +258,12 @@ def _campaign(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.campaign.command import campaign
 
     return campaign(options, narrator, _stdout(), _print_json)
+
+
+def _compare(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.report_command import compare_campaigns
+
+    return compare_campaigns(options, narrator, _stdout(), _print_json)
 
 
 def _doctor(options: argparse.Namespace, narrator: Console) -> int:
@@ -282,6 +286,7 @@ COMMANDS = {
     "cost": _cost,
     "run": _run,
     "campaign": _campaign,
+    "compare": _compare,
     "report": _report,
     "export": _export,
     "doctor": _doctor,
