@@ -282,6 +282,7 @@ def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     assert label(MU) == "friction mu (-)" and label(INSET) == "inset (m)"
     assert label("wall[0].courses") == "wall 1: courses" and label("wall[0].block[2]") == "wall 1: block size (m), z"
     assert label("yade.damping") == "yade: damping"
+    assert label(MU, {MU: "tan phi"}) == "tan phi (-)" and label("wall[0].block[2]", {"wall[0].block[2]": "height"}) == "height (m)"
 
 
 # Two campaigns

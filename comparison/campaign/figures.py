@@ -64,11 +64,11 @@ def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
         ("participation", PARTICIPATION, plot_lines.participation_figures(found)),
     ):
         for drawn in drawings:
-            yield kind, drawn.figure, f"{caption.format(short(drawn.parameter))} {drawn.left_out}".strip()
+            yield kind, drawn.figure, f"{caption.format(short(drawn.parameter, table.labels))} {drawn.left_out}".strip()
     for figure, words in plot_maps.map_figures(found):
         yield "map", figure, MAP.format(words)
     for figure, parameter in plot_classic.classic_figures(sweeps(table, classic=True)):
-        yield "classic", figure, CLASSIC_WORDS.format(short(parameter))
+        yield "classic", figure, CLASSIC_WORDS.format(short(parameter, table.labels))
     costs = plot_costs.cost_figure(table)
     if costs is not None:
         yield "costs", costs, COSTS

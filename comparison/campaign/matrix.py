@@ -72,7 +72,8 @@ def _scenes(folder: Path, parameter: str, found: list[Sweep]) -> Panel:
     rows = [
         (sweep.scene, [[cell(folder, row) for row in sweep.where({parameter: value})] for value in values]) for sweep in found
     ]  # fmt: skip
-    return Panel(f"Over {short(parameter)}", "scene", label(parameter), [shown(value) for value in values], rows)
+    named = found[0].named
+    return Panel(f"Over {short(parameter, named)}", "scene", label(parameter, named), [shown(value) for value in values], rows)
 
 
 def _of_two(folder: Path, sweep: Sweep) -> Iterator[Panel]:
@@ -84,4 +85,4 @@ def _of_two(folder: Path, sweep: Sweep) -> Iterator[Panel]:
             places.setdefault((key(row[down]), key(row[across])), []).append(cell(folder, row))
         columns = part.values[across]
         rows = [(shown(low), [places.get((key(low), key(right)), []) for right in columns]) for low in part.values[down]]
-        yield Panel(part.title, label(down), label(across), [shown(value) for value in columns], rows)
+        yield Panel(part.title, label(down, part.named), label(across, part.named), [shown(value) for value in columns], rows)

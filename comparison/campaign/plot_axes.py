@@ -35,6 +35,7 @@ class Scale:
 
     parameter: str
     values: list[Any]
+    named: dict[str, str]
 
     @property
     def numeric(self) -> bool:
@@ -58,7 +59,7 @@ class Scale:
         axes.xaxis.set_minor_locator(NullLocator())
         style = {"rotation": 25, "ha": "right"} if turned else {}
         axes.set_xticks([places[k] for k in kept], [words[k] for k in kept], parse_math=False, **style)
-        axes.set_xlabel(label(self.parameter), fontsize=8, parse_math=False)
+        axes.set_xlabel(label(self.parameter, self.named), fontsize=8, parse_math=False)
 
 
 def is_logarithmic(places: Sequence[float]) -> bool:

@@ -39,7 +39,7 @@ def _figure(parameter: str, group: list[Sweep]) -> Figure:
     names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
     drawn = plot_axes.spread(names, SERIES)
     for value, count, sweep in zip(axes[::2], axes[1::2], group, strict=True):
-        scale = Scale(parameter, sweep.values[parameter])
+        scale = Scale(parameter, sweep.values[parameter], sweep.named)
         chosen = [line for line in lines(sweep, parameter) if line.words in drawn]
         shown = _references(value, chosen, scale)
         for line in chosen:

@@ -75,7 +75,7 @@ def _figure(parameter: str, group: list[Sweep], left_out: str, draw: Any, words:
     names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
     drawn = plot_axes.spread(names, SERIES)
     for place, sweep in zip(axes, group, strict=True):
-        scale = Scale(parameter, sweep.values[parameter])
+        scale = Scale(parameter, sweep.values[parameter], sweep.named)
         chosen = [line for line in lines(sweep, parameter) if line.words in drawn]
         draw(place, scale, [(line, drawn.index(line.words), len(drawn)) for line in chosen])
         scale.label(place)

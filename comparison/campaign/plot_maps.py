@@ -26,7 +26,10 @@ APART = "≠"
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells to draw: rows from the top down, each a place by column; None where there is no case."""
+    """Cells to draw: rows from the top down, each a place by column; None where there is no case.
+
+    across, down: labels of the axes; over: both, in words.
+    """
 
     title: str
     rows: list[list[Row | None]]
@@ -35,6 +38,7 @@ class Grid:
     column_words: list[str]
     across: str
     down: str
+    over: str
 
 
 def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
@@ -43,11 +47,11 @@ def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
     for parameter in dict.fromkeys(sweep.parameters[0] for sweep in sweeps if len(sweep.parameters) == 1):
         along = [sweep for sweep in sweeps if sweep.parameters == [parameter] and _known(sweep.rows) and len(sweep.rows) > 1]
         for k in range(0, len(along), STRIPS):
-            yield _strips(parameter, along[k : k + STRIPS], lettered), short(parameter)
+            yield _strips(parameter, along[k : k + STRIPS], lettered), short(parameter, along[0].named)
     maps = [(sweep.scene, grid) for sweep in sweeps if len(sweep.parameters) > 1 and _known(sweep.rows) for grid in _maps(sweep)]
     for k in range(0, len(maps), ROWS):
         some = maps[k : k + ROWS]
-        yield _paired(some, lettered), f"{short(some[0][1].across)} and {short(some[0][1].down)}"
+        yield _paired(some, lettered), some[0][1].over
 
 
 def _known(rows: list[Row]) -> bool:
@@ -63,7 +67,7 @@ def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, st
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
         methods = [sharpest(sweep.rows, "mechanism"), "yade"]
         words = [shown(value) for value in values]
-        grid = Grid(sweep.scene, [rows, rows], methods, ["limit analysis", "YADE"], words, label(parameter), "")
+        grid = Grid(sweep.scene, [rows, rows], methods, ["limit analysis", "YADE"], words, label(parameter, sweep.named), "", "")
         _draw(place, grid, methods, lettered[sweep.scene])
         place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
         if place is not axes[-1]:
@@ -77,10 +81,12 @@ def _maps(sweep: Sweep) -> Iterator[Grid]:
     across, down = longest(sweep)[:2]
     methods = [sharpest(sweep.rows, "mechanism"), "yade"]
     columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
+    right, up = (label(name, sweep.named) for name in (across, down))
+    over = " and ".join(short(name, sweep.named) for name in (across, down))
     for part in slices(sweep, (across, down)):
         places = {(key(row[down]), key(row[across])): row for row in part.rows}
         rows = [[places.get((key(low), key(right))) for right in columns] for low in levels]
-        yield Grid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], across, down)
+        yield Grid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], right, up, over)
 
 
 def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -> Figure:
@@ -120,9 +126,9 @@ def _finish(axes: Any, grid: Grid) -> None:
     axes.set_xticks(shown_columns, [grid.column_words[k] for k in shown_columns], parse_math=False, **style)
     axes.set_yticks(shown_rows, [grid.row_words[k] for k in shown_rows], parse_math=False)
     axes.tick_params(length=0)
-    axes.set_xlabel(label(grid.across) if grid.down else grid.across, fontsize=8, parse_math=False)
+    axes.set_xlabel(grid.across, fontsize=8, parse_math=False)
     if grid.down:
-        axes.set_ylabel(label(grid.down), fontsize=8, parse_math=False)
+        axes.set_ylabel(grid.down, fontsize=8, parse_math=False)
 
 
 def _draw_cell(axes: Any, j: int, i: int, row: Row | None, name: str | None, lettered: Mapping[str, str], font: float, apart: bool) -> None:

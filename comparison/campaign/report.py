@@ -79,7 +79,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "figures": {kind: [_figure(one) for one in drawn if one.kind == kind] for kind in KINDS},
         "compared": report_rows.compared(table),
         "failures": report_rows.failures(table),
-        "changes": list(report_rows.changed(list(changes(found)), lettered)),
+        "changes": list(report_rows.changed(list(changes(found)), lettered, table.labels)),
         "mechanisms": list(report_rows.mechanisms(table, lettered)),
         "classic": list(report_rows.classic(table)),
         "totals": list(report_rows.totals(table)),

@@ -7,9 +7,9 @@ from typing import Any
 from comparison.campaign.changes import Change
 from comparison.campaign.matrix import FAILURE, symbol
 from comparison.campaign.outcomes import METHODS, Row, costs_once, deviation, difference, failed, link, over_weight, prediction, worst_first
-from comparison.campaign.sweeps import key, words_of
+from comparison.campaign.sweeps import key
 from comparison.campaign.table import CampaignTable
-from comparison.campaign.words import CLASSIC, QUANTITY, short, shown
+from comparison.campaign.words import CLASSIC, QUANTITY, short, shown, words_of
 from comparison.report import VERDICTS
 from comparison.report_numbers import DASH, exists, interval_words, number, signed
 
@@ -53,7 +53,12 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
 
 def _named(table: CampaignTable, row: Row, varying: Varying) -> Words:
     held = {name: row[name] for name in table.axes if row.get(name) is not None and name in varying[str(row.get("scene"))]}
-    return {"case": str(row.get("case")), "href": link(table.folder, row), "scene": str(row.get("scene")), "varied": words_of(held)}
+    return {
+        "case": str(row.get("case")),
+        "href": link(table.folder, row),
+        "scene": str(row.get("scene")),
+        "varied": words_of(held, table.labels),
+    }
 
 
 def _varying(table: CampaignTable) -> Varying:
@@ -72,14 +77,14 @@ def failures(table: CampaignTable) -> list[Words]:
     return [_named(table, row, varying) | {"reason": row.get("reason") or "no reason is known"} for row in table.rows if failed(row)]
 
 
-def changed(found: list[Change], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+def changed(found: list[Change], lettered: Mapping[str, Mapping[str, str]], named: Mapping[str, str]) -> Iterator[Words]:
     """Changes of mechanism."""
     for change in found:
         own = lettered[change.scene]
         yield {
             "scene": change.scene,
             "held": change.held,
-            "parameter": short(change.parameter),
+            "parameter": short(change.parameter, named),
             "between": f"{shown(change.low)} and {shown(change.high)}",
             "method": METHODS[change.method],
             "mechanisms": f"{own[change.before]} to {own[change.after]}",

@@ -8,25 +8,26 @@ from typing import Any
 
 from comparison.campaign.outcomes import Row
 from comparison.campaign.table import CampaignTable
-from comparison.campaign.words import CLASSIC, short, shown
+from comparison.campaign.words import CLASSIC, words_of
 
 
 @dataclass(frozen=True)
 class Sweep:
     """Cases of one scene that vary the same parameters. values: those of each parameter that occur, numbers rising.
 
-    held: values of the parameters that a slice of a larger sweep holds.
+    held: values of the parameters that a slice of a larger sweep holds. named: the campaign's short names of parameters.
     """
 
     scene: str
     values: dict[str, list[Any]]
     rows: list[Row]
     held: dict[str, Any] = field(default_factory=dict)
+    named: dict[str, str] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """The scene, and what is held."""
-        return ", ".join(part for part in (self.scene, words_of(self.held)) if part)
+        return ", ".join(part for part in (self.scene, words_of(self.held, self.named)) if part)
 
     @property
     def parameters(self) -> list[str]:
@@ -44,16 +45,12 @@ class Line:
 
     held: dict[str, Any]
     rows: list[Row]
+    named: dict[str, str]
 
     @property
     def words(self) -> str:
         """What is held, in words; "" where nothing is."""
-        return words_of(self.held)
-
-
-def words_of(held: dict[str, Any]) -> str:
-    """Parameters with their values, in words; "" for none."""
-    return ", ".join(f"{short(name)} {shown(value)}" for name, value in held.items())
+        return words_of(self.held, self.named)
 
 
 def key(value: Any) -> str:
@@ -78,7 +75,7 @@ def sweeps(table: CampaignTable, classic: bool = False) -> list[Sweep]:
     for (scene, known), places in groups.items():
         rows = [row for same in places.values() for row in (same if classic else same[:1])]
         free = _varied(known, rows)
-        found.append(Sweep(scene, {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}, rows))
+        found.append(Sweep(scene, {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}, rows, {}, table.labels))
     return found
 
 
@@ -121,7 +118,7 @@ def lines(sweep: Sweep, parameter: str) -> list[Line]:
     found = []
     for _, rows in sorted(groups.items(), key=rank):
         along = sorted(rows, key=lambda row: place[parameter][key(row[parameter])])
-        found.append(Line({name: rows[0][name] for name in others}, along))
+        found.append(Line({name: rows[0][name] for name in others}, along, sweep.named))
     return found
 
 
@@ -141,5 +138,5 @@ def slices(sweep: Sweep, kept: Sequence[str]) -> list[Sweep]:
     for held in product(*(sweep.values[name] for name in others)):
         rows = places.get(tuple(key(value) for value in held))
         if rows:
-            found.append(Sweep(sweep.scene, values, rows, dict(zip(others, held, strict=True))))
+            found.append(Sweep(sweep.scene, values, rows, dict(zip(others, held, strict=True)), sweep.named))
     return found

@@ -1,6 +1,7 @@
 """Plain words and units for the parameters that a campaign sweeps and for the quantities that its cases give."""
 
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from comparison.report_numbers import number
@@ -43,11 +44,17 @@ CLASSIC = "classic."  # parameters that only the classic iteration knows
 QUANTITY = {"N": "reaction over weight, R / W (-)", "N m": "reaction over weight, R / W (m)", "": "collapse multiplier (-)"}
 
 
-def label(parameter: str) -> str:
-    """Axis label of a parameter by its dotted path: what it is and its unit; the path's own words where it has no name here."""
+def label(parameter: str, named: Mapping[str, str] | None = None) -> str:
+    """Axis label of a parameter by its dotted path: what it is and its unit; the path's own words where it has no name here.
+
+    named: short names that the campaign gives its parameters; they take the place of the words, not of the unit.
+    """
+    if parameter in (named or {}):
+        unit = re.search(r" \([^()]*\)$", NAMES.get(parameter, NAMES.get(_last(parameter), "")))
+        return (named or {})[parameter] + (unit[0] if unit else "")
     if parameter in NAMES:
         return NAMES[parameter]
-    *parents, last = [part for part in re.split(r"[.\[\]]+", parameter) if part]
+    *parents, last = _parts(parameter)
     component = ""
     if last.isdigit() and parents:
         component, last = COMPONENTS[int(last)] if int(last) < len(COMPONENTS) else last, parents.pop()
@@ -56,9 +63,14 @@ def label(parameter: str) -> str:
     return f"{table}: {words}" if table else words
 
 
-def short(parameter: str) -> str:
+def short(parameter: str, named: Mapping[str, str] | None = None) -> str:
     """The label without its unit."""
-    return re.sub(r" \([^()]*\)", "", label(parameter))
+    return re.sub(r" \([^()]*\)", "", label(parameter, named))
+
+
+def words_of(held: Mapping[str, Any], named: Mapping[str, str] | None = None) -> str:
+    """Parameters with their values, in words; "" for none."""
+    return ", ".join(f"{short(name, named)} {shown(value)}" for name, value in held.items())
 
 
 def shown(value: Any) -> str:
@@ -75,6 +87,15 @@ def shown(value: Any) -> str:
 def quantity(unit: str | None) -> str:
     """Axis label of a reaction over the weight, or of a multiplier, by the unit of the reaction."""
     return QUANTITY.get(unit or "", QUANTITY["N"])
+
+
+def _parts(parameter: str) -> list[str]:
+    return [part for part in re.split(r"[.\[\]]+", parameter) if part]
+
+
+def _last(parameter: str) -> str:
+    """The last name in the path."""
+    return next((part for part in reversed(_parts(parameter)) if not part.isdigit()), "")
 
 
 def _plain(word: str) -> str:
