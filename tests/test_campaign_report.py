@@ -362,6 +362,19 @@ def test_costs_and_versions_are_told_and_are_no_change(tmp_path: Path) -> None:
     assert {cost.method: cost.ratio for cost in found.costs} == {"limit analysis": pytest.approx(3.0), "YADE": 1.0}
 
 
+def test_a_campaign_run_by_another_yade_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, version in (("before", "2023.02a"), ("after", "2024.04")):
+        table = campaign(tmp_path / name)
+        own = table.folder / table.rows[0]["folder"] / "scene"
+        own.mkdir()
+        (own / "comparison.json").write_text(json.dumps({"yade": {"version": version}}))
+        (table.folder / table.rows[1]["folder"] / "scene").mkdir()
+        (table.folder / table.rows[1]["folder"] / "scene" / "comparison.json").write_text("{damaged")
+        write(table)
+    assert main(["compare", str(tmp_path / "before"), str(tmp_path / "after"), "--json", "-q"]) == 0
+    assert json.loads(capsys.readouterr().out)["provenance"] == [{"name": "yade_version", "before": "2023.02a", "after": "2024.04"}]
+
+
 def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before, after = moved(tmp_path / "before")
     after = replace(after, folder=tmp_path / "after", title="<b>after</b> | x")

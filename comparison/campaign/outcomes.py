@@ -60,12 +60,17 @@ def failed(row: Row) -> bool:
     return row.get("state") == FAILED
 
 
+def own_folder(folder: Path, row: Row) -> Path | None:
+    """The case's own folder; None where there is none inside the campaign's."""
+    inside = PurePosixPath(str(row.get("folder") or ""))
+    own = folder / inside
+    return own if inside.parts and not inside.is_absolute() and ".." not in inside.parts and own.is_dir() else None
+
+
 def link(folder: Path, row: Row) -> str:
     """Relative address of the case's own report; "" where there is none inside the campaign's folder."""
-    inside = PurePosixPath(str(row.get("folder") or ""))
-    if not inside.parts or inside.is_absolute() or ".." in inside.parts or not (folder / inside / "report.html").is_file():
-        return ""
-    return quote(f"{inside}/report.html")
+    own = own_folder(folder, row)
+    return quote(f"{PurePosixPath(row['folder'])}/report.html") if own is not None and (own / "report.html").is_file() else ""
 
 
 def costs_once(table: CampaignTable) -> list[Row]:

@@ -12,6 +12,7 @@ from comparison.campaign.matrix import panels
 from comparison.campaign.outcomes import deviation, difference, failed, prediction, worst_first
 from comparison.campaign.sweeps import sweeps
 from comparison.campaign.table import CampaignTable
+from comparison.campaign.versions import with_versions
 from comparison.files import write_text
 from comparison.pages import environment, flat
 from comparison.summary import without_undefined
@@ -33,6 +34,7 @@ def write_campaign_report(table: CampaignTable) -> Path:
 
     Each file is whole or the one that was there before.
     """
+    table = with_versions(table)
     page = _page(table, draw(table))
     for name in ("report.md", "report.html"):
         write_text(table.folder / name, environment(name).get_template(f"campaign.{name.split('.')[1]}.j2").render(page))

@@ -12,6 +12,7 @@ from comparison.campaign.compare import compare
 from comparison.campaign.compare_report import MOST_SHOWN, sentence, stored_comparison, terminal_tables, write_comparison
 from comparison.campaign.report import stored_report, write_campaign_report
 from comparison.campaign.table import STORED, CampaignTable, read
+from comparison.campaign.versions import with_versions
 from comparison.ending import AGREE, DISAGREE, GRAVITY
 from la_core.errors import SceneError
 
@@ -31,7 +32,7 @@ def report_campaigns(options: argparse.Namespace, out: Console, print_json: Call
         found = read(folder)
         write_campaign_report(found)
         codes.append(exit_code(found))
-        stored.append(stored_report(found))
+        stored.append(stored_report(with_versions(found)))
         if not options.json:
             show(found, out)
     if options.json:
@@ -62,4 +63,4 @@ def compare_campaigns(options: argparse.Namespace, narrator: Console, out: Conso
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
         raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
-    return read(folder)
+    return with_versions(read(folder))
