@@ -278,6 +278,14 @@ def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path)
     assert [texts[0].get_text()[0] for texts in marked] == ["A", "B"]
 
 
+def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp_path: Path) -> None:
+    none = dict.fromkeys(f"{method}_mechanism" for method in METHODS)
+    table = changed(campaign(tmp_path, "two axes"), 0, **none, associated_status="infeasible", yade_status="collapsed")
+    ((figure, _),) = plot_maps.map_figures(sweeps(table))
+    for axes in figure.axes:
+        assert [text.get_text() for text in axes.texts].count(plot_maps.FALLS) == 1
+
+
 def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     assert label(MU) == "friction mu (-)" and label(INSET) == "inset (m)"
     assert label("wall[0].courses") == "wall 1: courses" and label("wall[0].block[2]") == "wall 1: block size (m), z"

@@ -88,6 +88,11 @@ def mechanism_name(row: Row, method: str) -> str | None:
     return None if name is None or name == "" else str(name)
 
 
+def falls(row: Row, method: str) -> bool:
+    """Whether the method finds that the structure cannot stand under its own weight, so that there is no mechanism to name."""
+    return row.get("yade_status") == "collapsed" if method == "yade" else row.get("associated_status") == "infeasible"
+
+
 def sharpest(rows: list[Row], quantity: str) -> str:
     """The sharpest method of limit analysis for which some row has this quantity."""
     return next((name for name in LIMIT_METHODS if any(row.get(f"{name}_{quantity}") is not None for row in rows)), LIMIT_METHODS[0])

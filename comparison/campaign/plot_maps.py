@@ -11,17 +11,18 @@ from matplotlib.patches import Patch, Rectangle
 
 from comparison.campaign import plot_axes
 from comparison.campaign.changes import letters
-from comparison.campaign.outcomes import METHODS, Row, failed, mechanism_name, sharpest
+from comparison.campaign.outcomes import METHODS, Row, failed, falls, mechanism_name, sharpest
 from comparison.campaign.sweeps import Sweep, key, longest, slices
 from comparison.campaign.words import label, short, shown
 from comparison.drawing import FAINT, INK
+from comparison.report_numbers import DASH
 
 STRIPS = 8  # scenes in a figure of strips
 ROWS = 3  # maps over two parameters in a figure
 SHADES = ("#f3f0e8", "#b9cfe4", "#e8c9a0", "#cfe3c3", "#d6c3df", "#a9b8a4", "#efd9da", "#9db4c9")  # the letters tell them apart
 FONT = 9.0  # pt
 WIDE = 16  # columns from which on letters shrink
-APART = "≠"
+APART, FALLS, FAILED = "≠", "↓", "!"
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]
     font = FONT * min(1.0, WIDE / len(grid.column_words))
     for i, line in enumerate(grid.rows):
         for j, row in enumerate(line):
-            _draw_cell(axes, j, i, row, names[i][j], lettered, font, _differ(row, grid.methods))
+            _draw_cell(axes, j, i, row, names[i][j], _sign(row, methods[i], lettered), lettered, font, _differ(row, grid.methods))
             if j and _changes(names[i][j - 1], names[i][j]):
                 axes.plot([j - 0.5, j - 0.5], [i - 0.5, i + 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
             if i and not strips and _changes(names[i - 1][j], names[i][j]):
@@ -131,18 +132,27 @@ def _finish(axes: Any, grid: Grid) -> None:
         axes.set_ylabel(grid.down, fontsize=8, parse_math=False)
 
 
-def _draw_cell(axes: Any, j: int, i: int, row: Row | None, name: str | None, lettered: Mapping[str, str], font: float, apart: bool) -> None:
+def _draw_cell(
+    axes: Any, j: int, i: int, row: Row | None, name: str | None, sign: str, lettered: Mapping[str, str], font: float, apart: bool
+) -> None:
     if row is None:
         return
-    letter = lettered[name] if name is not None else "!" if failed(row) else "–"
     face = SHADES[list(lettered).index(name) % len(SHADES)] if name is not None else "white"
     axes.add_patch(Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=face, edgecolor=FAINT, linewidth=0.4, zorder=1))
     if apart:
         hatch = Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor="none", edgecolor="#8a8a8a", hatch="////", linewidth=0.0, zorder=2)
         axes.add_patch(hatch)
     box = {"facecolor": face, "linewidth": 0.0, "pad": 0.8} if apart else None
-    words = f"{letter} {APART}" if apart else letter
+    words = f"{sign} {APART}" if apart else sign
     axes.text(j, i, words, ha="center", va="center", fontsize=font, color=INK, weight="bold" if apart else "normal", bbox=box, zorder=3)
+
+
+def _sign(row: Row | None, method: str, lettered: Mapping[str, str]) -> str:
+    """What is written into a cell: the mechanism's letter, or why there is none."""
+    name = _name(row, method)
+    if row is None or name is not None:
+        return "" if name is None else lettered[name]
+    return FALLS if falls(row, method) else FAILED if failed(row) else DASH
 
 
 def _name(row: Row | None, method: str) -> str | None:
@@ -163,5 +173,5 @@ def _handles() -> list[Any]:
         Patch(facecolor=SHADES[0], edgecolor=FAINT, label="A, B, ...: mechanisms of a scene, equal letters for equal ones"),
         Line2D([], [], color=INK, linewidth=2.4, label="mechanism changes"),
         Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ"),
-        Line2D([], [], linestyle="none", marker="$!$", color=INK, label="failed (– no mechanism known)"),
+        Line2D([], [], linestyle="none", marker="$!$", color=INK, label=f"failed ({FALLS} cannot stand, {DASH} no mechanism known)"),
     ]
