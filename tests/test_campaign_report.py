@@ -19,7 +19,7 @@ from comparison.campaign.columns import COSTS, METHODS, result_columns
 from comparison.campaign.compare import Change, Comparison, compare
 from comparison.campaign.compare_report import stored_comparison
 from comparison.campaign.matrix import panels
-from comparison.campaign.outcomes import deviation, worst_first
+from comparison.campaign.outcomes import bounds, deviation, worst_first
 from comparison.campaign.report import stored_report, write_campaign_report
 from comparison.campaign.sweeps import lines, sweeps
 from comparison.campaign.table import CampaignTable, write
@@ -228,7 +228,7 @@ def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_bo
     table = campaign(tmp_path, "two axes")
     found = list(changes(sweeps(table)))
     assert {(change.parameter, change.method, change.low, change.high) for change in found} == {
-        (MU, "coulomb", 0.4, 0.5), (MU, "yade", 0.4, 0.5)
+        (MU, "limit", 0.4, 0.5), (MU, "yade", 0.4, 0.5)
     }  # fmt: skip
     assert len(found) == 2 * len(table.axes[INSET])
     for change in found:
@@ -267,6 +267,20 @@ def test_the_methods_have_their_colours_in_the_figures_of_a_campaign(tmp_path: P
     reaction = [0.5 - (0.3 if mu < 0.45 else 0.1) * mu for mu in FRICTIONS]
     assert list(colours[LIMIT_ANALYSIS]) == pytest.approx(reaction)
     assert list(colours[YADE]) == pytest.approx([1.002 * value for value in reaction])
+
+
+def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_reaction_begin_there(tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0]
+    assert bounds(row) == (row["least"] / 1000.0, row["greatest"] / 1000.0)
+    assert bounds(row | {"greatest": None}) == (row["least"] / 1000.0, math.inf)
+    assert bounds(row | {"unit": "", "least": 0.7, "greatest": None}) == (-math.inf, 0.7)
+
+
+def test_where_the_law_of_friction_is_associated_its_mechanism_is_the_one_compared(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "choices")
+    table = changed(table, 1, coulomb=None, coulomb_status=None, coulomb_mechanism=None, associated_mechanism="own", yade_mechanism="own")
+    ((figure, _),) = plot_maps.map_figures(sweeps(table))
+    assert [text.get_text() for text in figure.axes[0].texts] == ["A", "B", "A", "B"]
 
 
 def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path) -> None:

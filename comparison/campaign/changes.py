@@ -5,10 +5,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from comparison.campaign.outcomes import METHODS, Row, mechanism_name, over_weight, sharpest
+from comparison.campaign.outcomes import LIMIT, METHODS, Row, mechanism_name, over_weight, prediction
 from comparison.campaign.sweeps import Line, Sweep, is_number, lines
-
-REACTION = {"coulomb": "coulomb", "associated": "least", "yade": "yade"}  # column of each method's reaction
 
 
 @dataclass(frozen=True)
@@ -33,10 +31,9 @@ class Change:
 def changes(found: list[Sweep]) -> Iterator[Change]:
     """Every change of mechanism along every parameter, by both methods."""
     for sweep in found:
-        methods = (sharpest(sweep.rows, "mechanism"), "yade")
         for parameter in sweep.parameters:
             for line in lines(sweep, parameter):
-                for method in methods:
+                for method in (LIMIT, "yade"):
                     yield from _along(sweep, parameter, line, method)
 
 
@@ -69,7 +66,7 @@ def _along(sweep: Sweep, parameter: str, line: Line, method: str) -> Iterator[Ch
 def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, method: str) -> float | None:
     """Difference quotient of the reaction between two neighbours of one mechanism."""
     places = [row[parameter] for row, _ in (first, second)]
-    values = [over_weight(row, REACTION[method]) for row, _ in (first, second)]
+    values = [over_weight(row, prediction(row) if method == LIMIT else method) for row, _ in (first, second)]
     if first[1] != second[1] or not all(map(is_number, places)) or values[0] is None or values[1] is None:
         return None
     return (values[1] - values[0]) / (places[1] - places[0])

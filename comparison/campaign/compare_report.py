@@ -16,8 +16,8 @@ from comparison.report_numbers import DASH, number, signed
 from comparison.summary import without_undefined
 
 WHAT = {
-    "least": "R_min, associated",
-    "greatest": "R_max, associated",
+    "least": "least, associated",
+    "greatest": "greatest, associated",
     "coulomb": "Coulomb prediction",
     "coulomb_sharp": "Coulomb prediction, sharp arrises",
     "yade": "YADE's reaction",

@@ -17,8 +17,8 @@ PREDICTION = (
     "logarithmic beyond; cases whose prediction is all but zero are left out there."
 )
 REACTION = (
-    "Reaction against {}: limit analysis' prediction and YADE with its uncertainty; with one line in a panel R_min to R_max and what the "
-    "mechanism allows are bands, with several the latter are bars beside the marks."
+    "Reaction against {}: limit analysis' prediction and YADE with its uncertainty; with one line in a panel the associated bounds and "
+    "what the mechanism allows are bands, with several the latter are bars beside the marks."
 )
 MAP = "Mechanisms over {}: a letter a mechanism (the blocks that move), heavy lines where it changes, hatched where the methods differ."
 PARTICIPATION = "Distribution index of dissipation against {}: 1 where all interfaces dissipate alike, 1/J where one of J does it alone."

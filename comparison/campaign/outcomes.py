@@ -1,5 +1,6 @@
 """What a campaign's row says beyond its numbers: reaction over weight, prediction, how far YADE is from it, where its page lies."""
 
+import math
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
@@ -11,7 +12,8 @@ from comparison.tolerances import HISTORY, LEAST_REACTION
 Row = dict[str, Any]
 FAILED = "failed"
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
-LIMIT_METHODS = ("coulomb", "associated")  # the sharper one first
+LIMIT = "limit"  # what limit analysis predicts: by Coulomb's law where the case asks for it, else by the associated one
+WORDS = METHODS | {LIMIT: "limit analysis"}
 
 
 def over_weight(row: Row, name: str) -> float | None:
@@ -22,6 +24,19 @@ def over_weight(row: Row, name: str) -> float | None:
     if not row.get("unit"):
         return value
     return value / weight if exists(weight) and weight > 0.0 else None
+
+
+def bounds(row: Row) -> tuple[float, float]:
+    """What associated limit analysis allows, over the weight: least and greatest reaction, or what a multiplier is at most.
+
+    Infinite where there is no bound, NaN where nothing is known.
+    """
+    least, greatest = over_weight(row, "least"), over_weight(row, "greatest")
+    if least is None:
+        return math.nan, math.nan
+    if not row.get("unit"):
+        return -math.inf, least  # the associated multiplier is not below that of friction without dilatancy
+    return least, math.inf if greatest is None else greatest
 
 
 def prediction(row: Row) -> str:
@@ -82,17 +97,18 @@ def costs_once(table: CampaignTable) -> list[Row]:
     return list(first.values())
 
 
+def of_mechanism(row: Row, method: str, quantity: str) -> Any:
+    """A measure of the method's mechanism; None where none is known."""
+    name = ("associated" if row.get("coulomb_status") is None else "coulomb") if method == LIMIT else method
+    return row.get(f"{name}_{quantity}")
+
+
 def mechanism_name(row: Row, method: str) -> str | None:
     """Label of the method's mechanism; None where none is known."""
-    name = row.get(f"{method}_mechanism")
+    name = of_mechanism(row, method, "mechanism")
     return None if name is None or name == "" else str(name)
 
 
 def falls(row: Row, method: str) -> bool:
     """Whether the method finds that the structure cannot stand under its own weight, so that there is no mechanism to name."""
     return row.get("yade_status") == "collapsed" if method == "yade" else row.get("associated_status") == "infeasible"
-
-
-def sharpest(rows: list[Row], quantity: str) -> str:
-    """The sharpest method of limit analysis for which some row has this quantity."""
-    return next((name for name in LIMIT_METHODS if any(row.get(f"{name}_{quantity}") is not None for row in rows)), LIMIT_METHODS[0])

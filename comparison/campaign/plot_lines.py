@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from comparison.campaign import plot_axes
-from comparison.campaign.outcomes import Row, mechanism_name, over_weight, prediction, sharpest
+from comparison.campaign.outcomes import LIMIT, Row, bounds, mechanism_name, of_mechanism, over_weight, prediction
 from comparison.campaign.plot_axes import Scale, series_style, shade
 from comparison.campaign.sweeps import Line, Sweep, lines, longest, slices
 from comparison.campaign.words import quantity
@@ -24,6 +24,7 @@ PANELS = 9  # in a figure; more take further figures
 MOST_PANELS = 18  # over one parameter; of more, evenly spaced ones are drawn
 HEIGHT = 3.1  # inches, of a row of panels
 TITLE_WIDTH = 55  # signs
+OUTSIDE = 1e9  # where bands without end are cut off: out of every frame
 DODGE = 3.0  # pt between the intervals of two lines
 
 
@@ -110,11 +111,9 @@ def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]
 
 
 def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
-    rows = [row for line, _, _ in chosen for row in line.rows]
-    method = sharpest(rows, "participation")
     for line, k, count in chosen:
         place = [scale.place(row[scale.parameter]) for row in line.rows]
-        limit, yade = (_plain(line.rows, f"{name}_participation") for name in (method, "yade"))
+        limit, yade = (_measure(line.rows, method, "participation") for method in (LIMIT, "yade"))
         _draw_methods(axes, scale, place, limit, yade, k, count)
     axes.set_ylim(-0.03, 1.03)  # the index is a share
 
@@ -122,17 +121,16 @@ def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, i
 def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray, yade: np.ndarray, k: int, count: int) -> None:
     """Limit analysis as a line with small marks, YADE as larger marks with a thin line; no lines from one choice to another."""
     style = series_style(k) if scale.numeric else series_style(k) | {"linestyle": "none"}
-    small = {"markersize": 3.5, "markeredgewidth": 0.0, "linewidth": 1.5}
+    small = {"markersize": 3.5 if scale.numeric else 5.0, "markeredgewidth": 0.0, "linewidth": 1.5}
     large = {"markersize": 6.5, "markeredgewidth": 0.6, "markeredgecolor": INK, "linewidth": 0.8}
     axes.plot(place, yade, color=shade(YADE, k, count), zorder=4, **style, **large)
     axes.plot(place, limit, color=shade(LIMIT_ANALYSIS, k, count), zorder=5, **style, **small)
 
 
 def _draw_bands(axes: Any, rows: list[Row], place: list[float], low: np.ndarray, high: np.ndarray) -> None:
-    """R_min to R_max pale, upwards without end where there is no greatest reaction; the mechanism's interval darker."""
-    least, greatest = (_values(rows, [name] * len(rows)) for name in ("least", "greatest"))
-    top = np.where(np.isnan(greatest), least + 1e9, greatest)
-    axes.fill_between(place, least, top, color=tint(LIMIT_ANALYSIS), alpha=0.22, linewidth=0.0, zorder=0)
+    """R_min to R_max pale, without end where there is no bound; the mechanism's interval darker."""
+    bottom, top = np.clip(np.array([bounds(row) for row in rows]), -OUTSIDE, OUTSIDE).T
+    axes.fill_between(place, bottom, top, color=tint(LIMIT_ANALYSIS), alpha=0.22, linewidth=0.0, zorder=0)
     axes.fill_between(place, low, high, color=tint(LIMIT_ANALYSIS), alpha=0.6, linewidth=0.0, zorder=1)
 
 
@@ -146,9 +144,8 @@ def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.nda
 
 def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
     """Dotted lines where limit analysis' mechanism changes from one value of the parameter to the next."""
-    method = sharpest(rows, "mechanism")
     for first, second in pairwise(rows):
-        names = mechanism_name(first, method), mechanism_name(second, method)
+        names = mechanism_name(first, LIMIT), mechanism_name(second, LIMIT)
         if None not in names and names[0] != names[1]:
             middle = (scale.place(first[scale.parameter]) + scale.place(second[scale.parameter])) / 2.0
             axes.axvline(middle, color=INK, linewidth=0.9, linestyle=":", zorder=2)
@@ -159,9 +156,9 @@ def _values(rows: list[Row], names: list[str]) -> np.ndarray:
     return np.array([over_weight(row, name) for row, name in zip(rows, names, strict=True)], dtype=float)
 
 
-def _plain(rows: list[Row], name: str) -> np.ndarray:
-    """Numbers as they are, NaN for none."""
-    return np.array([row.get(name) for row in rows], dtype=float)
+def _measure(rows: list[Row], method: str, name: str) -> np.ndarray:
+    """A measure of the method's mechanisms, NaN for none."""
+    return np.array([of_mechanism(row, method, name) for row in rows], dtype=float)
 
 
 def _method_handles(rows: list[Row], bands: bool, reactions: bool) -> list[Any]:
@@ -176,7 +173,7 @@ def _method_handles(rows: list[Row], bands: bool, reactions: bool) -> list[Any]:
         handles.append(Line2D([], [], color=LIMIT_ANALYSIS, linewidth=1.1, alpha=0.7, marker="|", label="interval of the mechanism"))
     else:
         handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.6, label="interval of the mechanism"))
-        handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.22, label="R_min to R_max"))
+        handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.22, label="bounds (associated)"))
         handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=":", label="limit analysis' mechanism changes"))
     if any(row.get("verdict") == "disagree" for row in rows):
         handles.append(Line2D([], [], color=INK, linestyle="none", marker="x", markersize=9, label="disagree"))

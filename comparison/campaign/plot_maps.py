@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from comparison.campaign import plot_axes
 from comparison.campaign.changes import letters
-from comparison.campaign.outcomes import METHODS, Row, failed, falls, mechanism_name, sharpest
+from comparison.campaign.outcomes import LIMIT, WORDS, Row, failed, falls, mechanism_name
 from comparison.campaign.sweeps import Sweep, key, longest, slices
 from comparison.campaign.words import label, short, shown
 from comparison.drawing import FAINT, INK
@@ -56,7 +56,7 @@ def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
 
 
 def _known(rows: list[Row]) -> bool:
-    return any(mechanism_name(row, method) for row in rows for method in METHODS)
+    return any(mechanism_name(row, method) for row in rows for method in (LIMIT, "yade"))
 
 
 def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, str]]) -> Figure:
@@ -66,7 +66,7 @@ def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, st
     for place, sweep in zip(axes, along, strict=True):
         values = sweep.values[parameter]
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
-        methods = [sharpest(sweep.rows, "mechanism"), "yade"]
+        methods = [LIMIT, "yade"]
         words = [shown(value) for value in values]
         grid = Grid(sweep.scene, [rows, rows], methods, ["limit analysis", "YADE"], words, label(parameter, sweep.named), "", "")
         _draw(place, grid, methods, lettered[sweep.scene])
@@ -80,7 +80,7 @@ def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, st
 def _maps(sweep: Sweep) -> Iterator[Grid]:
     """A map for each value of the parameters beyond the two longest."""
     across, down = longest(sweep)[:2]
-    methods = [sharpest(sweep.rows, "mechanism"), "yade"]
+    methods = [LIMIT, "yade"]
     columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
     right, up = (label(name, sweep.named) for name in (across, down))
     over = " and ".join(short(name, sweep.named) for name in (across, down))
@@ -97,7 +97,7 @@ def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -
     for (left, right), (scene, grid) in zip(zip(axes[::2], axes[1::2], strict=True), some, strict=True):
         for place, method in ((left, grid.methods[0]), (right, "yade")):
             _draw(place, grid, [method] * len(grid.rows), lettered[scene])
-            place.set_title(f"{grid.title}: {METHODS[method]}", fontsize=9, parse_math=False)
+            place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
     plot_axes.legend(figure, _handles())
     return figure
 

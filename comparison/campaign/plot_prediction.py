@@ -1,5 +1,6 @@
 """YADE's reaction against what limit analysis predicts: every case a mark, on the 1:1 line where they agree."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,13 +10,14 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from comparison.campaign import plot_axes
-from comparison.campaign.outcomes import Row, over_weight, prediction
+from comparison.campaign.outcomes import Row, bounds, over_weight, prediction
 from comparison.campaign.plot_axes import MARKERS, NARROW
 from comparison.campaign.words import quantity
 from comparison.drawing import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.report_numbers import exists
 from comparison.tolerances import HISTORY
 
+OUTSIDE = 1e9  # where a bar without end is cut off: out of every frame
 BOUNDED = 60  # cases: bounds of more would cover each other
 FAINTLY = 1e-3  # of the largest reaction: below this a relative difference says nothing
 FAR = 0.5  # of the largest value: values that spread by less are shown without zero
@@ -67,10 +69,9 @@ def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
 def _draw_bars(axes: Any, row: Row, bounded: bool) -> None:
     """Bounds and interval to the sides, YADE's uncertainty up and down."""
     at, found = _value(row, prediction(row)), _value(row, "yade")
-    low, high = _value(row, "least"), _value(row, "greatest")
-    if bounded and exists(low):
-        end = high if exists(high) else 1e9  # without an upper bound the bar leaves the frame
-        axes.plot([low, end], [found, found], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
+    if bounded and not math.isnan(bounds(row)[0]):
+        ends = [min(max(end, -OUTSIDE), OUTSIDE) for end in bounds(row)]
+        axes.plot(ends, [found, found], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
     style = {"linewidth": 1.6} if bounded else {"linewidth": 0.7, "alpha": 0.5}
     axes.plot([_value(row, "coulomb_low"), _value(row, "coulomb_high")], [found, found], color=LIMIT_ANALYSIS, zorder=2, **style)
     uncertainty = _value(row, "yade_uncertainty")

@@ -6,14 +6,26 @@ from typing import Any
 
 from comparison.campaign.changes import Change
 from comparison.campaign.matrix import FAILURE, symbol
-from comparison.campaign.outcomes import METHODS, Row, costs_once, deviation, difference, failed, link, over_weight, prediction, worst_first
+from comparison.campaign.outcomes import (
+    METHODS,
+    WORDS,
+    Row,
+    costs_once,
+    deviation,
+    difference,
+    failed,
+    link,
+    over_weight,
+    prediction,
+    worst_first,
+)
 from comparison.campaign.sweeps import key
 from comparison.campaign.table import CampaignTable
 from comparison.campaign.words import CLASSIC, QUANTITY, short, shown, words_of
 from comparison.report import VERDICTS
 from comparison.report_numbers import DASH, exists, interval_words, number, signed
 
-PREDICTED_BY = {"coulomb": "Coulomb", "least": "R_min"}
+PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
 Words = dict[str, Any]
 Varying = dict[str, set[str]]
@@ -86,7 +98,7 @@ def changed(found: list[Change], lettered: Mapping[str, Mapping[str, str]], name
             "held": change.held,
             "parameter": short(change.parameter, named),
             "between": f"{shown(change.low)} and {shown(change.high)}",
-            "method": METHODS[change.method],
+            "method": WORDS[change.method],
             "mechanisms": f"{own[change.before]} to {own[change.after]}",
             "slope_before": number(change.slope_before, 3),
             "slope_after": number(change.slope_after, 3),
