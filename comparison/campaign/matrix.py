@@ -12,6 +12,7 @@ from comparison.report import VERDICTS
 from comparison.report_numbers import exists, number
 
 FAILURE = ("!", "failed")
+MOST_COLUMNS = 24  # that fit beside each other: a longer parameter goes downwards
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,10 @@ def _scenes(folder: Path, parameter: str, found: list[Sweep]) -> Panel:
 
 
 def _of_two(folder: Path, sweep: Sweep) -> Iterator[Panel]:
-    """The sweep's longest parameter to the right, the second longest downwards, a panel for each value of the others."""
+    """The sweep's longest parameter to the right, where it fits, the second longest downwards; a panel for each value of the others."""
     across, down = longest(sweep)[:2]
+    if len(sweep.values[across]) > MOST_COLUMNS:
+        across, down = down, across
     for part in slices(sweep, (across, down)):
         places: dict[tuple[str, str], list[Cell]] = {}
         for row in part.rows:

@@ -102,7 +102,7 @@ def _handles(names: list[str]) -> list[Line2D]:
     return [
         *series,
         Line2D([], [], color=INK, linewidth=1.1, linestyle="-", label="Coulomb prediction, elastic joints"),
-        Line2D([], [], color=INK, linewidth=1.1, linestyle=":", label="associated, least"),
+        Line2D([], [], color=INK, linewidth=1.1, linestyle=":", label="associated"),
         Line2D([], [], marker="o", label="not converged", **hollow),
         Line2D([], [], linestyle="none", marker="x", color=INK, label="no value: not converged, or no equilibrium"),
     ]

@@ -19,9 +19,9 @@ from comparison.report_numbers import DASH
 
 STRIPS = 8  # scenes in a figure of strips
 ROWS = 3  # maps over two parameters in a figure
-SHADES = ("#f3f0e8", "#b9cfe4", "#e8c9a0", "#cfe3c3", "#d6c3df", "#a9b8a4", "#efd9da", "#9db4c9")  # the letters tell them apart
+SHADES = ("#f3f0e8", "#8fb1d3", "#efd3a6", "#9fb09a", "#e3d5ea", "#b9a58f", "#cfe3c3", "#9a9ab8")  # light and dark in turn, for greyscale
 FONT = 9.0  # pt
-WIDE = 16  # columns from which on letters shrink
+WIDE = 16  # columns from which on only the first of equal cells is lettered
 APART, FALLS, FAILED = "≠", "↓", "!"
 
 
@@ -106,10 +106,12 @@ def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]
     """Cells, lines where neighbours have different mechanisms, and a sign where the methods have."""
     names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
     strips = len(set(methods)) > 1
-    font = FONT * min(1.0, WIDE / len(grid.column_words))
     for i, line in enumerate(grid.rows):
+        signs = [_sign(row, methods[i], lettered) for row in line]
         for j, row in enumerate(line):
-            _draw_cell(axes, j, i, row, names[i][j], _sign(row, methods[i], lettered), lettered, font, _differ(row, grid.methods))
+            apart, crowded = _differ(row, grid.methods), len(line) > WIDE
+            words = "" if crowded and j and signs[j] == signs[j - 1] else f"{signs[j]} {APART}" if apart and not crowded else signs[j]
+            _draw_cell(axes, (j, i), row, names[i][j], words, lettered, apart)
             if j and _changes(names[i][j - 1], names[i][j]):
                 axes.plot([j - 0.5, j - 0.5], [i - 0.5, i + 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
             if i and not strips and _changes(names[i - 1][j], names[i][j]):
@@ -121,7 +123,7 @@ def _finish(axes: Any, grid: Grid) -> None:
     columns, rows = len(grid.column_words), len(grid.row_words)
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5))
     axes.grid(False)
-    shown_columns, shown_rows = (plot_axes.spread(range(count), most) for count, most in ((columns, 12), (rows, 14)))
+    shown_columns, shown_rows = (range(0, count, -(-count // most)) for count, most in ((columns, 12), (rows, 14)))
     turned = max(len(grid.column_words[k]) for k in shown_columns) * len(shown_columns) > 60
     style = {"rotation": 30, "ha": "right"} if turned else {}
     axes.set_xticks(shown_columns, [grid.column_words[k] for k in shown_columns], parse_math=False, **style)
@@ -133,18 +135,20 @@ def _finish(axes: Any, grid: Grid) -> None:
 
 
 def _draw_cell(
-    axes: Any, j: int, i: int, row: Row | None, name: str | None, sign: str, lettered: Mapping[str, str], font: float, apart: bool
+    axes: Any, place: tuple[int, int], row: Row | None, name: str | None, words: str, lettered: Mapping[str, str], apart: bool
 ) -> None:
+    """A cell in its mechanism's shade, hatched where the methods differ, with words in it."""
     if row is None:
         return
+    corner = (place[0] - 0.5, place[1] - 0.5)
     face = SHADES[list(lettered).index(name) % len(SHADES)] if name is not None else "white"
-    axes.add_patch(Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor=face, edgecolor=FAINT, linewidth=0.4, zorder=1))
+    axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=face, edgecolor=FAINT, linewidth=0.4, zorder=1))
     if apart:
-        hatch = Rectangle((j - 0.5, i - 0.5), 1.0, 1.0, facecolor="none", edgecolor="#8a8a8a", hatch="////", linewidth=0.0, zorder=2)
-        axes.add_patch(hatch)
-    box = {"facecolor": face, "linewidth": 0.0, "pad": 0.8} if apart else None
-    words = f"{sign} {APART}" if apart else sign
-    axes.text(j, i, words, ha="center", va="center", fontsize=font, color=INK, weight="bold" if apart else "normal", bbox=box, zorder=3)
+        axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor="none", edgecolor="#8a8a8a", hatch="////", linewidth=0.0, zorder=2))
+    if words:
+        box = {"facecolor": face, "linewidth": 0.0, "pad": 0.8} if apart else None
+        weight = "bold" if apart else "normal"
+        axes.text(*place, words, ha="center", va="center", fontsize=FONT, color=INK, weight=weight, bbox=box, zorder=3)
 
 
 def _sign(row: Row | None, method: str, lettered: Mapping[str, str]) -> str:
