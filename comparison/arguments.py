@@ -9,6 +9,7 @@ from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
+PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 MOST_WORKERS = 1000
 SHELLS = ("bash", "zsh", "fish")
@@ -68,8 +69,9 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
     campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
+    _add_compare(add)
     report = add("report", "write the report again from stored results")
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run`")
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
     export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
@@ -84,11 +86,26 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     return whole
 
 
+def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    compare = add("compare", "two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; 1 where something changed")
+    compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
+    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
+    compare.add_argument("-o", "--output", type=page, metavar="FILE", help="write the comparison: HTML, Markdown or JSON file")
+
+
 def figure(text: str) -> Path:
     """A figure's path, whose ending names its format."""
     path = Path(text)
     if path.suffix not in FIGURE_FORMATS:
         raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
+    return path
+
+
+def page(text: str) -> Path:
+    """A page's path, whose ending names its format."""
+    path = Path(text)
+    if path.suffix not in PAGE_FORMATS:
+        raise argparse.ArgumentTypeError(f"{text}: a page's name ends in {', '.join(PAGE_FORMATS)}")
     return path
 
 

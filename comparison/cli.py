@@ -3,7 +3,6 @@
 import argparse
 import io
 import json
-import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -18,10 +17,9 @@ from comparison.bought import check_accuracy
 from comparison.check import overall
 from comparison.checks import check_expected
 from comparison.configuration import filled
-from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL, code_of, complain
+from comparison.ending import AGREE, EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE, TOOL, code_of, complain
 from comparison.files import FolderInUseError, refuse_name
 from comparison.narration import Narration
-from comparison.provenance import describe
 from comparison.summary import limit_analysis_summary
 from la_core.accuracy import with_accuracy
 from la_core.answer import solve
@@ -32,8 +30,6 @@ from la_core.full_model import full_model
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
-EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
-GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 PIPE_WIDTH = 120  # columns
 
 
@@ -109,7 +105,7 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
         narrator.print(reason, markup=False)
     statuses = {analysis.rounded[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
     if statuses & {Status.INACCURATE, Status.FAILED}:
-        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=_gravity)
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[verdict]
 
 
@@ -166,9 +162,9 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
                 comparisons.append(run_scene(scene, folder, narration, not options.no_yade, options.time_limit))
     except (SceneError, FolderInUseError):  # what only an answer or the folder could tell: the scenes before it keep their report
         if comparisons:
-            _conclude(options, narrator, [(options.output, comparisons)])
+            _conclude(options, [(options.output, comparisons)])
         raise
-    return _conclude(options, narrator, [(options.output, comparisons)])
+    return _conclude(options, [(options.output, comparisons)])
 
 
 def _refuse_names(scenes: list[Scene]) -> None:
@@ -182,8 +178,11 @@ def _refuse_names(scenes: list[Scene]) -> None:
 
 
 def _report(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.report_command import is_campaign, report_campaigns
     from comparison.workflow import report_again
 
+    if any(map(is_campaign, options.folders)):
+        return report_campaigns(options, _stdout(), _print_json)
     reports, broken = [], AGREE
     with Narration(narrator) as narration:
         for folder in options.folders:
@@ -197,7 +196,7 @@ def _report(options: argparse.Namespace, narrator: Console) -> int:
                 except (ExchangeError, FolderInUseError) as error:
                     broken = complain(str(error), TOOL)
             reports.append((folder, comparisons))
-    return max(broken, _conclude(options, narrator, reports), key=_gravity)
+    return max(broken, _conclude(options, reports), key=GRAVITY.index)
 
 
 def _export(options: argparse.Namespace, narrator: Console) -> int:
@@ -217,42 +216,22 @@ def _tutorial(options: argparse.Namespace, narrator: Console) -> int:
     return tutorial(options, _stdout(), _print_json)
 
 
-def _conclude(options: argparse.Namespace, narrator: Console, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
-    """Write each folder's report, print the verdict table, and return the gravest exit code."""
-    from comparison.report import stored_report, write_report
+def _conclude(options: argparse.Namespace, reports: list[tuple[Path, list[dict[str, Any]]]]) -> int:
+    from comparison.conclusion import conclude
 
-    codes, stored = [], []
-    for folder, comparisons in reports:
-        page = write_report(folder, comparisons, describe())
-        stored.append(stored_report(comparisons, describe()))
-        if not options.json:
-            _stdout().print(tables.verdict_table(comparisons))
-            if any(comparison.get("accuracy") for comparison in comparisons):
-                _stdout().print(tables.accuracy_table(comparisons))
-            for comparison in comparisons:
-                if comparison["reason"]:
-                    _stdout().print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
-            _stdout().print(f"report: {os.path.relpath(page)}", markup=False)
-        codes += [_code(comparison) for comparison in comparisons]
-    if options.json:
-        _print_json(stored[0] if len(stored) == 1 else {"reports": stored})
-    return max(codes, key=_gravity, default=AGREE)
-
-
-def _gravity(code: int) -> int:
-    return GRAVITY.index(code)
-
-
-def _code(comparison: dict[str, Any]) -> int:
-    if comparison["yade"] and comparison["yade"]["status"] in ("missing", "failed"):
-        return TOOL
-    return EXIT_OF_VERDICT[comparison["verdict"]]
+    return conclude(reports, options.json, _stdout(), _print_json)
 
 
 def _campaign(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.campaign.command import campaign
 
     return campaign(options, narrator, _stdout(), _print_json)
+
+
+def _compare(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.campaign.report_command import compare_campaigns
+
+    return compare_campaigns(options, narrator, _stdout(), _print_json)
 
 
 def _doctor(options: argparse.Namespace, narrator: Console) -> int:
@@ -288,6 +267,7 @@ COMMANDS = {
     "cost": _cost,
     "run": _run,
     "campaign": _campaign,
+    "compare": _compare,
     "report": _report,
     "export": _export,
     "tutorial": _tutorial,

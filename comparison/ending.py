@@ -13,6 +13,8 @@ from la_core.errors import SceneError, visible
 from la_core.exchange import ExchangeError
 
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
+EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
+GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # the gravest of several scenes decides
 INTERRUPTED = 130  # as shells say it
 
 

@@ -2,15 +2,13 @@
 
 import base64
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-import jinja2
-
 from comparison.files import write_text
+from comparison.pages import environment, flat
 from comparison.report_costs import accuracy_rows, costs, energies, measures
 from comparison.report_numbers import DASH, exists, half_width, interval_words, number, signed, value_range
 from comparison.summary import without_undefined
@@ -64,11 +62,11 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
     page = {
         "scenes": [_scene_view(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)],
         "counts": _counts(comparisons),
-        "provenance": list(_flat(provenance)),
+        "provenance": list(flat(provenance)),
         "limitations": LIMITATIONS,
     }
     for name in ("report.md", "report.html"):
-        write_text(folder / name, _environment(name).get_template(f"{name}.j2").render(page))
+        write_text(folder / name, environment(name).get_template(f"{name}.j2").render(page))
     stored = stored_report(comparisons, provenance)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
@@ -77,24 +75,6 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
 def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:
     """What report.json holds."""
     return dict(without_undefined({"comparisons": comparisons, "provenance": provenance}))
-
-
-def _markdown(text: Any) -> str:
-    """Text with every sign that Markdown or HTML would read escaped, in one line."""
-    return re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", " ".join(str(text).split()))
-
-
-def _environment(name: str) -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("comparison", "templates"),
-        autoescape=name.endswith(".html"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {"number": number, "md": _markdown}
-    return environment
 
 
 def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[str, Any]:
@@ -123,8 +103,8 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "model": list(_model(comparison)),
         "effects": list(_effects(comparison)),
         "evidence": list(_evidence(comparison)),
-        "settings": list(_flat(comparison.get("settings") or {})),
-        "provenance": list(_flat(comparison.get("provenance") or {})),
+        "settings": list(flat(comparison.get("settings") or {})),
+        "provenance": list(flat(comparison.get("provenance") or {})),
     }
 
 
@@ -261,16 +241,6 @@ def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
             "reason": str(row.get("reason") or ""),
             "cost": f"saves {saved}" if saved else took or DASH,
         }
-
-
-def _flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Pairs of dotted name and text, in order of the names."""
-    for key in sorted(values):
-        value = values[key]
-        if isinstance(value, dict):
-            yield from _flat(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", DASH if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _evidence(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:

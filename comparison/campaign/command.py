@@ -18,6 +18,7 @@ from comparison.campaign.dask import Dask
 from comparison.campaign.engine import Campaign, Engine, run_campaign
 from comparison.campaign.local import Local
 from comparison.campaign.narration import CampaignNarration
+from comparison.campaign.report import write_campaign_report
 from comparison.campaign.table import CampaignTable
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL
 from comparison.report_numbers import DASH
@@ -38,6 +39,7 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
     with CampaignNarration(narrator, asked.title) as narration:
         found = run_campaign(whole, engine, narration)
+    write_campaign_report(found)
     if options.json:
         print_json({name: value for name, value in vars(found).items() if name != "folder"} | {"folder": str(folder)})
     else:
@@ -81,3 +83,4 @@ def show(found: CampaignTable, out: Console) -> None:
     counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in found.rows)
     out.print(f"{len(found.rows)} cases: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
     out.print(f"results: {os.path.relpath(found.folder / 'results.csv')}", markup=False)
+    out.print(f"report: {os.path.relpath(found.folder / 'report.html')}", markup=False)
