@@ -12,6 +12,7 @@ from comparison.cli import COMMANDS, main
 from comparison.ending import AGREE, USAGE
 
 VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
+OUTPUTS = {"FIG": "figure.png", "FILE": "page.html"}
 CAMPAIGN = "campaign.toml"
 PREFERRED = ("no_yade",)  # switches that spare time
 
@@ -29,6 +30,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("results")
     assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(folder)]) == AGREE
     (folder / CAMPAIGN).write_text('[[sweep]]\nscene = "two_pads"\n')
+    assert main(["campaign", str(folder / CAMPAIGN), "--no-yade", "--workers", "1", "-q", "-o", str(folder / "campaign")]) == AGREE
     return folder
 
 
@@ -37,11 +39,11 @@ def example(sub: argparse.ArgumentParser, results: Path, folder: Path) -> list[s
     given = []
     for action in sub._actions:
         if action.dest == "output":
-            given += ["-o", str(folder / ("figure.png" if action.metavar == "FIG" else "files"))]
+            given += ["-o", str(folder / OUTPUTS.get(str(action.metavar), "files"))]
         elif action.dest in PREFERRED:
             given.append(action.option_strings[0])
         elif action.required:
-            stored = {"DIR": str(results), "FILE": str(results / CAMPAIGN)}
+            stored = {"DIR": str(results), "FILE": str(results / CAMPAIGN), **dict.fromkeys(("DIR1", "DIR2"), str(results / "campaign"))}
             value = (stored | VALUES).get(str(action.metavar))
             assert value is not None, f"say in VALUES what this test is to give for {action.metavar} of {sub.prog}"
             given += [*action.option_strings[:1], value]
