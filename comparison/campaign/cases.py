@@ -51,20 +51,22 @@ class Case:
     """One row of the campaign's tables. values: of every varied key that its scene knows, None for the others."""
 
     name: str
+    sweep: str
     run: Run
     values: dict[str, Any]
     classic: ClassicParameters | None
 
 
 def expand(definition: Definition) -> list[Case]:
-    """All cases in order, equal ones once; raises SceneError, which names the campaign and the case, for any whose scene is wrong."""
+    """All cases in order, equal ones of a sweep once; raises SceneError, which names campaign and case, for any whose scene is wrong."""
     labels = _labels(definition)
     runs: dict[tuple[Path, str], Run] = {}
-    found: dict[tuple[Run, ClassicParameters | None], Case] = {}
-    names, folders = _Names(), _Names()
+    found: dict[tuple[str, Run, ClassicParameters | None], Case] = {}
+    names, folders, sweeps = _Names(), _Names(), _Names()
     for sweep in definition.file.sweep:
         path, original = _scene_of(definition, sweep)
         stem = _stem(sweep.name or path.stem)
+        title = sweeps.unique(stem)
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
@@ -77,8 +79,9 @@ def expand(definition: Definition) -> list[Case]:
                     text = _titled(data, path.stem, own) if data != tomllib.loads(original) else original
                     runs[identity] = _run(folders.unique("_".join([stem, *own])), path, text)
                 run = runs[identity]
-                if (run, parameters) not in found:
-                    found[run, parameters] = Case(names.unique(name), run, _values(whole, parameters, definition.keys), parameters)
+                if (title, run, parameters) not in found:
+                    of_keys = _values(whole, parameters, definition.keys)
+                    found[title, run, parameters] = Case(names.unique(name), title, run, of_keys, parameters)
             except SceneError as error:
                 raise SceneError(f"{definition.path}: case {name}", str(error)) from error
     return list(found.values())

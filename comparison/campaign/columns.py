@@ -8,6 +8,7 @@ ANSWER = "as column unit says"  # N, N m or a pure number, by what the scene ask
 
 BEFORE_KEYS = {
     "case": ("", "name of the case, unique in the campaign"),
+    "sweep": ("", "name of the sweep that the case is of: its own, or its scene's"),
     "scene": ("", "scene that the case is made from"),
 }
 AFTER_KEYS = {

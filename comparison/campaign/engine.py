@@ -138,7 +138,13 @@ def gather(campaign: Campaign, outcomes: dict[str, Outcome], engine: str, began:
         if outcome is None:
             continue
         classic = outcome["classic"].get(case.name, {})
-        row = blank | {"case": case.name, "scene": case.run.scene_name} | case.values | {"state": outcome["state"]} | outcome["answers"]
+        row = (
+            blank
+            | {"case": case.name, "sweep": case.sweep, "scene": case.run.scene_name}
+            | case.values
+            | {"state": outcome["state"]}
+            | outcome["answers"]
+        )
         row |= {"classic": classic.get("value"), "classic_status": classic.get("status"), "classic_iterations": classic.get("iterations")}
         rows.append(row | {"folder": f"{CASES}/{case.run.name}"})
         own = {"classic_seconds": classic.get("seconds"), "classic_iterations": classic.get("iterations")}

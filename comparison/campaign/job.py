@@ -27,7 +27,8 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
 OUTCOME = "outcome.json"
-ROOMS = ("la_core", "yade_scripts", "comparison", "comparison/campaign")
+ROOMS = ("la_core", "yade_scripts", "comparison")
+OWN = ("columns.py", "job.py", "labels.py")  # of this package, what an outcome is made by; the others only gather and draw
 PATIENCE = 600.0  # s for another process to leave a case's folder: one that an earlier call began and that has not seen its end yet
 LOOKS_EVERY = 0.2  # s
 
@@ -60,7 +61,8 @@ class StoppedError(BaseException):
 def code() -> str:
     """Digest of the code and versions that decide an outcome."""
     versions = {name: version for name, version in describe().items() if name != "machine"}
-    return hashlib.sha256(json.dumps([*(code_digest(ROOT / room) for room in ROOMS), versions]).encode()).hexdigest()
+    own = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in OWN]
+    return hashlib.sha256(json.dumps([*(code_digest(ROOT / room) for room in ROOMS), own, versions]).encode()).hexdigest()
 
 
 def digest(run: Run, yade: bool, classic: dict[str, ClassicParameters], by: str) -> str:

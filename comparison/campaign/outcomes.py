@@ -16,6 +16,11 @@ LIMIT = "limit"  # what limit analysis predicts: by Coulomb's law where the case
 WORDS = METHODS | {LIMIT: "limit analysis"}
 
 
+def sweep_of(row: Row) -> str:
+    """Name of the sweep that a row is of: what is drawn and tabled together."""
+    return str(row.get("sweep") or row.get("scene"))
+
+
 def over_weight(row: Row, name: str) -> float | None:
     """A reaction of the row over the weight of its free blocks; a multiplier as it is; None where either does not exist."""
     value, weight = row.get(name), row.get("weight")

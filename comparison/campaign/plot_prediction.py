@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
 from comparison.campaign import plot_axes
-from comparison.campaign.outcomes import Row, bounds, over_weight, prediction
+from comparison.campaign.outcomes import Row, bounds, over_weight, prediction, sweep_of
 from comparison.campaign.plot_axes import MARKERS, NARROW
 from comparison.campaign.words import quantity
 from comparison.drawing import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
@@ -38,7 +38,7 @@ def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
     if not both:
         return None
     figure, (left, right) = plot_axes.panels(2, 4.6)
-    scenes = list(dict.fromkeys(str(row["scene"]) for row in both))
+    scenes = list(dict.fromkeys(sweep_of(row) for row in both))
     largest = max(abs(_value(row, name)) for row in both for name in (prediction(row), "yade"))
     for row in both:
         style = _style(row, scenes, SIZE if len(both) < MANY else SMALL)
@@ -58,7 +58,7 @@ def _value(row: Row, name: str) -> float:
 
 def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
     """Marker by scene, face by verdict."""
-    marker = MARKERS[min(scenes.index(str(row["scene"])), len(MARKERS) - 1)]
+    marker = MARKERS[min(scenes.index(sweep_of(row)), len(MARKERS) - 1)]
     face = VERDICT_FACE.get(str(row.get("verdict")), FAINT)
     return {
         "marker": marker, "markersize": size, "markerfacecolor": face, "markeredgecolor": INK, "linestyle": "none",

@@ -17,6 +17,7 @@ from comparison.campaign.outcomes import (
     link,
     over_weight,
     prediction,
+    sweep_of,
     worst_first,
 )
 from comparison.campaign.sweeps import key
@@ -64,11 +65,11 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
 
 
 def _named(table: CampaignTable, row: Row, varying: Varying) -> Words:
-    held = {name: row[name] for name in table.axes if row.get(name) is not None and name in varying[str(row.get("scene"))]}
+    held = {name: row[name] for name in table.axes if row.get(name) is not None and name in varying[sweep_of(row)]}
     return {
         "case": str(row.get("case")),
         "href": link(table.folder, row),
-        "scene": str(row.get("scene")),
+        "scene": sweep_of(row),
         "varied": words_of(held, table.labels),
     }
 
@@ -77,7 +78,7 @@ def _varying(table: CampaignTable) -> Varying:
     """Parameters of more than one value, by scene."""
     values: dict[str, dict[str, set[str]]] = {}
     for row in table.rows:
-        own = values.setdefault(str(row.get("scene")), {})
+        own = values.setdefault(sweep_of(row), {})
         for name in table.axes:
             own.setdefault(name, set()).add(key(row.get(name)))
     return {scene: {name for name, found in own.items() if len(found) > 1} for scene, own in values.items()}
@@ -108,7 +109,7 @@ def changed(found: list[Change], lettered: Mapping[str, Mapping[str, str]], name
 def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
     """Every mechanism: its letter, its label, in how many cases each method finds it, and the share of mass that moves in the first."""
     for scene, own in lettered.items():
-        rows = [row for row in table.rows if str(row.get("scene")) == scene]
+        rows = [row for row in table.rows if sweep_of(row) == scene]
         for label, letter in own.items():
             having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
             masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
@@ -134,7 +135,7 @@ def classic(table: CampaignTable) -> Iterator[Words]:
 
 def totals(table: CampaignTable) -> Iterator[Words]:
     """Seconds by scene and in all; what cases share is counted once."""
-    scene_of = {row["case"]: str(row["scene"]) for row in table.rows}
+    scene_of = {row["case"]: sweep_of(row) for row in table.rows}
     scenes, once = list(dict.fromkeys(scene_of.values())), costs_once(table)
     for scene in scenes if len(scenes) > 1 else []:
         own, own_once = ([cost for cost in costs if scene_of.get(cost["case"]) == scene] for costs in (table.costs, once))

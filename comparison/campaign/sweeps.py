@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
-from comparison.campaign.outcomes import Row
+from comparison.campaign.outcomes import Row, sweep_of
 from comparison.campaign.table import CampaignTable
 from comparison.campaign.words import CLASSIC, words_of
 
@@ -69,7 +69,7 @@ def sweeps(table: CampaignTable, classic: bool = False) -> list[Sweep]:
     groups: dict[tuple[str, tuple[str, ...]], dict[tuple[str, ...], list[Row]]] = {}
     for row in table.rows:
         known = tuple(name for name in names if row.get(name) is not None)
-        places = groups.setdefault((str(row.get("scene")), known), {})
+        places = groups.setdefault((sweep_of(row), known), {})
         places.setdefault(tuple(key(row[name]) for name in known), []).append(row)
     found = []
     for (scene, known), places in groups.items():
