@@ -134,13 +134,15 @@ def test_names_are_unique_short_and_lead_nowhere(tmp_path: Path) -> None:
         assert not set(name) & set("/\\$()*?[]{}<>|&;:'\" ,")
 
 
-def test_equal_cases_of_two_sweeps_are_one_and_each_row_has_every_value_that_its_scene_has(tmp_path: Path) -> None:
-    text = sweep('vary = { "joint.friction" = [0.3, 0.6] }')
+def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that_its_scene_has(tmp_path: Path) -> None:
+    text = sweep('vary = { "joint.friction" = [0.3, 0.6, 0.6] }')
     text += '[[sweep]]\nscene = "two_pads"\nvary = { "joint.inset" = [0.001, 0.002] }'
     definition = load(written(tmp_path, text))
     found = expand(definition)
-    assert [case.name for case in found] == ["two_pads_friction=0.3", "two_pads_friction=0.6", "two_pads_inset=0.002"]
-    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.002]]  # 0.001 is the schema's default
+    assert [case.name for case in found] == [f"two_pads_{key}" for key in ("friction=0.3", "friction=0.6", "inset=0.001", "inset=0.002")]
+    assert [case.sweep for case in found] == ["two_pads", "two_pads", "two_pads-2", "two_pads-2"]
+    assert found[1].run is found[2].run and len({case.run.name for case in found}) == 3
+    assert [list(case.values.values()) for case in found] == [[0.3, 0.001], [0.6, 0.001], [0.6, 0.001], [0.6, 0.002]]  # 0.001 is the schema's default
     assert axes(definition, found) == {"joint.friction": [0.3, 0.6], "joint.inset": [0.001, 0.002]}
 
 
