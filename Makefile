@@ -43,6 +43,20 @@ hard-cases: setup
 	OMP_NUM_THREADS=1 $(BIN)/python tests/fuzz_readers.py --count 10000 --write comparison/gallery/fuzz.md
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long tests/test_faults_of_yade.py tests/test_interruptions.py tests/test_damaged_results.py
 
+.PHONY: test-browser viewer-library
+# The browser's tests skip where there is none; this installs one (about 0.1 GB to fetch) and runs them.
+test-browser: setup
+	@{ command -v chromium || command -v chromium-browser || command -v google-chrome; } >/dev/null || $(APT_INSTALL) chromium || $(call ask,chromium)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/test_viewer_in_browser.py
+
+# comparison/web/three.min.js: what the viewer uses of three.js, bundled byte for byte the same by these versions; needs npm.
+viewer-library:
+	npm install --no-save --no-fund --no-audit --prefix build/three three@0.187.0 esbuild@0.28.2
+	cp build/three/node_modules/three/LICENSE comparison/web/three.LICENSE
+	NODE_PATH=build/three/node_modules build/three/node_modules/.bin/esbuild comparison/web/three.entry.js --bundle --minify \
+		--format=iife --global-name=THREE --banner:js="/* three.js 0.187.0, shortened. $$(cat comparison/web/three.LICENSE) */" \
+		--outfile=comparison/web/three.min.js
+
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .

@@ -9,6 +9,8 @@ from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")
+MOVING_FORMATS = (".gif", ".mp4")
+MOST_FRAMES = 50  # a second: a GIF counts hundredths, and players refuse less than two
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 MOST_WORKERS = 1000
@@ -60,6 +62,25 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     limit_help = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
     run.add_argument("--time-limit", type=seconds, metavar="S", help=limit_help)
+    _add_campaign(add)
+    report = add("report", "write the report again from stored results")
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
+    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
+    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+    _add_animate(add)
+    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
+    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
+    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
+    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
+    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
+    add("doctor", "what is installed, what is missing, the command that mends it")
+    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
+    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
+    return whole
+
+
+def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
     campaign.set_defaults(configured=("workers",))
     campaign.add_argument("campaign", metavar="FILE", type=Path, help="campaign file (TOML): scenes, and the ranges of their keys")
@@ -70,20 +91,16 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
     _add_compare(add)
-    report = add("report", "write the report again from stored results")
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
-    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
-    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
-    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
-    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
-    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
-    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
-    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
-    add("doctor", "what is installed, what is missing, the command that mends it")
-    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
-    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
-    return whole
+
+
+def _add_animate(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    animate = add("animate", "the settlement as an animation: both mechanisms grow while the reaction's record draws itself")
+    animate.add_argument(
+        "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is run first"
+    )
+    place = "GIF or MP4 file (default: animation.gif in the scene's folder, where `crosscheck report` takes it into the page)"
+    animate.add_argument("-o", "--output", type=moving_picture, metavar="MOVIE", help=place)
+    animate.add_argument("--fps", type=frames_per_second, metavar="N", default=10, help="frames per second (default: 10)")
 
 
 def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
@@ -99,6 +116,22 @@ def figure(text: str) -> Path:
     if path.suffix not in FIGURE_FORMATS:
         raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
     return path
+
+
+def moving_picture(text: str) -> Path:
+    """An animation's path, whose ending names its format."""
+    path = Path(text)
+    if path.suffix not in MOVING_FORMATS:
+        raise argparse.ArgumentTypeError(f"{text}: an animation's name ends in {' or '.join(MOVING_FORMATS)}")
+    return path
+
+
+def frames_per_second(text: str) -> int:
+    """A whole number that a player can show."""
+    value = int(text) if text.isdecimal() else 0
+    if not 1 <= value <= MOST_FRAMES:
+        raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_FRAMES}")
+    return value
 
 
 def page(text: str) -> Path:

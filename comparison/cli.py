@@ -210,6 +210,12 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
     return AGREE
 
 
+def _animate(options: argparse.Namespace, narrator: Console) -> int:
+    from comparison.animation import animation
+
+    return animation(options, narrator, _stdout(), _print_json)
+
+
 def _tutorial(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.tutorial import tutorial
 
@@ -270,6 +276,7 @@ COMMANDS = {
     "compare": _compare,
     "report": _report,
     "export": _export,
+    "animate": _animate,
     "tutorial": _tutorial,
     "doctor": _doctor,
     "completion": _completion,

@@ -12,7 +12,7 @@ import matplotlib.patheffects
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
 from la_core.assembly import Assembly
@@ -70,7 +70,7 @@ class Canvas:
         self.blocks = assembly.blocks
         self.plane = assembly.effects.plane
         self.few = len(assembly.blocks) <= FEW
-        self.right, self.up, self.toward = _view(self.plane)
+        self.right, self.up, self.toward = view_axes(self.plane)
         self.order = np.arange(len(self.blocks)) if self.plane else _back_to_front(assembly, self.toward)
         low, high = window(assembly)
         self.scale = width / (high - low)[0]  # pt per m
@@ -202,10 +202,10 @@ def _font(words: str, width: float, height: float) -> float:
     return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
 
 
-def canvases(figure: Figure, assembly: Assembly, count: int) -> list[Canvas]:
+def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int) -> list[Canvas]:
     """`count` canvases side by side for the structure, at equal scale."""
     grid = figure.subplots(1, count, squeeze=False, sharey=True)[0]
-    width = 0.88 * figure.get_figwidth() * 72.0 / count
+    width = 0.88 * figure.figure.get_figwidth() * 72.0 / count
     return [Canvas(axes, assembly, width) for axes in grid]
 
 
@@ -213,13 +213,13 @@ def window(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corner (2,) of what a canvas shows, m in the view's directions."""
     low, high = assembly.blocks.low.min(axis=0), assembly.blocks.high.max(axis=0)
     corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3)
-    right, up, _ = _view(assembly.effects.plane)
+    right, up, _ = view_axes(assembly.effects.plane)
     flat = corners @ np.stack([right, up], axis=1)
     margin = MARGIN * size(assembly.blocks)
     return flat.min(axis=0) - margin, flat.max(axis=0) + margin
 
 
-def _view(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Unit vectors to the right, upwards and towards the viewer."""
     if plane:
         return np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])

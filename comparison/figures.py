@@ -3,9 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from comparison import plots
+from comparison.motion import shown_answer
 from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run
 from la_core.analysis import LimitAnalysis
@@ -16,9 +15,8 @@ from la_core.scene import Scene
 
 def figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
     """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
-    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
-    best, friction = (coulomb, "Coulomb") if coulomb and np.isfinite(coulomb.value) else (main, "associated")
-    method = f"limit analysis ({friction})"
+    main = analysis.rounded[analysis.main]
+    method, best = shown_answer(analysis)
     mechanisms = {method: best.twists}
     reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
     if run is not None:

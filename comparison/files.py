@@ -11,6 +11,7 @@ from la_core.schema_mesh import FOLDER_FORMATS
 from la_core.sealed_file import write_whole
 
 RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # no mesh, or folder of them, can have a result's name
+ANIMATION = "animation.gif"  # of the results beside it: `crosscheck report` takes it into the page
 REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of scenes
 LOCK = ".lock"
 UNFINISHED = "*.[0-9]*.part"  # what a process that was killed left

@@ -76,6 +76,16 @@ def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> F
     return figure
 
 
+def draw_levels(axes: Any, scene: Scene, analysis: LimitAnalysis, run: Run | None) -> tuple[Scales, set[str]]:
+    """All of the whole curve's panel but YADE's record; returns the axes' scales and the labels that stand beside their lines."""
+    scales, end, limits = scales_of(scene, analysis, run), reached(analysis, run), whole_limits(analysis, run)
+    _draw_bounds(axes, analysis, scales, limits)
+    _draw_prediction(axes, analysis, scales, limits)
+    _finish(axes, scene, scales, end, limits)
+    low, high = (limit / scales.reaction for limit in limits)
+    return scales, write_words(axes, _words(analysis, None, scales, end), (low, high), _kept_clear(analysis, scales, end))
+
+
 def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
     """Why limit analysis has no reaction to show, or ""."""
     status, value = analysis.rounded[analysis.main].status, analysis.rounded[analysis.main].value

@@ -18,6 +18,7 @@ from matplotlib.patches import Patch
 
 from comparison import drawing
 from comparison.drawing import ASIDE, FAINT, FEW, INK, ROLE_FACE, ROLE_HATCH, Canvas
+from comparison.motion import DRAWN, drawn_motion
 from comparison.plot_reaction import reaction_figure
 from la_core import mechanism
 from la_core.assembly import Assembly
@@ -26,10 +27,9 @@ from la_core.scene import Scene
 from la_core.sealed_file import write_whole
 from la_core.shapes import Blocks
 
-__all__ = ["assembly_figure", "mechanism_figure", "reaction_figure", "save"]
+__all__ = ["assembly_figure", "looks", "mechanism_figure", "reaction_figure", "save", "wrapped"]
 
 DPI = 130
-DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mechanism
 SHORT = 0.2  # of the longest arrow: shorter ones of a turning support are left out
 ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
@@ -58,7 +58,7 @@ def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
     figure = _figure(assembly, 1, scene.title)
     (canvas,) = drawing.canvases(figure, assembly, 1)
     blocks, interfaces = assembly.blocks, assembly.interfaces
-    canvas.solids(blocks.vertices, *_looks(assembly))
+    canvas.solids(blocks.vertices, *looks(assembly))
     if canvas.plane or canvas.few:
         canvas.outlines(drawing.loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
     position = assembly.points.position
@@ -86,9 +86,8 @@ def mechanism_figure(
     colour. Where twists are NaN, the blocks named in `falling` are marked, and `reasons[label]` says why there is no mechanism.
     """
     known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
-    fastest = max((float(mechanism.block_speeds(assembly.blocks, twists).max()) for twists in known), default=0.0)
-    factor = DRAWN * drawing.size(assembly.blocks) / fastest if fastest > 0.0 else 0.0
-    heading = "\n".join(part for part in (_wrapped(title), _scale_words(assembly, factor) if known else "") if part)
+    factor = drawn_motion(assembly, mechanisms)
+    heading = "\n".join(part for part in (wrapped(title), _scale_words(assembly, factor) if known else "") if part)
     figure = _figure(assembly, len(mechanisms), heading)
     handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
     handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
@@ -124,7 +123,7 @@ def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, fact
     blocks, points = assembly.blocks, assembly.points
     moves = mechanism.moving(blocks, twists)
     vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, _owner(blocks))
-    canvas.solids(vertices, *_looks(assembly, moves, colour))
+    canvas.solids(vertices, *looks(assembly, moves, colour))
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
     sides = [mechanism.point_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks]
     middle = points.position + factor * sum(sides) / 2.0
@@ -138,7 +137,7 @@ def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, fact
 def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], colour: str) -> None:
     blocks = assembly.blocks
     falls = np.isin(blocks.names, list(falling))
-    canvas.solids(blocks.vertices, *_looks(assembly, falls, colour, "xx"))
+    canvas.solids(blocks.vertices, *looks(assembly, falls, colour, "xx"))
     for k in np.flatnonzero(falls)[:FEW]:
         canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * drawing.size(blocks) * _unit(assembly.dead_load[k, :3]))
 
@@ -149,7 +148,7 @@ def _why_none(falling: Sequence[str]) -> str:
     return f"cannot stand under its own weight: {len(falling)} block{'s fall' if len(falling) > 1 else ' falls'}"
 
 
-def _looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:
+def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:
     """Face colour and hatch of every block: by its role, or those given for the blocks of the mask `marked` (B,)."""
     mask = np.zeros(len(assembly.blocks), dtype=bool) if marked is None else marked
     roles = drawing.roles(assembly)
@@ -195,7 +194,7 @@ def _figure(assembly: Assembly, count: int, title: str) -> Figure:
     inches = 8.5 if count == 1 else 11.0
     figure = Figure(figsize=(inches, float(np.clip(0.88 * inches / count * height / width, 1.5, 8.0)) + 1.6), layout="compressed")
     FigureCanvasAgg(figure)
-    figure.suptitle(_wrapped(title), fontsize=11, parse_math=False)
+    figure.suptitle(wrapped(title), fontsize=11, parse_math=False)
     return figure
 
 
@@ -224,7 +223,8 @@ def _scale_words(assembly: Assembly, factor: float) -> str:
     return f"drawn for a support motion of {1e3 * factor:.3g} mm (displacements linear in it)"
 
 
-def _wrapped(title: str) -> str:
+def wrapped(title: str) -> str:
+    """A title in lines of bounded length."""
     return "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
 
 

@@ -12,6 +12,7 @@ from comparison.pages import environment, flat
 from comparison.report_costs import accuracy_rows, costs, energies, measures
 from comparison.report_numbers import DASH, exists, half_width, interval_words, number, signed, value_range
 from comparison.summary import without_undefined
+from comparison.viewer import embedded, scripts
 
 VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
 FIGURES = {
@@ -21,6 +22,7 @@ FIGURES = {
     "extrapolated to the undeformed geometry; limit analysis' bounds (associated), and where known its Coulomb prediction, the "
     "interval that the mechanism leaves open, and the path from rest on joints of the same stiffness.",
     "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by what they do.",
+    "animation": "The settlement as an animation: mechanisms by both methods, and YADE's reaction as it was recorded.",
 }
 EVIDENCE = {
     "equilibrium_residual": "largest unbalanced force, of the mean block weight",
@@ -57,10 +59,12 @@ LIMITATIONS = (
 def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> Path:
     """Write report.html, report.md and report.json into `folder`, from comparison.json objects; returns the page's path.
 
-    Figures are taken from `folder/<scene>/`, where they exist. Each file is whole or the one that was there before.
+    Figures and interactive views are taken from `folder/<scene>/`, where they exist. Each file is whole or the one that was there before.
     """
+    scenes = [_scene_view(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)]
     page = {
-        "scenes": [_scene_view(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)],
+        "scenes": scenes,
+        "scripts": scripts() if any(scene["view"] for scene in scenes) else None,
         "counts": _counts(comparisons),
         "provenance": list(flat(provenance)),
         "limitations": LIMITATIONS,
@@ -93,6 +97,7 @@ def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[st
         "notes": comparison.get("notes") or [],
         "checks": [_check_view(check) for check in comparison.get("checks") or []],
         "figures": list(_figures(folder / scene, scene)),
+        "view": embedded(folder / scene),
         "results": results,
         "expected": list(_expected(comparison)),
         "rounding": _rounding(comparison),
@@ -177,10 +182,11 @@ def _check_view(check: dict[str, Any]) -> dict[str, Any]:
 
 def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
     for name, caption in FIGURES.items():
-        path = folder / f"{name}.png"
+        kind = "gif" if name == "animation" else "png"
+        path = folder / f"{name}.{kind}"
         if path.is_file():
-            data = base64.b64encode(path.read_bytes()).decode()
-            yield {"name": name, "caption": caption, "path": f"{quote(scene)}/{name}.png", "data": f"data:image/png;base64,{data}"}
+            data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+            yield {"name": name, "caption": caption, "path": f"{quote(scene)}/{path.name}", "data": data}
 
 
 def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:

@@ -9,11 +9,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from comparison import bought, buying, plots, provenance, turn_back
+from comparison import bought, buying, plots, provenance, turn_back, viewer
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
 from comparison.figures import figures as _figures
-from comparison.files import alone_in, copy_inputs, write_text
+from comparison.files import ANIMATION, alone_in, copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
@@ -200,15 +200,19 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
     inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes, effects], sort_keys=True), "comparison")
     figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
     previous = _stored_summary(folder)
-    if previous.get("inputs") == inputs and all(path.is_file() for path in figures):
+    view = folder / viewer.FILE
+    if previous.get("inputs") == inputs and all(path.is_file() for path in (*figures, view)):
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
+    if previous.get("inputs") != inputs:
+        (folder / ANIMATION).unlink(missing_ok=True)
     checks = [*check_expected(scene, analysis), *_judge(stored), *bought.check_accuracy(scene, analysis, run)]
     summary = comparison_summary(scene, analysis, stored.yade, run, checks, stored.notes)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in figures.items():
         plots.save(draw(), path)
+    write_text(view, viewer.viewer_text(scene, analysis, run))
     summary["sum"] = _sum_of(summary)
     write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     return summary

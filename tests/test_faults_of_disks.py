@@ -67,7 +67,7 @@ def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
             patch.undo()
             assert main(command) == 0
         assert answer(out) == answer(without_yade)
-    assert files == 7  # scene, case, figure, comparison, three reports
+    assert files == 8  # scene, case, figure, view, comparison, three reports
 
 
 def limited(size: int) -> Callable[[], None]:
