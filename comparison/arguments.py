@@ -63,17 +63,14 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     limit_help = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
     run.add_argument("--time-limit", type=seconds, metavar="S", help=limit_help)
     _add_campaign(add)
+    _add_compare(add)
     report = add("report", "write the report again from stored results")
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
     export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
     export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
     _add_animate(add)
-    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
-    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
-    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
-    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
-    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
+    _add_tutorial(add)
     add("doctor", "what is installed, what is missing, the command that mends it")
     completion = add("completion", "print the script by which a shell completes commands, options and scenes")
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
@@ -90,7 +87,6 @@ def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
     campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
     campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
-    _add_compare(add)
 
 
 def _add_animate(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
@@ -101,6 +97,14 @@ def _add_animate(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     place = "GIF or MP4 file (default: animation.gif in the scene's folder, where `crosscheck report` takes it into the page)"
     animate.add_argument("-o", "--output", type=moving_picture, metavar="MOVIE", help=place)
     animate.add_argument("--fps", type=frames_per_second, metavar="N", default=10, help="frames per second (default: 10)")
+
+
+def _add_tutorial(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
+    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
+    output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
+    tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
+    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
 
 
 def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
