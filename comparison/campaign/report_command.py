@@ -16,6 +16,8 @@ from comparison.campaign.versions import with_versions
 from comparison.ending import AGREE, DISAGREE, GRAVITY
 from la_core.errors import SceneError
 
+MOST_NAMES = 8  # of cases in one campaign only, on a terminal
+
 
 def is_campaign(folder: Path) -> bool:
     """Whether the folder holds a campaign's results."""
@@ -55,7 +57,8 @@ def compare_campaigns(options: argparse.Namespace, narrator: Console, out: Conso
             out.print(f"and {len(found.changes) - MOST_SHOWN} more changes", markup=False)
         for words, names in (("before", found.only_before), ("after", found.only_after)):
             if names:
-                out.print(f"only {words}: {', '.join(names)}", markup=False)
+                more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+                out.print(f"only {words}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
         out.print(sentence(found), markup=False)
     return DISAGREE if found.changed else AGREE
 
