@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished
+from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
 from comparison import launch
 from comparison.cli import main
@@ -111,14 +111,14 @@ def test_a_log_that_cannot_be_written_is_named(
     monkeypatch.setattr(launch, "_report", lambda line: (_ for _ in ()).throw(OSError(28, "No space left on device")))
     assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "-q"]) == TOOL
     one_message(capsys.readouterr().err, "yade.log: No space left on device")
-    assert not processes_about(tmp_path / "out")
+    wait_for(lambda: not processes_about(tmp_path / "out"))
 
 
 def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def hungry(scene: Any, with_path: bool) -> None:
+    def hungry(*arguments: Any, **options: Any) -> None:
         raise MemoryError("Unable to allocate 1 TiB")
 
-    monkeypatch.setattr("comparison.cli.analyse", hungry)
+    monkeypatch.setattr("comparison.cli.solve", hungry)
     assert main(["solve", "two_pads"]) == TOOL
     one_message(capsys.readouterr().err, "the memory does not suffice")
 

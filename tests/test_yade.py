@@ -157,6 +157,15 @@ def test_a_time_limit_ends_in_a_timeout_that_is_tried_again(tmp_path: Path) -> N
     assert json.loads((out / "wall_third" / "comparison.json").read_text())["yade"]["status"] == "timeout"
 
 
+def test_a_time_limit_is_obeyed_however_many_steps_lie_between_two_records(tmp_path: Path) -> None:
+    """At this speed the first row of the settlement would be written after a day."""
+    scene = tmp_path / "slow.toml"
+    scene.write_text(shipped.find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 1e-12\n", encoding="utf-8")
+    assert main(["run", str(scene), "-o", str(tmp_path), "-q", "--time-limit", "3"]) == 4
+    stored = json.loads((tmp_path / "slow" / "comparison.json").read_text(encoding="utf-8"))
+    assert stored["yade"]["status"] == "timeout"
+
+
 def test_a_misspelt_yade_setting_is_a_scene_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "typo.toml"
     path.write_text(shipped.find("two_pads").read_text() + "\n[yade]\nspeeed = 1.0\n")

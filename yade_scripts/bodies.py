@@ -280,7 +280,8 @@ def _engines(case: Case, settings: Settings, clumps: list[int], command: str) ->
     integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
     drive = drive_of(case, [clumps[block] for block in case.supports])
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
+    clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # watches, however many steps lie between two rows
     omega = Omega()
-    omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch]
+    omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch, clock]
     omega.dt = settings.time_step
     return integrator, drive, watch

@@ -52,6 +52,7 @@ class Protocol:
     _speed: float = 0.0
     _start_time: float = 0.0
     _last_time: float = 0.0
+    _end_time: float = 0.0
     _next_pose: float = 0.0
     _at_rest: int = 0
     _began: float = field(default_factory=time.monotonic)
@@ -92,13 +93,14 @@ class Protocol:
     def _settle(self) -> None:
         settings, dt = self.settings, self.settings.time_step
         self.model.integrator.damping = 0.0
-        self._stage, self._start_time, self._last_time = SETTLEMENT, Omega().time, Omega().time
+        self._stage, self._start_time = SETTLEMENT, max(Omega().time, self._end_time)
+        self._last_time = self._start_time
         self._next_pose = FIRST_POSE * settings.max_travel / settings.poses
         every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
         full_time = (settings.max_travel + settings.wedging) / settings.speed + 0.5 * settings.ramp_time
         self._set_speed(every * dt)
         self._advance(math.ceil(full_time / dt), every)
-        self.asked_settlement += self._speed * (Omega().time - self._last_time)
+        self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
         if self.record.poses[-1][0] < self.record.settlement():
             self.record.store_pose()
 
@@ -110,6 +112,8 @@ class Protocol:
 
     def watch(self) -> None:
         """Record a row and decide whether to go on. Runs in YADE's thread: an exception is kept for `run`."""
+        if self.status is not None or self.error is not None:
+            return
         try:
             row = self.record.read_row(self._stage)
             self._stop_if_lost(row)
@@ -118,7 +122,12 @@ class Protocol:
         except BaseException as error:
             self.error = error
         if self.error is not None or self.status is not None:
-            Omega().pause()
+            self._pause()
+
+    def _pause(self) -> None:
+        """End with this step, whose motion is done: YADE's clock may be read before it has counted the step."""
+        self._end_time = Omega().time + self.settings.time_step
+        Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
         limit = self.settings.max_travel * self.case.support_reach
@@ -138,7 +147,7 @@ class Protocol:
         fraction = math.log(max(row.unbalanced, 1e-300)) / math.log(self.settings.rest_unbalanced)
         self.progress("gravity", min(1.0, max(0.0, fraction)), 0.0, row.reaction, "")
         if self._at_rest >= ROWS_AT_REST:
-            Omega().pause()
+            self._pause()
 
     def _watch_settlement(self, row: Row) -> None:
         self.asked_settlement += self._speed * (row.time - self._last_time)
