@@ -80,7 +80,8 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
 def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
     campaign.set_defaults(configured=("workers",))
-    campaign.add_argument("campaign", metavar="FILE", type=Path, help="campaign file (TOML): scenes, and the ranges of their keys")
+    file_help = "campaign file (TOML): scenes, and the ranges of their keys; or the name of a shipped one, such as seed_paper"
+    campaign.add_argument("campaign", metavar="FILE", type=Path, help=file_help)
     campaign.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)")
     where = campaign.add_mutually_exclusive_group()
     where.add_argument("--workers", type=count, metavar="N", help="processes on this machine (default: its cores)")

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from comparison import workflow
 from comparison.campaign import columns, table
 from comparison.campaign.cases import LONGEST, axes, expand
+from comparison.campaign.command import find as find_campaign
 from comparison.campaign.definition import MOST_CASES, load
 from comparison.campaign.labels import mechanism_label
 from comparison.cli import main
@@ -366,3 +367,10 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert [row["case"] for row in table.read(out).rows] == begun(out)
     again = Inline()
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
+
+
+def test_a_shipped_campaign_is_found_by_its_name_and_all_its_cases_are_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+    cases = expand(load(find_campaign(Path("seed_paper"))))
+    assert len(cases) >= 60 and len({case.sweep for case in cases}) == 9
+    assert main(["campaign", "seed_papers"]) == 2
+    assert 'seed_paper"' in capsys.readouterr().err

@@ -23,8 +23,9 @@ from comparison.campaign.table import CampaignTable
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL
 from comparison.report_numbers import DASH
 from comparison.tables import number
-from la_core.errors import SceneError
+from la_core.errors import SceneError, nearest
 
+SHIPPED = Path(__file__).parent.parent / "campaigns"
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
@@ -32,8 +33,9 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     """Run a campaign, print its table, and return the gravest exit code of its cases."""
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
         raise SceneError("--parquet", "is written by pyarrow, which is not installed", hint='install the extra "parquet"')
-    asked = definition.load(options.campaign)
-    folder = (options.output or default_folder(options.campaign)).resolve()
+    path = find(options.campaign)
+    asked = definition.load(path)
+    folder = (options.output or default_folder(path)).resolve()
     yade = asked.file.yade and not options.no_yade
     whole = Campaign(asked, expand(asked), folder, yade, options.parquet)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
@@ -45,6 +47,16 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     else:
         show(found, out)
     return exit_code(found)
+
+
+def find(asked: Path) -> Path:
+    """Path of a campaign given by path or by a shipped one's name; raises SceneError when there is neither."""
+    shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    if asked.suffix == ".toml" or asked.exists():
+        return asked
+    if str(asked) not in shipped:
+        raise SceneError(str(asked), "neither a file nor a shipped campaign", hint=nearest(str(asked), shipped))
+    return shipped[str(asked)]
 
 
 def default_folder(path: Path) -> Path:
