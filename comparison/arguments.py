@@ -115,20 +115,21 @@ def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     compare.add_argument("-o", "--output", type=page, metavar="FILE", help="write the comparison: HTML, Markdown or JSON file")
 
 
-def figure(text: str) -> Path:
-    """A figure's path, whose ending names its format."""
-    path = Path(text)
-    if path.suffix not in FIGURE_FORMATS:
-        raise argparse.ArgumentTypeError(f"{text}: a figure's name ends in {', '.join(FIGURE_FORMATS)}")
-    return path
+def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
+    """What reads the path of a file whose ending names its format."""
+
+    def path_of(text: str) -> Path:
+        path = Path(text)
+        if path.suffix not in endings:
+            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {', '.join(endings[:-1])} or {endings[-1]}")
+        return path
+
+    return path_of
 
 
-def moving_picture(text: str) -> Path:
-    """An animation's path, whose ending names its format."""
-    path = Path(text)
-    if path.suffix not in MOVING_FORMATS:
-        raise argparse.ArgumentTypeError(f"{text}: an animation's name ends in {' or '.join(MOVING_FORMATS)}")
-    return path
+figure = ending_in(FIGURE_FORMATS, "a figure")
+moving_picture = ending_in(MOVING_FORMATS, "an animation")
+page = ending_in(PAGE_FORMATS, "a page")
 
 
 def frames_per_second(text: str) -> int:
@@ -137,14 +138,6 @@ def frames_per_second(text: str) -> int:
     if not 1 <= value <= MOST_FRAMES:
         raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_FRAMES}")
     return value
-
-
-def page(text: str) -> Path:
-    """A page's path, whose ending names its format."""
-    path = Path(text)
-    if path.suffix not in PAGE_FORMATS:
-        raise argparse.ArgumentTypeError(f"{text}: a page's name ends in {', '.join(PAGE_FORMATS)}")
-    return path
 
 
 def accuracy(text: str) -> float:

@@ -10,9 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from campaigns_for_tests import QUICK, Inline, begun, run
-from matplotlib.figure import Figure
 
-from comparison import workflow
 from comparison.campaign import columns, table
 from comparison.campaign.cases import LONGEST, axes, expand
 from comparison.campaign.command import find as find_campaign
@@ -30,12 +28,6 @@ from la_core.exchange import ExchangeError
 from la_core.scene import load_scene
 
 ROUND_OFF = 1e-7  # of a speed: residuals of accepted mechanisms are below it
-
-
-@pytest.fixture
-def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One empty figure in the place of four, for tests that are not about drawing."""
-    monkeypatch.setattr(workflow, "_figures", lambda scene, analysis, run: {"assembly": Figure})
 
 
 def written(tmp_path: Path, text: str) -> Path:

@@ -13,10 +13,8 @@ from typing import Any
 import pytest
 from campaigns_for_tests import QUICK, Inline, begun, campaign, finished, run
 from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, one_message, processes_about, unfinished, wait_for
-from matplotlib.figure import Figure
 from test_security import listening, tree
 
-from comparison import workflow
 from comparison.campaign.dask import Dask
 from comparison.campaign.job import Job
 from comparison.campaign.local import ATTEMPTS, Local
@@ -57,20 +55,6 @@ scene = "two_blocks"
 [sweep.vary]
 "joint.friction" = [0.3, 0.45, 0.6]
 """
-
-
-@pytest.fixture
-def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One empty figure in the place of four, for what runs in this process."""
-    monkeypatch.setattr(workflow, "_figures", lambda scene, analysis, run: {"assembly": Figure})
-
-
-@pytest.fixture(autouse=True)
-def interruptions_arrive() -> Iterator[None]:
-    """A job in the background ignores them, and what it starts does so, too."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @contextlib.contextmanager
