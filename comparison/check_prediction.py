@@ -11,7 +11,7 @@ import numpy as np
 
 from comparison.check import Check, Verdict, inside, within
 from comparison.record import Run
-from comparison.tolerances import HISTORY, REACH, REACTION, bought, is_broad, reaction_tolerance
+from comparison.tolerances import HISTORY, REACH, REACTION, bought, is_broad, least_reaction, reaction_tolerance
 from la_core import evidence, mechanism
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
@@ -20,6 +20,7 @@ from la_core.scene import Scene
 from la_core.sliding import SLIDING_SHARE
 from la_core.static_form import consistent_reaction
 
+REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within the mechanism's interval"
 SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
@@ -103,11 +104,12 @@ def check_prediction(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterato
 
 
 def _check_reaction(scene: Scene, analysis: LimitAnalysis, run: Run, prediction: Prediction, alike: float) -> Check:
-    name, value, reaction = "reaction against prediction", prediction.value, run.result["reaction"]
+    name, value, reaction = REACTION_CHECK, prediction.value, run.result["reaction"]
     tolerance = reaction_tolerance(scene, analysis, run, max(prediction.share, 2.0 * bought(analysis)))  # either method may be off
     misses = abs(reaction - value) > tolerance
     low, high = prediction.interval
-    by = f"YADE differs from the Coulomb prediction by {abs(reaction - value) / abs(value) if value else math.inf:.1%}"
+    apart, least = abs(reaction - value), least_reaction(scene, analysis)
+    by = f"YADE differs from the Coulomb prediction by {f'{apart / abs(value):.1%}' if abs(value) > least else f'{apart:.4g} {scene.unit}'}"
     if prediction.obstacle:
         return Check(name, Verdict.INCONCLUSIVE, value, reaction, reaction - value, None, scene.unit, prediction.obstacle)
     if is_broad(scene, analysis, run):
@@ -134,7 +136,7 @@ def _check_interval(scene: Scene, analysis: LimitAnalysis, run: Run, prediction:
         return
     reason = "YADE's reaction lies outside what the Coulomb mechanism allows, whatever the history of friction."
     tolerance = reaction_tolerance(scene, analysis, run, max(REACTION, bought(analysis)))
-    check = inside("reaction within the mechanism's interval", prediction.interval, run.result["reaction"], tolerance, scene.unit, reason)
+    check = inside(INTERVAL_CHECK, prediction.interval, run.result["reaction"], tolerance, scene.unit, reason)
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (assurance {alike:.3f}), which the interval of this one does not bind."
         reason = f"{prediction.doubt or other} {check.reason}"

@@ -34,7 +34,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         half = results["half_width"]
         width = f", half-width {number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
         accuracy = f"dilatancy residual {number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
-        work = f"{number(coulomb.get('iterations'))} associated programmes"
+        work = f"{number(coulomb.get('iterations'))} associated programmes, {number(coulomb.get('steps'))} steps"
         yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
         values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from comparison import bought, buying, plots, provenance, turn_back, viewer
+from comparison import bought, buying, plots, provenance, refine, turn_back, viewer
 from comparison.check import Check, Verdict
 from comparison.checks import check_expected, check_run
 from comparison.figures import figures as _figures
@@ -76,6 +76,10 @@ def _run_alone(scene: Scene, folder: Path, listener: Listener, with_yade: bool, 
     while run is not None and (better := _better(scene, analysis, run, listener, limit)) is not None:
         analysis = _settle_case(scene, analysis, better, inputs, folder)
         run, yade = _yade(scene, analysis, _run_inputs(inputs, analysis), folder, listener, limit)
+    for steps, finer in refine.predictions(scene, analysis, run) if run is not None else ():
+        listener.stage(scene.name, "limit analysis", f"prediction made again in {steps} steps, for YADE contradicts it")
+        case_file.write_case(folder / "case.h5", scene, finer, inputs)
+        analysis = finer
     run_inputs = _run_inputs(inputs, analysis)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 
@@ -197,7 +201,8 @@ def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]
     """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
     scene, analysis, run = stored.scene, stored.analysis, stored.run
     effects = dataclasses.asdict(analysis.assembly.effects)
-    inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes, effects], sort_keys=True), "comparison")
+    steps = analysis.coulomb and analysis.coulomb.steps
+    inputs = _digest(json.dumps([stored.inputs, stored.yade, stored.notes, effects, steps], sort_keys=True), "comparison")
     figures = {folder / f"{name}.png": draw for name, draw in _figures(scene, analysis, run).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE

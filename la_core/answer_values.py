@@ -45,7 +45,11 @@ def coulomb_values(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any] | No
     if scene.inset == 0.0 and analysis.assembly.inset:
         values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
     values |= {f"{name}_at_rest": shown.at_rest} | {evidence: getattr(shown, evidence) for evidence in COULOMB_EVIDENCE}
-    return values | {"iterations": shown.iterations, "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values())}
+    return values | {
+        "iterations": shown.iterations,
+        "steps": shown.steps,
+        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values()),
+    }
 
 
 def path_values(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any] | None:

@@ -37,7 +37,8 @@ class CoulombSolution:
     dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work put in by the weights that settle
     and by a support that has to be pulled, or the live load, in the last step. strain_residual: the same work over the elastic
     energy of the joints.
-    equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved.
+    equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved. steps: from rest
+    to the plateau as asked for, twice as many where the iteration did not converge in these; 0 without a value.
     """
 
     status: Status
@@ -53,6 +54,7 @@ class CoulombSolution:
     cone_violation: float
     seconds: float
     iterations: int
+    steps: int = 0
 
 
 def predict(
@@ -79,7 +81,8 @@ def predict(
     if best is None:
         return _without_value(assembly, Status.FAILED, joints)
     soft = stiffness.sag > SOFTEST * joints.unit and best.status is Status.SOLVED
-    return replace(best, status=Status.INACCURATE if soft else best.status, seconds=joints.seconds, iterations=joints.solves)
+    status = Status.INACCURATE if soft else best.status
+    return replace(best, status=status, seconds=joints.seconds, iterations=joints.solves, steps=steps)
 
 
 def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:

@@ -113,6 +113,7 @@ _COULOMB = (
     ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
     ("seconds", "f8", (), "s", "solver time"),
     ("iterations", "i8", (), "", "associated programmes solved"),
+    ("steps", "i8", (), "", "steps from rest to the plateau, as asked for"),
 )
 
 # Dimension P of a path: rest, then one entry an increment.

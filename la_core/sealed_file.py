@@ -9,7 +9,7 @@ import hashlib
 import os
 from pathlib import Path
 
-VERSION = 2
+VERSION = 3
 SEAL, SEAL_BYTES = b"crosscheck", 512  # the least user block that HDF5 knows
 LARGEST_FILE = 4 * 2**30  # bytes; it is read as a whole
 

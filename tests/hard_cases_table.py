@@ -20,8 +20,8 @@ from rich.console import Console
 from comparison import workflow
 from comparison.narration import Narration
 from comparison.provenance import describe
-from comparison.summary import EVIDENCE
 from comparison.tables import number, over_weight, with_uncertainty
+from la_core.answer_values import EVIDENCE
 from la_core.assembly import assemble
 from la_core.errors import SceneError
 
