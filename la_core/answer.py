@@ -16,7 +16,7 @@ from la_core.text_table import Tabled
 NAN = float("nan")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Answer(Tabled):
     """What limit analysis says of a scene, in N (N m for a support that turns), at the scene's inset, and `_sharp` for sharp arrises.
 

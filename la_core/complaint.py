@@ -9,7 +9,7 @@ from la_core.errors import SceneError, nearest
 
 def complaint(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
     """The first thing wrong in a table's `data` as a sentence: key path (with the block's name), value, rule, nearest key."""
-    error: Any = min(refused.errors(), key=lambda e: e["type"] != "extra_forbidden")  # a misspelt key is also a missing one, and says more
+    error: Any = min(refused.errors(), key=_says_least)
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
@@ -22,6 +22,11 @@ def complaint(refused: pydantic.ValidationError, data: dict[str, Any], table: ty
         return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
     return SceneError(path, rule.format(**error.get("ctx", {})), value=value)
+
+
+def _says_least(error: Any) -> tuple[bool, bool]:
+    """Rank of an error, the first the best: a misspelt key is also a missing one; a number of any kind need not be a whole one."""
+    return error["type"] != "extra_forbidden", error["loc"][-1:] == ("constrained-int",)
 
 
 _RULES = {  # in place of pydantic's words, which are about Python

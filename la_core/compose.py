@@ -3,6 +3,7 @@
 Both write the scene as TOML and read it like a file, so that one schema speaks about all scenes and results can be stored and cached.
 """
 
+import copy
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -10,12 +11,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pydantic
 import tomli_w
 
 from la_core import keys
+from la_core.complaint import complaint
 from la_core.errors import SceneError
 from la_core.scene import Scene, scene_of_text
+from la_core.schema import SceneFile
 
+KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
 LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
 LONGEST_TITLE = 120  # characters of a title made so
 
@@ -47,12 +52,36 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     >>> smooth.name, smooth.friction
     ('wall_third,joint.friction=0.4', 0.4)
     """
-    tables = tomllib.loads(scene.text)
-    keys.override(tables, {key: None if value is None else _plain(value, key) for key, value in changes.items()})
+    tables, made = tomllib.loads(scene.text), ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
+    name = name or made[:LONGEST_NAME]
+    plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}
+    override(tables, plain, scene.path.parent / f"{name}.toml")
     if "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
-    made = ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
-    return build(tables, name or made[:LONGEST_NAME], scene.path.parent)
+    return build(tables, name, scene.path.parent)
+
+
+def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """Set several keys of a scene's tables, which lie at `path`; returns all tables with the schema's defaults.
+
+    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless it changes, too.
+    """
+    before = _whole(tables, path)
+    for key, value in changes.items():
+        keys.put(tables, key, copy.deepcopy(value))
+    whole = _whole(tables, path)
+    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    if is_another and whole["expected"] == before["expected"] is not None:
+        del tables["expected"]
+        whole["expected"] = None
+    return whole
+
+
+def _whole(tables: dict[str, Any], path: Path) -> dict[str, Any]:
+    try:
+        return SceneFile.model_validate(tables).model_dump(by_alias=True, mode="json")
+    except pydantic.ValidationError as error:
+        raise SceneError(str(path), str(complaint(error, tables, SceneFile))) from error
 
 
 def _name_of(key: str, value: Any) -> str:

@@ -1,19 +1,18 @@
 """Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first of an array."""
 
-import copy
 import re
-from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
 from la_core.errors import SceneError
 
-KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*)((?:\[\d{1,6}\])*)")
 
 
 def steps(key: str) -> list[str | int]:
     """The names and indices that a key leads along; raises SceneError for a text that is no such path."""
+    if not isinstance(key, str):
+        raise SceneError(repr(key), "a key is a text")
     found: list[str | int] = []
     for part in key.split("."):
         step = _STEP.fullmatch(part)
@@ -43,16 +42,6 @@ def put(data: dict[str, Any], key: str, value: Any) -> None:
         place.pop(last, None)
     else:
         place[last] = value
-
-
-def override(data: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Set several keys; what the scene is known to yield does not hold for another structure, so [expected] goes unless it changes, too."""
-    before = copy.deepcopy(data)
-    for key, value in changes.items():
-        put(data, key, copy.deepcopy(value))
-    is_another = any(before.get(table) != data.get(table) for table in {*before, *data} - set(KEEP_EXPECTED))
-    if is_another and data.get("expected") == before.get("expected"):
-        data.pop("expected", None)
 
 
 def _joined(walked: str, step: str | int) -> str:

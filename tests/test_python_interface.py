@@ -231,3 +231,19 @@ def test_loading_the_packages_draws_nothing() -> None:
 
     said = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert said.strip() == "False"
+
+
+def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
+    """An inset given as what it is by default."""
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"joint.inset": pads.inset}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.inset": 2.0 * pads.inset}).expected is None
+
+
+def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.solve(pads) != la_core.solve(pads)
+    with pytest.raises(la_core.SceneError, match="a key is a text"):
+        la_core.variant(pads, {3: 1})  # type: ignore[dict-item]
+    with pytest.raises(la_core.SceneError, match="greater than or equal to 0"):
+        la_core.variant(pads, {"yade.speed": -1.0})

@@ -1,6 +1,5 @@
 """From a campaign's definition to its cases: each a scene with values of its own, under a name that is safe as a file's."""
 
-import copy
 import dataclasses
 import hashlib
 import json
@@ -11,18 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pydantic
 import tomli_w
 
 from comparison import shipped
 from comparison.campaign import keys
 from comparison.campaign.definition import Definition, Sweep
 from la_core.classic import ClassicParameters
-from la_core.complaint import complaint
+from la_core.compose import override
 from la_core.errors import SceneError, nearest
-from la_core.keys import KEEP_EXPECTED
 from la_core.scene import Scene, load_scene, scene_of_text
-from la_core.schema import SceneFile
 
 LONGEST = 120  # characters of a case's name
 _UNSAFE = re.compile(r"[^\w.+=-]", re.ASCII)
@@ -108,28 +104,9 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
 
 
 def _overridden(path: Path, original: str, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A scene's data with other values, and all of it with the schema's defaults.
-
-    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless the campaign gives it.
-    """
+    """A scene's data with other values, and all of it with the schema's defaults."""
     data = tomllib.loads(original)
-    before = _whole(path, data)
-    for key, value in given.items():
-        if not key.startswith(keys.CLASSIC):
-            keys.put(data, key, copy.deepcopy(value))
-    whole = _whole(path, data)
-    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
-    if is_another and whole["expected"] == before["expected"] is not None:
-        del data["expected"]
-        whole["expected"] = None
-    return data, whole
-
-
-def _whole(path: Path, data: dict[str, Any]) -> dict[str, Any]:
-    try:
-        return SceneFile.model_validate(data).model_dump(by_alias=True, mode="json")
-    except pydantic.ValidationError as error:
-        raise SceneError(str(path), str(complaint(error, data, SceneFile))) from error
+    return data, override(data, {key: value for key, value in given.items() if not key.startswith(keys.CLASSIC)}, path)
 
 
 def _classic(given: dict[str, Any]) -> ClassicParameters | None:
