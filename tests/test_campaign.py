@@ -247,7 +247,7 @@ def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Pa
     axes: dict[str, list[Any]] = {"joint.friction": [0.3, 1], "effects.plane": ["auto", True]}
     found = columns.result_columns(list(axes), ["joint.friction"])
     one: dict[columns.Kind, Any] = {"text": "words", "number": 0.1, "count": 3}
-    full = {name: one[column.kind] for name, column in found.items()} | {"joint.friction": 1, "effects.plane": True}
+    full = {name: one[column.kind] for name, column in found.items()} | {"joint.friction": 1}
     costs = {name: one[column.kind] for name, column in columns.COSTS.items()}
     rows = {"full": [full, full], "undefined": [dict.fromkeys(full), dict.fromkeys(full)], "none": list[Any]()}
     arrays, types = {}, {}
@@ -258,7 +258,7 @@ def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Pa
         types[name] = [parquet.read_schema(tmp_path / name / f"{stem}.parquet") for stem in ("results", "costs")]
         with h5py.File(tmp_path / name / "campaign.h5") as file:
             arrays[name] = {
-                key: column.asstr()[()] if column.dtype.kind == "S" else column[()]
+                f"{stem}/{key}": column.asstr()[()] if column.dtype.kind == "S" else column[()]
                 for stem in ("results", "costs")
                 for key, column in file[stem].items()
             }
@@ -269,7 +269,7 @@ def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Pa
         assert np.all(np.isnan(undefined) if array.dtype.kind == "f" else undefined == "")
     as_csv = np.genfromtxt(tmp_path / "full" / "results.csv", delimiter=",", names=True, dtype=None, encoding="utf-8", deletechars="")
     for key in found:
-        assert np.all(as_csv[key] == arrays["full"][key])
+        assert np.all(as_csv[key] == arrays["full"][f"results/{key}"])
     for row in parquet.read_table(tmp_path / "undefined" / "results.parquet").to_pylist():
         assert set(row.values()) == {None}
 
