@@ -1,7 +1,8 @@
 """Files of a run's folder: one process works there at a time; the scene with its meshes lies beside the results made from them."""
 
 import fcntl
-from collections.abc import Iterator
+import re
+from collections.abc import Container, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,7 +15,11 @@ RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # 
 ANIMATION = "animation.gif"  # of the results beside it: `crosscheck report` takes it into the page
 REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of scenes
 LOCK = ".lock"
-UNFINISHED = "*.[0-9]*.part"  # what a process that was killed left
+FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "dissipation.png", "viewer.json")  # of a scene's results
+TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
+OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, "outcome.json", ".call")
+WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
+_UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # as `la_core.sealed_file` names what it writes
 
 
 class FolderInUseError(Exception):
@@ -31,6 +36,7 @@ def refuse_name(scene: Scene) -> None:
 def alone_in(folder: Path) -> Iterator[None]:
     """Hold a run's folder, which the system lets go of however the process ends; what another was writing when it ended is taken away.
 
+    Folders below it are not touched: they are held by themselves, and another process may be writing there.
     Raises FolderInUseError where another process holds it.
     """
     with (folder / LOCK).open("a") as lock:
@@ -38,9 +44,16 @@ def alone_in(folder: Path) -> Iterator[None]:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise FolderInUseError(f"{folder}: another crosscheck works in this folder; wait for it, or take another by -o") from error
-        for unfinished in folder.rglob(UNFINISHED):
-            unfinished.unlink()
+        _take_away_unfinished(folder, WRITTEN)
         yield
+
+
+def _take_away_unfinished(folder: Path, names: Container[str]) -> None:
+    """Delete what a process that was killed left of files of these names in this very folder, and nothing of the user's."""
+    for path in folder.iterdir():
+        found = _UNFINISHED.fullmatch(path.name)
+        if found and found[1] in names and not path.is_dir():
+            path.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:
@@ -65,6 +78,7 @@ def copy_inputs(scene: Scene, folder: Path) -> None:
     own = {folder / mesh.path: mesh.content for mesh in scene.meshes}
     for path, content in own.items():
         path.parent.mkdir(parents=True, exist_ok=True)
+        _take_away_unfinished(path.parent, (path.name,))
         write_whole(path, content)
     for parent in {(folder / mesh.path).parent for mesh in scene.meshes if mesh.of_folder}:
         for stray in parent.iterdir():

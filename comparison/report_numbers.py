@@ -54,3 +54,8 @@ def half_width(low: Any, high: Any) -> float | None:
 def signed(value: float, digits: int) -> str:
     """A number that shows its plus, too."""
     return ("+" if value > 0.0 else "") + number(value, digits)
+
+
+def plural(count: int, word: str) -> str:
+    """So many of what a word names, whose plural ends in s."""
+    return f"{count} {word}{'' if count == 1 else 's'}"

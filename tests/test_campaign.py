@@ -5,6 +5,7 @@ import io
 import json
 import math
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -237,6 +238,40 @@ def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: No
                 else:
                     assert text == stored.asstr()[k] == as_parquet[k][name] == (value if isinstance(value, str) else json.dumps(value))
         assert file["costs/seconds"].attrs["unit"] == "s" and np.all(file["costs/seconds"][()] > 0.0)
+
+
+def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Path) -> None:
+    """pandas makes a frame of what h5py gives of a group, one array a column."""
+    from pyarrow import parquet
+
+    axes: dict[str, list[Any]] = {"joint.friction": [0.3, 1], "effects.plane": ["auto", True]}
+    found = columns.result_columns(list(axes), ["joint.friction"])
+    one: dict[columns.Kind, Any] = {"text": "words", "number": 0.1, "count": 3}
+    full = {name: one[column.kind] for name, column in found.items()} | {"joint.friction": 1}
+    costs = {name: one[column.kind] for name, column in columns.COSTS.items()}
+    rows = {"full": [full, full], "undefined": [dict.fromkeys(full), dict.fromkeys(full)], "none": list[Any]()}
+    arrays, types = {}, {}
+    for name, own in rows.items():
+        (tmp_path / name).mkdir()
+        spent = [costs if row["case"] else dict.fromkeys(costs) for row in own]
+        table.write(table.CampaignTable("title", axes, own, spent, {}, tmp_path / name), parquet=True)
+        types[name] = [parquet.read_schema(tmp_path / name / f"{stem}.parquet") for stem in ("results", "costs")]
+        with h5py.File(tmp_path / name / "campaign.h5") as file:
+            arrays[name] = {
+                f"{stem}/{key}": column.asstr()[()] if column.dtype.kind == "S" else column[()]
+                for stem in ("results", "costs")
+                for key, column in file[stem].items()
+            }
+    assert types["full"] == types["undefined"] == types["none"]
+    for key, array in arrays["full"].items():
+        undefined = arrays["undefined"][key]
+        assert array.dtype.kind == undefined.dtype.kind == arrays["none"][key].dtype.kind and len(array) == len(undefined) == 2
+        assert np.all(np.isnan(undefined) if array.dtype.kind == "f" else undefined == "")
+    as_csv = np.genfromtxt(tmp_path / "full" / "results.csv", delimiter=",", names=True, dtype=None, encoding="utf-8", deletechars="")
+    for key in found:
+        assert np.all(as_csv[key] == arrays["full"][f"results/{key}"])
+    for row in parquet.read_table(tmp_path / "undefined" / "results.parquet").to_pylist():
+        assert set(row.values()) == {None}
 
 
 @pytest.mark.parametrize("damage", [lambda text: text.replace("0.3", "0.4", 1), lambda text: text[:-20], lambda text: "[" * 10**5])

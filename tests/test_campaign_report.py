@@ -23,9 +23,11 @@ from comparison.campaign.outcomes import bounds, deviation, worst_first
 from comparison.campaign.report import stored_report, write_campaign_report
 from comparison.campaign.sweeps import lines, sweeps
 from comparison.campaign.table import CampaignTable, write
-from comparison.campaign.words import label
+from comparison.campaign.words import label, quantity
 from comparison.cli import main
 from comparison.drawing import LIMIT_ANALYSIS, YADE
+from comparison.ending import TOOL
+from la_core.exchange import SETTINGS
 
 ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
 MU, INSET, LAW = "joint.friction", "joint.inset", "effects.friction"
@@ -109,6 +111,12 @@ class Page(HTMLParser):
             self.text += data
 
 
+def left_out(table: CampaignTable, *places: int, **values: Any) -> CampaignTable:
+    """The table in which some cases, or all, came to nothing but the given values."""
+    empty = dict.fromkeys(set(result_columns([])) - {"case", "sweep", "scene"}) | {"state": "failed", "reason": "it broke"} | values
+    return replace(table, rows=[row | empty if not places or k in places else row for k, row in enumerate(table.rows)])
+
+
 @every_shape
 def test_the_matrix_has_a_cell_for_every_case(shape: str, tmp_path: Path) -> None:
     table = campaign(tmp_path, shape)
@@ -127,8 +135,11 @@ def test_every_address_of_the_page_leads_somewhere_and_nothing_is_fetched(shape:
     for address in page.addresses:
         assert address.startswith("data:image/png;base64,") or address in page_anchors(text) or (tmp_path / unquote(address)).is_file()
     assert "default-src 'none'" in text and "script" not in page.tags
+    own = {f"cases/{row['case']}/report.html" for row in table.rows}
     for row in table.rows:
         assert row["case"] in page.text
+    costs = text[text.index('id="costs"') :]
+    assert own == {unquote(address) for address in Page(costs).addresses if address.startswith("cases/")}
     markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert all((tmp_path / part.split(")")[0]).is_file() for part in markdown.split("](figures/")[1:] for part in [f"figures/{part}"])
 
@@ -179,6 +190,89 @@ def test_the_same_campaign_gives_the_same_files(shape: str, tmp_path: Path) -> N
     (tmp_path / "figures" / "reaction-99.png").write_bytes(b"of an earlier campaign")
     again = {path.name: path.read_bytes() for path in sorted(write_campaign_report(table).parent.rglob("*.*")) if path.is_file()}
     assert first == again
+
+
+def test_a_change_of_mechanism_leads_to_the_reports_of_both_its_cases(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    found = list(changes(sweeps(table)))
+    for row, change in zip(report_rows.changed(table, found, letters(sweeps(table))), found, strict=True):
+        assert [unquote(side["href"]) for side in row["between"]] == [f"cases/{case}/report.html" for case in change.cases]
+        cases = {own["case"]: own for own in table.rows}
+        assert [cases[case][change.parameter] for case in change.cases] == [change.low, change.high]
+    assert found
+    text = write_campaign_report(table).read_text(encoding="utf-8")
+    place = text.index('id="mechanisms"')
+    addresses = {unquote(address) for address in Page(text[place : text.index("<h2", place)]).addresses}
+    assert {f"cases/{case}/report.html" for change in found for case in change.cases} <= addresses
+
+
+def test_a_folder_of_figures_that_is_a_link_is_refused_and_what_lies_there_stays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = campaign(tmp_path / "campaign", "one case")
+    write(table)
+    elsewhere = tmp_path / "photographs"
+    elsewhere.mkdir()
+    (elsewhere / "reaction-1.png").write_bytes(b"the user's own")
+    (table.folder / "figures").symlink_to(elsewhere)
+    assert main(["report", str(table.folder), "-q"]) == TOOL
+    said = capsys.readouterr().err
+    assert f"{table.folder / 'figures'}: is a symbolic link" in said and "unexpected" not in said
+    assert {path.name: path.read_bytes() for path in elsewhere.iterdir()} == {"reaction-1.png": b"the user's own"}
+
+
+def test_only_figures_of_this_program_s_own_naming_are_taken_away(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    theirs = ("site.png", "reaction-old.png", "map-1.jpeg", "reaction-1-annotated.png", "notes.part")
+    ours = ("reaction-99.png", "costs-7.png", "map-1.png.123.part")
+    (tmp_path / "figures").mkdir()
+    for name in (*theirs, *ours):
+        (tmp_path / "figures" / name).write_bytes(b"earlier")
+    write_campaign_report(table)
+    left = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert set(theirs) <= left and left.isdisjoint(ours)
+
+
+def test_the_axis_of_a_reaction_says_its_unit_though_the_first_case_failed(tmp_path: Path) -> None:
+    (drawn,) = plot_lines.reaction_figures(sweeps(left_out(campaign(tmp_path), 0)))
+    assert drawn.figure.axes[0].get_ylabel() == quantity("N") != quantity("")
+
+
+def test_a_panel_in_which_no_case_stands_is_left_out(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    lost = [k for k, row in enumerate(table.rows) if row["scene"] == "scene1"]
+    for draw in (plot_lines.reaction_figures, plot_lines.participation_figures):
+        (whole,) = draw(sweeps(table))
+        (partly,) = draw(sweeps(left_out(table, *lost)))
+        assert len(whole.figure.axes) == 2 and len(partly.figure.axes) == 1
+        assert not list(draw(sweeps(left_out(table))))
+    fallen = left_out(table, state="done", unit="N", weight=1000.0, free_blocks=40, associated_status="infeasible", yade_status="collapsed")
+    assert "reaction-1.png" not in write_campaign_report(fallen).read_text(encoding="utf-8")
+    assert not list((tmp_path / "figures").glob("reaction-*"))
+
+
+@pytest.mark.parametrize("shape", ["one axis", "two axes"])
+def test_maps_of_cases_without_yade_have_no_place_for_it(shape: str, tmp_path: Path) -> None:
+    table = campaign(tmp_path, shape)
+    none = {name: None for name in result_columns([]) if name.startswith("yade")}
+    without = replace(table, rows=[row | none for row in table.rows])
+    ((with_yade, _),), ((alone, _),) = (plot_maps.map_figures(sweeps(one)) for one in (table, without))
+
+    def shown(figure: Any) -> str:
+        return " ".join(text.get_text() for axes in figure.axes for text in (axes.title, *axes.get_yticklabels()))
+
+    assert "YADE" in shown(with_yade) and "YADE" not in shown(alone)
+    cells = [sum(len(axes.texts) for axes in figure.axes) for figure in (with_yade, alone)]
+    assert cells[0] == 2 * cells[1] > 0
+
+
+def test_one_of_a_thing_is_not_told_as_many(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = campaign(tmp_path, "one case")
+    write(table)
+    folder = str(tmp_path)
+    assert main(["report", folder]) == main(["compare", folder, folder]) == 0
+    said = capsys.readouterr()
+    assert "1 case: 1 agree" in said.out and "1 case is in both" in said.out and "1 cases" not in said.out + said.err
 
 
 def test_a_campaign_in_which_nothing_ended_has_a_report(tmp_path: Path) -> None:
@@ -259,6 +353,9 @@ def test_cases_that_share_a_run_are_one_case_to_both_methods_and_their_run_is_pa
     assert [len(sweep.rows) for sweep in sweeps(table)] == [1]
     (total,) = report_rows.totals(table)
     assert (total["cases"], total["yade_seconds"]) == (len(table.rows), "4")
+    apart = campaign(tmp_path, "classic")
+    for before, after in ((table, table), (table, apart), (apart, table)):
+        assert {cost.method: (cost.cases, cost.before, cost.after) for cost in compare(before, after).costs}["YADE"] == (1, 4.0, 4.0)
 
 
 def test_the_methods_have_their_colours_in_the_figures_of_a_campaign(tmp_path: Path) -> None:
@@ -304,6 +401,19 @@ def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     assert label(MU) == "friction mu (-)" and label(INSET) == "inset (m)"
     assert label("wall[0].courses") == "wall 1: courses" and label("wall[0].block[2]") == "wall 1: block size (m), z"
     assert label("yade.damping") == "yade: damping"
+    assert label("wall[0].opening[1].from[1]") == "wall 1 opening 2: from (m), z"
+    assert label("block[0].box.to[0]") == "block 1 box: to (m), x" and label("block[0].density") == "block 1: density (kg/m³)"
+    assert label("block[2].prism.profile[3][1]") == "block 3 prism: profile (m), point 4, z"
+    assert label("building[0].foundation.settling.to[1]") == "building 1 foundation settling: to (m), y"
+    assert label("arch[0].thickness") == "arch 1: thickness (m)" and label("dome[0].radius") == "dome 1: radius (m)"
+    assert label("yade.normal_stiffness") == "yade: normal stiffness (N/m)" and label("yade.time_limit") == "yade: time limit (s)"
+    assert (
+        label("yade.speed", {"yade.speed": "v"}) == "v (m/s or rad/s)"
+        and label("block[0].box.to[0]", {"block[0].box.to[0]": "end"}) == "end (m)"
+    )
+    assert label(INSET, {INSET: "e (mm)"}) == "e (mm)"
+    counted = {"record_rows", "poses"}
+    assert {name for name in SETTINGS if not label(f"yade.{name}").endswith(")")} == counted
     assert label(MU, {MU: "tan phi"}) == "tan phi (-)" and label("wall[0].block[2]", {"wall[0].block[2]": "height"}) == "height (m)"
 
 
@@ -392,6 +502,9 @@ def test_a_campaign_run_by_another_yade_says_so(tmp_path: Path, capsys: pytest.C
         (own / "comparison.json").write_text(json.dumps({"yade": {"version": version}}))
         (table.folder / table.rows[1]["folder"] / "scene").mkdir()
         (table.folder / table.rows[1]["folder"] / "scene" / "comparison.json").write_text("{damaged")
+        (table.folder / table.rows[2]["folder"] / "scene").mkdir()
+        (table.folder / table.rows[2]["folder"] / "scene" / "comparison.json").write_bytes(b"\xff")
+        (table.folder / table.rows[3]["folder"] / "scene" / "comparison.json").mkdir(parents=True)
         write(table)
     assert main(["compare", str(tmp_path / "before"), str(tmp_path / "after"), "--json", "-q"]) == 0
     assert json.loads(capsys.readouterr().out)["provenance"] == [{"name": "yade_version", "before": "2023.02a", "after": "2024.04"}]

@@ -11,7 +11,7 @@ import pytest
 from faulty_runs import INTERRUPTED, ROOT, RUN_SECONDS, TOOL, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
 from comparison.cli import main
-from comparison.files import LOCK, alone_in
+from comparison.files import LOCK, WRITTEN, alone_in
 
 
 def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0) -> tuple[int, str]:
@@ -103,3 +103,18 @@ def test_what_a_killed_process_was_writing_is_taken_away(copy: Path) -> None:
     (copy / "two_pads" / "notes.part").write_bytes(b"the user's own")
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
     assert [path.name for path in unfinished(copy)] == ["notes.part"]
+
+
+def test_what_lies_below_a_folder_or_has_another_s_name_is_not_taken_away(tmp_path: Path) -> None:
+    """A folder below is held by itself, and an archive in parts is the user's own."""
+    (tmp_path / "cases" / "one").mkdir(parents=True)
+    kept = ["survey.zip.2.part", "case.h5.part", "case.h5.x.part", "cases/one/case.h5.77.part"]
+    for name in (*kept, "case.h5.77.part", "results.csv.8.part"):
+        (tmp_path / name).write_bytes(b"half")
+    with alone_in(tmp_path):
+        assert sorted(str(path.relative_to(tmp_path)) for path in unfinished(tmp_path)) == sorted(kept)
+
+
+def test_every_file_of_a_run_is_known_to_be_the_program_s_own(undisturbed: Path) -> None:
+    written = {path.name for path in (undisturbed / "two_pads").iterdir()}
+    assert written - {LOCK} <= WRITTEN and "case.h5" in written

@@ -13,7 +13,8 @@ from comparison.campaign.sweeps import Line, Sweep, is_number, lines
 class Change:
     """A method's mechanism between two neighbouring values of a parameter, all others held.
 
-    slopes: of the reaction over weight (or multiplier) against the parameter, where two neighbours share a mechanism; None elsewhere.
+    cases: names of the two. slopes: of the reaction over weight (or multiplier) against the parameter, where two neighbours share a
+    mechanism; None elsewhere.
     """
 
     scene: str
@@ -21,6 +22,7 @@ class Change:
     parameter: str
     low: Any
     high: Any
+    cases: tuple[str, str]
     method: str
     before: str
     after: str
@@ -60,7 +62,8 @@ def _along(sweep: Sweep, parameter: str, line: Line, method: str) -> Iterator[Ch
     for k, ((first, before), (second, after)) in enumerate(pairwise(known)):
         if before != after:
             sides = (slopes[k - 1] if k else None, slopes[k + 1] if k + 1 < len(slopes) else None)
-            yield Change(sweep.scene, line.words, parameter, first[parameter], second[parameter], method, before, after, *sides)
+            cases = (str(first.get("case")), str(second.get("case")))
+            yield Change(sweep.scene, line.words, parameter, first[parameter], second[parameter], cases, method, before, after, *sides)
 
 
 def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, method: str) -> float | None:
@@ -75,4 +78,4 @@ def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, meth
 def change_view(change: Change, lettered: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
     """A change as the report's JSON holds it."""
     own = lettered[change.scene]
-    return vars(change) | {"before": own[change.before], "after": own[change.after]}
+    return vars(change) | {"cases": list(change.cases), "before": own[change.before], "after": own[change.after]}

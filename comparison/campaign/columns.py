@@ -1,66 +1,83 @@
 """Columns of a campaign's tables: their names, units and meanings, and what each holds of one case."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Literal, NamedTuple
+
+Kind = Literal["text", "number", "count"]
+
+
+class Column(NamedTuple):
+    """What a column holds. kind: of every value in it, whatever the cases came to; an undefined one is none of that kind."""
+
+    unit: str
+    meaning: str
+    kind: Kind = "text"
+
 
 METHODS = ("associated", "coulomb", "yade")
 ANSWER = "as column unit says"  # N, N m or a pure number, by what the scene asks for
 
 BEFORE_KEYS = {
-    "case": ("", "name of the case, unique in the campaign"),
-    "sweep": ("", "name of the sweep that the case is of: its own, or its scene's"),
-    "scene": ("", "scene that the case is made from"),
+    "case": Column("", "name of the case, unique in the campaign"),
+    "sweep": Column("", "name of the sweep that the case is of: its own, or its scene's"),
+    "scene": Column("", "scene that the case is made from"),
 }
 AFTER_KEYS = {
-    "state": ("", "done or failed"),
-    "verdict": ("", "agree, disagree or inconclusive; empty where nothing was compared"),
-    "reason": ("", "why not agree, or why the case failed"),
-    "unit": ("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
-    "weight": ("N", "weight of the free blocks"),
-    "free_blocks": ("", "free blocks of the scene"),
-    "associated_status": ("", "how the associated programme ended"),
-    "least": (ANSWER, "least reaction, or the multiplier, by associated limit analysis at the inset that both methods share"),
-    "greatest": (ANSWER, "greatest reaction by associated limit analysis at that inset"),
-    "coulomb_status": ("", "how the Coulomb prediction ended"),
-    "coulomb": (ANSWER, "Coulomb prediction at that inset"),
-    "coulomb_low": (ANSWER, "least value that its mechanism allows"),
-    "coulomb_high": (ANSWER, "greatest value that its mechanism allows"),
-    "coulomb_sharp": (ANSWER, "Coulomb prediction for sharp arrises"),
-    "yade_status": ("", "how YADE's run ended"),
-    "yade": (ANSWER, "reaction on YADE's plateau"),
-    "yade_uncertainty": (ANSWER, "its uncertainty"),
-    "classic": (ANSWER, "value that the classic iteration converged to at that inset"),
-    "classic_status": ("", "solved where the classic iteration converged, inaccurate where it did not, else how it ended"),
-    "classic_iterations": ("", "programmes of the classic iteration"),
+    "state": Column("", "done or failed"),
+    "verdict": Column("", "agree, disagree or inconclusive; empty where nothing was compared"),
+    "reason": Column("", "why not agree, or why the case failed"),
+    "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
+    "weight": Column("N", "weight of the free blocks", "number"),
+    "free_blocks": Column("", "free blocks of the scene", "count"),
+    "associated_status": Column("", "how the associated programme ended"),
+    "least": Column(ANSWER, "least reaction, or the multiplier, of associated limit analysis at the methods' shared inset", "number"),
+    "greatest": Column(ANSWER, "greatest reaction by associated limit analysis at that inset", "number"),
+    "coulomb_status": Column("", "how the Coulomb prediction ended"),
+    "coulomb": Column(ANSWER, "Coulomb prediction at that inset", "number"),
+    "coulomb_low": Column(ANSWER, "least value that its mechanism allows", "number"),
+    "coulomb_high": Column(ANSWER, "greatest value that its mechanism allows", "number"),
+    "coulomb_sharp": Column(ANSWER, "Coulomb prediction for sharp arrises", "number"),
+    "yade_status": Column("", "how YADE's run ended"),
+    "yade": Column(ANSWER, "reaction on YADE's plateau", "number"),
+    "yade_uncertainty": Column(ANSWER, "its uncertainty", "number"),
+    "classic": Column(ANSWER, "value that the classic iteration converged to at that inset", "number"),
+    "classic_status": Column("", "solved where the classic iteration converged, inaccurate where it did not, else how it ended"),
+    "classic_iterations": Column("", "programmes of the classic iteration", "count"),
 }
-MEASURES = {  # column's ending: (name in comparison.json, unit, meaning)
-    "participation": ("participation_index", "", "how evenly the interfaces share the dissipation, from 1/J to 1"),
-    "moving_mass": ("moving_mass_share", "", "mass of the moving blocks over that of all free blocks"),
-    "opening": ("opening", "", "contact points that open"),
-    "sliding": ("sliding", "", "contact points that slide"),
-    "sticking": ("sticking", "", "contact points that stick"),
-    "dissipation": ("dissipated_power", ANSWER, "power of friction per unit motion of the support, or unit power of the live load"),
+MEASURES = {  # column's ending: (name in comparison.json, column)
+    "participation": ("participation_index", Column("", "how evenly the interfaces share the dissipation, from 1/J to 1", "number")),
+    "moving_mass": ("moving_mass_share", Column("", "mass of the moving blocks over that of all free blocks", "number")),
+    "opening": ("opening", Column("", "contact points that open", "count")),
+    "sliding": ("sliding", Column("", "contact points that slide", "count")),
+    "sticking": ("sticking", Column("", "contact points that stick", "count")),
+    "dissipation": (
+        "dissipated_power",
+        Column(ANSWER, "power of friction per unit motion of the support, or unit power of the live load", "number"),
+    ),
 }
 MECHANISM = "moving blocks, as their number and a digest of their names: equal for equal sets"
 COSTS = {
-    "case": ("", "name of the case"),
-    "seconds": ("s", "wall time of the whole case, figures and report included"),
-    "limit_analysis_seconds": ("s", "solver time of both bounds and the prediction, for both insets"),
-    "associated_iterations": ("", "solver iterations of one bound"),
-    "coulomb_iterations": ("", "associated programmes of the prediction"),
-    "classic_seconds": ("s", "solver time of the classic iteration"),
-    "classic_iterations": ("", "its programmes"),
-    "yade_seconds": ("s", "wall time inside YADE"),
-    "yade_steps": ("", "time steps of YADE"),
+    "case": Column("", "name of the case"),
+    "seconds": Column("s", "wall time of the whole case, figures and report included", "number"),
+    "limit_analysis_seconds": Column("s", "solver time of both bounds and the prediction, for both insets", "number"),
+    "associated_iterations": Column("", "solver iterations of one bound", "count"),
+    "coulomb_iterations": Column("", "associated programmes of the prediction", "count"),
+    "classic_seconds": Column("s", "solver time of the classic iteration", "number"),
+    "classic_iterations": Column("", "its programmes", "count"),
+    "yade_seconds": Column("s", "wall time inside YADE", "number"),
+    "yade_steps": Column("", "time steps of YADE", "count"),
 }
 
 
-def result_columns(keys: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """Every column of results.csv in order, with unit and meaning; `keys` are the varied ones."""
-    columns = BEFORE_KEYS | dict.fromkeys(keys, ("as in the scene file", "key of the scene that the campaign varies")) | AFTER_KEYS
+def result_columns(keys: Sequence[str], numeric: Collection[str] = ()) -> dict[str, Column]:
+    """Every column of results.csv in order; `keys` are the varied ones, `numeric` those of them whose values are all numbers."""
+    columns = dict(BEFORE_KEYS)
+    for key in keys:
+        columns[key] = Column("as in the scene file", "key of the scene that the campaign varies", "number" if key in numeric else "text")
+    columns |= AFTER_KEYS
     for method in METHODS:
-        columns |= {f"{method}_{name}": (unit, f"{method}: {meaning}") for name, (_, unit, meaning) in MEASURES.items()}
-        columns[f"{method}_mechanism"] = ("", f"{method}: {MECHANISM}")
+        columns |= {f"{method}_{name}": own._replace(meaning=f"{method}: {own.meaning}") for name, (_, own) in MEASURES.items()}
+        columns[f"{method}_mechanism"] = Column("", f"{method}: {MECHANISM}")
     return columns
 
 
@@ -91,7 +108,7 @@ def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> 
     }
     for method in METHODS:
         measures = summary["mechanism_measures"].get(method) or {}
-        row |= {f"{method}_{ending}": measures.get(found) for ending, (found, _, _) in MEASURES.items()}
+        row |= {f"{method}_{ending}": measures.get(found) for ending, (found, _) in MEASURES.items()}
         row[f"{method}_mechanism"] = labels.get(method)
     return row
 

@@ -21,7 +21,7 @@ from comparison.campaign.narration import CampaignNarration
 from comparison.campaign.report import write_campaign_report
 from comparison.campaign.table import CampaignTable
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, TOOL
-from comparison.report_numbers import DASH
+from comparison.report_numbers import DASH, plural
 from comparison.tables import number
 from la_core.errors import SceneError, nearest
 
@@ -93,6 +93,6 @@ def show(found: CampaignTable, out: Console) -> None:
         if row["reason"]:
             out.print(f"{row['case']}: {row['reason']}", markup=False)
     counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in found.rows)
-    out.print(f"{len(found.rows)} cases: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
+    out.print(f"{plural(len(found.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
     out.print(f"results: {os.path.relpath(found.folder / 'results.csv')}", markup=False)
     out.print(f"report: {os.path.relpath(found.folder / 'report.html')}", markup=False)

@@ -7,7 +7,7 @@ from statistics import median
 from typing import Any
 
 from comparison.campaign.matrix import symbol
-from comparison.campaign.outcomes import METHODS, Row, mechanism_name
+from comparison.campaign.outcomes import METHODS, Row, mechanism_name, runs_of
 from comparison.campaign.table import CampaignTable
 from comparison.pages import flat
 from comparison.report_numbers import exists
@@ -168,14 +168,27 @@ def _provenance(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tup
 
 
 def _case_costs(before: CampaignTable, after: CampaignTable) -> list[tuple[str, str, float, float]]:
-    """Case, method, and its seconds in both campaigns, where both have some."""
+    """Case, method, and its seconds in both campaigns, where both have some; of cases that share a run in either, one."""
     first, second = ({str(cost["case"]): cost for cost in table.costs} for table in (before, after))
     return [
         (case, method, first[case][key], second[case][key])
         for key, method in SECONDS.items()
-        for case in first
-        if case in second and all(exists(costs[case].get(key)) and costs[case][key] > 0.0 for costs in (first, second))
+        for case in _once(before, after)
+        if case in first and case in second and all(exists(costs[case].get(key)) and costs[case][key] > 0.0 for costs in (first, second))
     ]
+
+
+def _once(before: CampaignTable, after: CampaignTable) -> list[str]:
+    """Cases of both, in order of their names, without those whose run in either campaign is that of an earlier one."""
+    first, second = runs_of(before), runs_of(after)
+    kept: list[str] = []
+    seen_before, seen_after = set[str](), set[str]()
+    for case in sorted(first.keys() & second.keys()):
+        if first[case] not in seen_before and second[case] not in seen_after:
+            kept.append(case)
+            seen_before.add(first[case])
+            seen_after.add(second[case])
+    return kept
 
 
 def _costs(costs: list[tuple[str, str, float, float]]) -> Iterator[Cost]:

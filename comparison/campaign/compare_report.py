@@ -12,7 +12,7 @@ from comparison.campaign.compare import Change, Comparison, Cost
 from comparison.campaign.outcomes import METHODS
 from comparison.files import write_text
 from comparison.pages import environment
-from comparison.report_numbers import DASH, number, signed
+from comparison.report_numbers import DASH, number, plural, signed
 from comparison.summary import without_undefined
 
 WHAT = {
@@ -84,11 +84,12 @@ def sentence(found: Comparison) -> str:
     cases = {change.case for change in found.changes}
     verdicts = sum(change.kind == "verdict" for change in found.changes)
     only = len(found.only_before) + len(found.only_after)
-    parts = [f"{len(cases)} of {found.matched} cases changed, {verdicts} of them in their verdict"] if cases else []
-    parts += [f"{only} {'case is' if only == 1 else 'cases are'} in one campaign only"] if only else []
+    parts = [f"{len(cases)} of {plural(found.matched, 'case')} changed, {verdicts} of them in their verdict"] if cases else []
+    parts += [f"{plural(only, 'case')} {'is' if only == 1 else 'are'} in one campaign only"] if only else []
     shown = len(found.within)
-    moved = f" {shown} {'reaction' if shown == 1 else 'reactions'} moved within what both state." if shown else ""
-    return (f"{'; '.join(parts)}." if parts else f"{UNCHANGED} {found.matched} cases are in both.") + moved
+    moved = f" {plural(shown, 'reaction')} moved within what both state." if shown else ""
+    both = f"{UNCHANGED} {plural(found.matched, 'case')} {'is' if found.matched == 1 else 'are'} in both."
+    return (f"{'; '.join(parts)}." if parts else both) + moved
 
 
 def words(change: Change) -> dict[str, str]:

@@ -1,5 +1,7 @@
 """The figures of a campaign's report: drawn, stored in the campaign's folder, and described in words."""
 
+import errno
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +14,8 @@ from comparison.campaign.words import CLASSIC, short
 from comparison.plots import save
 
 FOLDER = "figures"
+KINDS = ("prediction", "reaction", "map", "participation", "classic", "costs")
+OWN = re.compile(rf"(?:{'|'.join(KINDS)})-[1-9]\d*\.png(?:\.\d+\.part)?")  # what this program writes there, or was writing when killed
 PREDICTION = (
     "Left: YADE's reaction against limit analysis' prediction, equal on the dashed line. Right: their difference, linear up to 1 % and "
     "logarithmic beyond; cases whose prediction is all but zero are left out there."
@@ -37,8 +41,15 @@ class Drawing:
 
 
 def draw(table: CampaignTable) -> list[Drawing]:
-    """Draw and store every figure that the campaign has something for; those of an earlier report are taken away."""
+    """Draw and store every figure that the campaign has something for; those of an earlier report are taken away, and nothing else.
+
+    Raises OSError where the folder of figures is a link, through which files elsewhere would be written and taken away.
+    """
     folder = table.folder / FOLDER
+    if folder.is_symlink():
+        raise OSError(
+            errno.ELOOP, "is a symbolic link; take it away, for figures are written in the campaign's own folder only", str(folder)
+        )
     folder.mkdir(exist_ok=True)
     drawn, counts = [], dict[str, int]()
     for kind, figure, caption in _figures(table):
@@ -46,8 +57,10 @@ def draw(table: CampaignTable) -> list[Drawing]:
         path = folder / f"{kind}-{counts[kind]}.png"
         save(figure, path)
         drawn.append(Drawing(kind, caption, f"{FOLDER}/{path.name}", path.read_bytes()))
-    for stale in {path.name for path in folder.glob("*.png")} - {Path(one.path).name for one in drawn}:
-        (folder / stale).unlink()
+    current = {Path(one.path).name for one in drawn}
+    for path in folder.iterdir():
+        if OWN.fullmatch(path.name) and path.name not in current:
+            path.unlink(missing_ok=True)
     return drawn
 
 

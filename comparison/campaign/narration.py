@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from comparison.narration import LINE_EVERY
+from comparison.report_numbers import plural
 from la_core.errors import visible
 
 
@@ -34,7 +35,7 @@ class CampaignNarration:
         self._total, self._done, self._before = runs, cached, cached
         self._began = time.monotonic()
         known = f", {cached} of them finished before" if cached else ""
-        self._console.print(visible(f"{self._title}: {cases} cases, {runs} runs{known}"), markup=False)
+        self._console.print(visible(f"{self._title}: {plural(cases, 'case')}, {plural(runs, 'run')}{known}"), markup=False)
 
     def begins(self) -> None:
         """A run was handed to a worker."""

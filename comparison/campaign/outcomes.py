@@ -93,12 +93,17 @@ def link(folder: Path, row: Row) -> str:
     return quote(f"{PurePosixPath(row['folder'])}/report.html") if own is not None and (own / "report.html").is_file() else ""
 
 
+def runs_of(table: CampaignTable) -> dict[str, str]:
+    """Which run each case is of, by their names: the methods ran once for all cases of one run."""
+    return {str(row["case"]): str(row.get("folder") or row["case"]) for row in table.rows}
+
+
 def costs_once(table: CampaignTable) -> list[Row]:
-    """Costs without those of cases that share a run with an earlier one: the methods ran once for all of them."""
-    folders = {row["case"]: row.get("folder") or row["case"] for row in table.rows}
+    """Costs without those of cases that share a run with an earlier one."""
+    runs = runs_of(table)
     first: dict[str, Row] = {}
     for cost in table.costs:
-        first.setdefault(str(folders.get(cost["case"], cost["case"])), cost)
+        first.setdefault(runs.get(str(cost["case"]), str(cost["case"])), cost)
     return list(first.values())
 
 

@@ -1,7 +1,7 @@
 """A quantity of both methods against a swept parameter: a panel a scene, a line for each value of the other parameters."""
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -18,6 +18,7 @@ from comparison.campaign.plot_axes import Scale, series_style, shade
 from comparison.campaign.sweeps import Line, Sweep, lines, longest, slices
 from comparison.campaign.words import quantity
 from comparison.drawing import INK, LIMIT_ANALYSIS, YADE, tint
+from comparison.report_numbers import exists
 
 SERIES = 5  # lines in a panel; of more, evenly spaced ones are drawn
 PANELS = 9  # in a figure; more take further figures
@@ -39,22 +40,28 @@ class Drawn:
 
 def reaction_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
     """Reaction over weight against every parameter, with bounds and interval as bands where a panel has one line."""
-    for parameter, group, left_out in _groups(found):
+    for parameter, group, left_out in _groups(found, _has_reaction):
         yield _figure(parameter, group, left_out, _draw_reactions, "", reactions=True)
 
 
 def participation_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
     """Distribution index of dissipation against every parameter."""
-    for parameter, group, left_out in _groups(found):
-        rows = [row for sweep in group for row in sweep.rows]
-        if any(row.get(f"{method}_participation") is not None for row in rows for method in ("associated", "coulomb", "yade")):
-            yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
+    for parameter, group, left_out in _groups(found, _has_participation):
+        yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
 
 
-def _groups(found: Sequence[Sweep]) -> Iterator[tuple[str, list[Sweep], str]]:
+def _has_reaction(row: Row) -> bool:
+    return any(over_weight(row, name) is not None for name in (prediction(row), "yade"))
+
+
+def _has_participation(row: Row) -> bool:
+    return any(exists(of_mechanism(row, method, "participation")) for method in (LIMIT, "yade"))
+
+
+def _groups(found: Sequence[Sweep], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[Sweep], str]]:
     """Panels over a parameter, so many as a figure has: sweeps of the same parameters, its longest other one as the lines.
 
-    Further parameters are held: a panel for each of their values.
+    Further parameters are held: a panel for each of their values. has: whether a case has something to draw; a panel needs one.
     """
     kinds = dict.fromkeys(tuple(sweep.parameters) for sweep in found)
     for kind in kinds:
@@ -64,6 +71,7 @@ def _groups(found: Sequence[Sweep]) -> Iterator[tuple[str, list[Sweep], str]]:
             for sweep in own:
                 others = [name for name in longest(sweep) if name != parameter]
                 group += [part for part in slices(sweep, (parameter, *others[:1])) if len(sweep.values[parameter]) > 1]
+            group = [part for part in group if any(map(has, part.rows))]
             drawn = plot_axes.spread(group, MOST_PANELS)
             left_out = f"{len(drawn)} of {len(group)} panels are drawn." if len(drawn) < len(group) else ""
             for k in range(0, len(drawn), PANELS):
@@ -81,7 +89,8 @@ def _figure(parameter: str, group: list[Sweep], left_out: str, draw: Any, words:
         draw(place, scale, [(line, drawn.index(line.words), len(drawn)) for line in chosen])
         scale.label(place)
         place.set_title(textwrap.fill(sweep.title, TITLE_WIDTH), fontsize=9, parse_math=False)
-        place.set_ylabel(words or quantity(sweep.rows[0].get("unit")), fontsize=8)
+        unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a case that failed has none
+        place.set_ylabel(words or quantity(unit), fontsize=8)
     rows = [row for sweep in group for row in sweep.rows]
     plot_axes.legend(figure, [*_method_handles(rows, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
     series = f"{len(drawn)} of {len(names)} series are drawn." if len(drawn) < len(names) else ""

@@ -22,6 +22,7 @@ ROWS = 3  # maps over two parameters in a figure
 SHADES = ("#f3f0e8", "#8fb1d3", "#efd3a6", "#9fb09a", "#e3d5ea", "#b9a58f", "#cfe3c3", "#9a9ab8")  # light and dark in turn, for greyscale
 FONT = 9.0  # pt
 WIDE = 16  # columns from which on only the first of equal cells is lettered
+BOTH = [LIMIT, "yade"]
 APART, FALLS, FAILED = "≠", "↓", "!"
 
 
@@ -50,13 +51,20 @@ def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
         for k in range(0, len(along), STRIPS):
             yield _strips(parameter, along[k : k + STRIPS], lettered), short(parameter, along[0].named)
     maps = [(sweep.scene, grid) for sweep in sweeps if len(sweep.parameters) > 1 and _known(sweep.rows) for grid in _maps(sweep)]
-    for k in range(0, len(maps), ROWS):
-        some = maps[k : k + ROWS]
-        yield _paired(some, lettered), some[0][1].over
+    for methods in (BOTH, BOTH[:1]):
+        alike = [(scene, grid) for scene, grid in maps if grid.methods == methods]
+        for k in range(0, len(alike), ROWS):
+            some = alike[k : k + ROWS]
+            yield _paired(some, lettered), some[0][1].over
+
+
+def _methods(rows: list[Row]) -> list[str]:
+    """Methods that have a say in these cases: YADE where it was asked."""
+    return BOTH if any(row.get("yade_status") is not None for row in rows) else BOTH[:1]
 
 
 def _known(rows: list[Row]) -> bool:
-    return any(mechanism_name(row, method) for row in rows for method in (LIMIT, "yade"))
+    return any(mechanism_name(row, method) for row in rows for method in BOTH)
 
 
 def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, str]]) -> Figure:
@@ -66,21 +74,22 @@ def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, st
     for place, sweep in zip(axes, along, strict=True):
         values = sweep.values[parameter]
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
-        methods = [LIMIT, "yade"]
+        methods = _methods(sweep.rows)
+        row_words = [WORDS[method] for method in methods]
         words = [shown(value) for value in values]
-        grid = Grid(sweep.scene, [rows, rows], methods, ["limit analysis", "YADE"], words, label(parameter, sweep.named), "", "")
+        grid = Grid(sweep.scene, [rows] * len(methods), methods, row_words, words, label(parameter, sweep.named), "", "")
         _draw(place, grid, methods, lettered[sweep.scene])
         place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
         if place is not axes[-1]:
             place.set_xlabel("")
-    plot_axes.legend(figure, _handles())
+    plot_axes.legend(figure, _handles(_methods([row for sweep in along for row in sweep.rows])))
     return figure
 
 
 def _maps(sweep: Sweep) -> Iterator[Grid]:
     """A map for each value of the parameters beyond the two longest."""
     across, down = longest(sweep)[:2]
-    methods = [LIMIT, "yade"]
+    methods = _methods(sweep.rows)
     columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
     right, up = (label(name, sweep.named) for name in (across, down))
     over = " and ".join(short(name, sweep.named) for name in (across, down))
@@ -91,14 +100,14 @@ def _maps(sweep: Sweep) -> Iterator[Grid]:
 
 
 def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -> Figure:
-    """Limit analysis left, YADE right, a row a map."""
+    """Limit analysis left, YADE right, a row a map; maps without YADE beside each other."""
     tallest = max(len(grid.rows) for _, grid in some)
-    figure, axes = plot_axes.panels(2 * len(some), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
-    for (left, right), (scene, grid) in zip(zip(axes[::2], axes[1::2], strict=True), some, strict=True):
-        for place, method in ((left, grid.methods[0]), (right, "yade")):
-            _draw(place, grid, [method] * len(grid.rows), lettered[scene])
-            place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
-    plot_axes.legend(figure, _handles())
+    parts = [(scene, grid, method) for scene, grid in some for method in grid.methods]
+    figure, axes = plot_axes.panels(len(parts), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
+    for place, (scene, grid, method) in zip(axes, parts, strict=True):
+        _draw(place, grid, [method] * len(grid.rows), lettered[scene])
+        place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
+    plot_axes.legend(figure, _handles(some[0][1].methods))
     return figure
 
 
@@ -109,7 +118,7 @@ def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]
     for i, line in enumerate(grid.rows):
         signs = [_sign(row, methods[i], lettered) for row in line]
         for j, row in enumerate(line):
-            apart, crowded = _differ(row, grid.methods), len(line) > WIDE
+            apart, crowded = _differ(row), len(line) > WIDE
             words = "" if crowded and j and signs[j] == signs[j - 1] else f"{signs[j]} {APART}" if apart and not crowded else signs[j]
             _draw_cell(axes, (j, i), row, names[i][j], words, lettered, apart)
             if j and _changes(names[i][j - 1], names[i][j]):
@@ -167,15 +176,16 @@ def _changes(first: str | None, second: str | None) -> bool:
     return first is not None and second is not None and first != second
 
 
-def _differ(row: Row | None, methods: list[str]) -> bool:
+def _differ(row: Row | None) -> bool:
     """Whether the two methods have different mechanisms here."""
-    return row is not None and _changes(mechanism_name(row, methods[0]), mechanism_name(row, methods[1]))
+    return row is not None and _changes(*(mechanism_name(row, method) for method in BOTH))
 
 
-def _handles() -> list[Any]:
+def _handles(methods: list[str]) -> list[Any]:
+    differ = Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ")
     return [
         Patch(facecolor=SHADES[0], edgecolor=FAINT, label="A, B, ...: mechanisms of a scene, equal letters for equal ones"),
         Line2D([], [], color=INK, linewidth=2.4, label="mechanism changes"),
-        Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ"),
+        *([differ] if methods == BOTH else []),
         Line2D([], [], linestyle="none", marker="$!$", color=INK, label=f"failed ({FALLS} cannot stand, {DASH} no mechanism known)"),
     ]

@@ -7,7 +7,7 @@ from typing import Any
 
 from comparison.campaign import report_rows
 from comparison.campaign.changes import change_view, changes, letters
-from comparison.campaign.figures import Drawing, draw
+from comparison.campaign.figures import KINDS, Drawing, draw
 from comparison.campaign.matrix import panels
 from comparison.campaign.outcomes import deviation, difference, failed, prediction, worst_first
 from comparison.campaign.sweeps import sweeps
@@ -17,7 +17,6 @@ from comparison.files import write_text
 from comparison.pages import environment, flat
 from comparison.summary import without_undefined
 
-KINDS = ("prediction", "reaction", "map", "participation", "classic", "costs")
 LIMITATIONS = (
     "What one case cannot say, no campaign of such cases can: each case's own report lists what its comparison leaves open.",
     "A difference is measured here by what sliding joints are allowed, 1 % of YADE's reaction or 1e-4 of the weight, and YADE's "
@@ -81,7 +80,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "figures": {kind: [_figure(one) for one in drawn if one.kind == kind] for kind in KINDS},
         "compared": report_rows.compared(table),
         "failures": report_rows.failures(table),
-        "changes": list(report_rows.changed(list(changes(found)), lettered, table.labels)),
+        "changes": list(report_rows.changed(table, list(changes(found)), lettered)),
         "mechanisms": list(report_rows.mechanisms(table, lettered)),
         "classic": list(report_rows.classic(table)),
         "totals": list(report_rows.totals(table)),

@@ -90,15 +90,18 @@ def failures(table: CampaignTable) -> list[Words]:
     return [_named(table, row, varying) | {"reason": row.get("reason") or "no reason is known"} for row in table.rows if failed(row)]
 
 
-def changed(found: list[Change], lettered: Mapping[str, Mapping[str, str]], named: Mapping[str, str]) -> Iterator[Words]:
-    """Changes of mechanism."""
+def changed(table: CampaignTable, found: list[Change], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+    """Changes of mechanism; `between` are the two values, each with the address of its case's report."""
+    links = {str(row.get("case")): link(table.folder, row) for row in table.rows}
     for change in found:
         own = lettered[change.scene]
         yield {
             "scene": change.scene,
             "held": change.held,
-            "parameter": short(change.parameter, named),
-            "between": f"{shown(change.low)} and {shown(change.high)}",
+            "parameter": short(change.parameter, table.labels),
+            "between": [
+                {"case": shown(value), "href": links[case]} for value, case in zip((change.low, change.high), change.cases, strict=True)
+            ],
             "method": WORDS[change.method],
             "mechanisms": f"{own[change.before]} to {own[change.after]}",
             "slope_before": number(change.slope_before, 3),
@@ -152,10 +155,11 @@ def _total(name: str, costs: list[Row], once: list[Row]) -> Words:
 def dearest(table: CampaignTable) -> list[Words]:
     """Costs of every case, the dearest first."""
     rows = {row["case"]: row for row in table.rows}
+    links = {case: link(table.folder, row) for case, row in rows.items()}
     spent = sorted(table.costs, key=lambda cost: (-sum(cost[key] for key in SECONDS if exists(cost.get(key))), str(cost["case"])))
     counted = ("associated_iterations", "coulomb_iterations", "yade_steps")
     return [
-        {"case": str(cost["case"]), "blocks": number(rows.get(cost["case"], {}).get("free_blocks"))}
+        {"case": str(cost["case"]), "href": links.get(cost["case"], ""), "blocks": number(rows.get(cost["case"], {}).get("free_blocks"))}
         | {key: number(cost.get(key), 3) for key in (*SECONDS, "seconds")}
         | {key: number(cost.get(key)) for key in counted}
         for cost in spent

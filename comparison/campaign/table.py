@@ -1,5 +1,8 @@
 """A campaign's tables: results and costs, one row a case in the campaign's order, as CSV, HDF5, JSON and where asked for Parquet.
 
+Every column is of one kind, texts or numbers, whatever the cases came to. pandas reads CSV and Parquet by itself; a group of campaign.h5 is
+`pandas.DataFrame({name: c.asstr()[()] if c.dtype.kind == "S" else c[()] for name, c in h5py.File("campaign.h5")["results"].items()})`.
+
 results.csv holds nothing that hangs on the machine's speed or on where a case was run: two campaigns that agree have the same bytes.
 """
 
@@ -14,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.campaign.columns import COSTS, result_columns
+from comparison.campaign.columns import COSTS, Column, Kind, result_columns
 from comparison.files import write_text
 from la_core import exchange
 from la_core.sealed_file import ExchangeError, write_whole
@@ -62,12 +65,13 @@ def read(folder: Path) -> CampaignTable:
 
 def write(table: CampaignTable, parquet: bool = False) -> None:
     """Write every form of the table into its folder; each file is whole, or what was there before."""
-    columns = {"results": result_columns(list(table.axes)), "costs": COSTS}
+    numeric = [key for key, values in table.axes.items() if all(type(value) in (int, float) for value in values)]
+    columns = {"results": result_columns(list(table.axes), numeric), "costs": COSTS}
     rows = {"results": table.rows, "costs": table.costs}
     for name, found in columns.items():
         write_text(table.folder / f"{name}.csv", _csv(list(found), rows[name]))
         if parquet:
-            write_whole(table.folder / f"{name}.parquet", _parquet(list(found), rows[name]))
+            write_whole(table.folder / f"{name}.parquet", _parquet(found, rows[name]))
     _write_hdf5(table.folder / "campaign.h5", columns, rows)
     stored = {word: getattr(table, word) for word in WORDS}
     write_text(table.folder / STORED, json.dumps(stored | {"sum": _sum_of(stored)}, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
@@ -93,33 +97,33 @@ def _cell(value: Any) -> str:
     return json.dumps(value)
 
 
-def _column(rows: list[dict[str, Any]], name: str) -> list[Any]:
-    """A column of one kind: numbers (None where undefined), or else texts."""
-    values = [row.get(name) for row in rows]
-    if any(value is not None for value in values) and all(value is None or type(value) in (int, float) for value in values):
-        return values
-    return [_cell(value) for value in values]
+def _write_hdf5(path: Path, columns: Mapping[str, Mapping[str, Column]], rows: Mapping[str, list[dict[str, Any]]]) -> None:
+    """One group a table, one dataset a column, with unit and meaning; sealed as case and run are.
 
-
-def _write_hdf5(path: Path, columns: Mapping[str, Mapping[str, tuple[str, str]]], rows: Mapping[str, list[dict[str, Any]]]) -> None:
-    """One group a table, one dataset a column, with unit and meaning; numbers as f8, NaN where undefined; sealed as case and run are."""
+    Numbers and counts are f8, NaN where undefined; texts are "" there.
+    """
     fields, values = [], {}
     for table, found in columns.items():
-        for name, (unit, meaning) in found.items():
-            column = _column(rows[table], name)
-            is_text = not column or isinstance(column[0], str)
-            place = f"{table}/{name}"
-            values[place] = column if is_text else [np.nan if value is None else value for value in column]
+        for name, (unit, meaning, kind) in found.items():
+            own = [row.get(name) for row in rows[table]]
+            place, is_text = f"{table}/{name}", kind == "text"
+            values[place] = [_cell(value) if is_text else np.nan if value is None else value for value in own]
             fields.append(exchange.Field(place, "str" if is_text else "f8", (table,), unit, meaning))
     digest = hashlib.sha256(json.dumps(rows["results"], sort_keys=True).encode()).hexdigest()
     exchange.write(path, tuple(fields), values, digest)
 
 
-def _parquet(columns: list[str], rows: list[dict[str, Any]]) -> bytes:
-    """The table as Parquet; pyarrow is an extra, which the command has seen to."""
+def _parquet(columns: Mapping[str, Column], rows: list[dict[str, Any]]) -> bytes:
+    """The table as Parquet, null where undefined; pyarrow is an extra, which the command has seen to."""
     import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
 
+    types: dict[Kind, Any] = {"text": pa.string(), "number": pa.float64(), "count": pa.int64()}
+    arrays = {}
+    for name, column in columns.items():
+        own = [row.get(name) for row in rows]
+        shown = [value if value is None or column.kind != "text" else _cell(value) for value in own]
+        arrays[name] = pa.array(shown, types[column.kind])
     content = io.BytesIO()
-    pq.write_table(pa.table({name: pa.array(_column(rows, name)) for name in columns}), content)
+    pq.write_table(pa.table(arrays), content)
     return content.getvalue()

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from comparison.campaign.outcomes import own_folder
@@ -15,15 +16,15 @@ def with_versions(table: CampaignTable) -> CampaignTable:
     found: set[str] = set()
     for folder in dict.fromkeys(own_folder(table.folder, row) for row in table.rows):
         if folder is not None:
-            found.update(_version(path.read_text(encoding="utf-8")) for path in folder.glob("*/comparison.json"))
+            found.update(_version(path) for path in folder.glob("*/comparison.json"))
     known = sorted(found - {""})
     return replace(table, provenance=table.provenance | {NAME: ", ".join(known)}) if known else table
 
 
-def _version(text: str) -> str:
-    """Version in a comparison.json, "" where there is none; a damaged one says nothing."""
+def _version(path: Path) -> str:
+    """Version in a comparison.json, "" where there is none; a damaged one, or one that cannot be read, says nothing."""
     try:
-        stored: Any = json.loads(text)
+        stored: Any = json.loads(path.read_text(encoding="utf-8"))
         return str(stored["yade"]["version"] or "")
-    except (ValueError, KeyError, TypeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return ""
