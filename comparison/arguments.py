@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from comparison.configuration import MOST_WORKERS
 from comparison.provenance import version
 from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
 
@@ -13,7 +14,7 @@ MOVING_FORMATS = (".gif", ".mp4")
 MOST_FRAMES = 50  # a second: a GIF counts hundredths, and players refuse less than two
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
-MOST_WORKERS = 1000
+LIMIT_HELP = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -60,8 +61,7 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
     run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
     run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    limit_help = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
-    run.add_argument("--time-limit", type=seconds, metavar="S", help=limit_help)
+    run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     _add_campaign(add)
     _add_compare(add)
     report = add("report", "write the report again from stored results")
@@ -79,7 +79,7 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
 
 def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
-    campaign.set_defaults(configured=("workers",))
+    campaign.set_defaults(configured=("workers", "time_limit"))
     file_help = "campaign file (TOML): scenes, and the ranges of their keys; or the name of a shipped one, such as seed_paper"
     campaign.add_argument("campaign", metavar="FILE", type=Path, help=file_help)
     campaign.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)")
@@ -87,6 +87,7 @@ def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     where.add_argument("--workers", type=count, metavar="N", help="processes on this machine (default: its cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
     campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
+    campaign.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
 
 
@@ -112,7 +113,7 @@ def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     compare = add("compare", "two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; 1 where something changed")
     compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
     compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
-    compare.add_argument("-o", "--output", type=page, metavar="FILE", help="write the comparison: HTML, Markdown or JSON file")
+    compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
 
 
 def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:

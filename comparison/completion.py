@@ -1,28 +1,30 @@
-"""Scripts by which a shell completes the command line: commands, options, shipped scenes, files and folders."""
+"""Scripts by which a shell completes the command line: commands, options, shipped scenes and campaigns, files and folders."""
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import shtab
 
 from comparison import shipped
-from comparison.arguments import FIGURE_FORMATS
+from comparison.arguments import FIGURE_FORMATS, MOVING_FORMATS, PAGE_FORMATS
+from comparison.tutorial import NAMES
 
 _BASH = """
 # $1: the word so far; "_file" in the name has bash treat folders as folders
-_crosscheck_scene_or_file() {{
+{function}() {{
   compgen -W "{names}" -- "$1"
   compgen -f -X '!*.toml' -- "$1"
   compgen -d -- "$1"
 }}
 """
 _ZSH = """
-_crosscheck_scene_or_file() {{
-  _alternative 'scenes:shipped scene:({names})' 'files:scene file:_files -g "*.toml"'
+{function}() {{
+  _alternative '{kind}s:shipped {kind}:({names})' 'files:{kind} file:_files -g "*.toml"'
 }}
 """
 _FISH = """
-function _crosscheck_scene_or_file
+function {function}
   printf '%s\\n' {names}
   __fish_complete_suffix .toml
 end
@@ -31,26 +33,36 @@ end
 
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
     """The completion script of a whole command line for a shell that `arguments.SHELLS` names."""
-    names = " ".join(shipped.names())
-    scene = {
-        "bash": "_crosscheck_scene_or_file",
-        "zsh": "_crosscheck_scene_or_file",
-        "fish": "(_crosscheck_scene_or_file)",
-        "preamble": {"bash": _BASH.format(names=names), "zsh": _ZSH.format(names=names), "fish": _FISH.format(names=names)},
-    }
-    figure = shtab.glob(*(f"*{ending}" for ending in FIGURE_FORMATS))
-    of_kind = {"SCENE": scene, "DIR|SCENE": scene, "DIR": shtab.DIRECTORY, "FOLDER": shtab.DIRECTORY, "FIG": figure}
-    for action in _actions(parser):
-        if isinstance(action.metavar, str) and action.metavar in of_kind:
-            action.complete = of_kind[action.metavar]  # type: ignore[attr-defined]  # where shtab looks
+    _say_what_completes(parser)
     text = shtab.complete(parser, shell)
     return text.replace('"(*):', '"*:') if shell == "zsh" else text  # else zsh would complete the first of several scenes alone
 
 
-def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+def _say_what_completes(parser: argparse.ArgumentParser) -> None:
+    """Tell shtab, by the name of an argument's value, what to offer for it."""
+    scene, campaign = _named_or_file("scene", shipped.names()), _named_or_file("campaign", shipped.campaigns())
+    of_kind = {"SCENE": scene, "DIR|SCENE": scene, "FILE": campaign} | dict.fromkeys(("DIR", "DIR1", "DIR2", "FOLDER"), shtab.DIRECTORY)
+    formats = {"FIG": FIGURE_FORMATS, "MOVIE": MOVING_FORMATS, "PAGE": PAGE_FORMATS}
+    of_kind |= {kind: shtab.glob(*(f"*{ending}" for ending in endings)) for kind, endings in formats.items()}
+    for action in actions(parser):
+        if action.metavar in of_kind:
+            action.complete = of_kind[action.metavar]  # type: ignore[attr-defined]  # where shtab looks
+        elif action.metavar == "NAME":
+            action.choices = NAMES
+
+
+def _named_or_file(kind: str, known: Iterable[str]) -> dict[str, Any]:
+    """What completes to a shipped thing's name, or to a TOML file."""
+    function, names = f"_crosscheck_{kind}_or_file", " ".join(known)
+    texts = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
+    preambles = {shell: text.format(function=function, kind=kind, names=names) for shell, text in texts.items()}
+    return {"bash": function, "zsh": function, "fish": f"({function})", "preamble": preambles}
+
+
+def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
     """What a parser and the parsers of its commands take."""
     for action in parser._actions:  # argparse has no other list of them, and shtab reads this one, too
         yield action
         if isinstance(action, argparse._SubParsersAction):
             for sub in action.choices.values():
-                yield from _actions(sub)
+                yield from actions(sub)

@@ -21,7 +21,7 @@ OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
 PREFIX = "CROSSCHECK_"
 SYSTEM_PYTHON = "/usr/bin/python3"
 LARGEST_FILE = 100_000  # bytes; settings are a few lines
-MOST_WORKERS = 1024
+MOST_WORKERS = 1000
 
 
 class SettingError(SceneError):

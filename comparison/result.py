@@ -2,6 +2,7 @@
 
 import base64
 import html
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from comparison import plots, tables
+from comparison.arguments import FIGURE_FORMATS
 from comparison.check import Check, Verdict
 from comparison.figures import figures
 from comparison.files import refuse_name
@@ -34,7 +36,12 @@ class Picture:
     figure: Any
 
     def save(self, path: Path | str) -> "Picture":
-        """Write PNG, SVG or PDF, as the name ends; returns the picture, so that a notebook shows what was saved."""
+        """Write PNG, SVG or PDF, as the name ends; returns the picture, so that a notebook shows what was saved.
+
+        Raises SceneError for another ending.
+        """
+        if Path(path).suffix not in FIGURE_FORMATS:
+            raise SceneError(str(path), f"a figure's name ends in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
         plots.save(self.figure, Path(path))
         return self
 
@@ -116,6 +123,8 @@ def run(
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
     <Verdict.AGREE: 'agree'>
     """
+    if time_limit is not None and not 0.0 < time_limit < math.inf:
+        raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
     chosen = scene if isinstance(scene, Scene) else load(scene)
     refuse_name(chosen)
     own = Path(folder) / chosen.name
@@ -154,4 +163,4 @@ def _narration(quiet: bool) -> Narration:
 
 def _result(folder: Path, summary: dict[str, Any]) -> Result:
     scene, analysis, found = read_results(folder)
-    return Result(folder, summary, Answer(scene, analysis), found)
+    return Result(folder, summary, Answer(scene, analysis), found if summary["yade"] is not None else None)

@@ -125,6 +125,8 @@ def report_again(folder: Path, listener: Listener) -> dict[str, Any]:
 
     Raises files.FolderInUseError where another works there.
     """
+    if not (folder / "case.h5").is_file():  # nothing is touched in a folder that is somebody else's
+        raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`")
     with alone_in(folder):
         scene, analysis, run = read_results(folder)
         previous = _stored_summary(folder)

@@ -1,26 +1,34 @@
 """A campaign file says which cases there are; their table says what each came to, once, in order, whoever ran it."""
 
 import csv
+import dataclasses
 import io
 import json
 import math
+import os
+import signal
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
 import numpy as np
 import pytest
-from campaigns_for_tests import QUICK, Inline, begun, run
+from campaigns_for_tests import QUICK, Inline, begun, finished, run
+from conftest import Silent
+from faulty_runs import INTERRUPTED
 
-from comparison.campaign import columns, table
+from comparison.campaign import columns, job, table
 from comparison.campaign.cases import LONGEST, axes, expand
 from comparison.campaign.command import find as find_campaign
 from comparison.campaign.definition import MOST_CASES, load
+from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
 from comparison.campaign.labels import mechanism_label
 from comparison.cli import main
-from comparison.files import alone_in
+from comparison.files import FolderInUseError, alone_in
 from comparison.sensitivity import study
 from comparison.shipped import find
+from comparison.workflow import read_results
 from la_core.assembly import assemble
 from la_core.case import analyse
 from la_core.classic import ClassicParameters
@@ -67,7 +75,13 @@ WRONG = {
     "an array that is not there": (sweep('set = { "wall[0].courses" = 3 }'), "the scene has no wall"),
     "unknown parameter": (sweep('vary = { "classic.slop" = [0.1] }'), 'classic.slop: unknown key; did you mean "slope"?'),
     "wrong kind of parameter": (sweep('vary = { "classic.iterations" = [0.5] }'), "classic.iterations = 0.5: must be a whole number"),
-    "impossible parameter": (sweep('vary = { "classic.relaxation" = [2.0] }'), "relaxation in (0, 1]"),
+    "impossible parameter": (
+        sweep('vary = { "classic.relaxation" = [nan] }'),
+        "two_pads_relaxation=nan: classic: needs relaxation in (0, 1], slope from 0, iterations from 1, "
+        "and cohesion from 0 and below tolerance; given: relaxation = nan; the rest is as by default",
+    ),
+    "parameter beyond all numbers": (sweep(f'vary = {{ "classic.slope" = [1{"0" * 400}] }}'), "classic: needs relaxation in (0, 1]"),
+    "impossible model": (sweep('vary = { "effects.plane" = [true] }', "slab_four_corners"), "effects.plane = true: "),
 }
 
 
@@ -325,21 +339,64 @@ def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_c
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out = tmp_path / "out"
-    text = sweep('vary = { "yade.sphere_radius" = [0.0004, 10.0] }')  # limit analysis knows how large a sphere may be, not the schema
+    text = sweep('vary = { "effects.elasticity" = ["auto", "none"] }', "wall_low_friction")  # only the answer tells that joints slide
     monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline())
     assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
     said = capsys.readouterr()
-    assert "two_pads_sphere_radius=10.0: failed: " in said.err and "yade.sphere_radius" in said.out
+    assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
     done, failed = table.read(out).rows
-    assert (
-        (done["state"], failed["state"]) == ("done", "failed")
-        and "sphere_radius" in failed["reason"]
-        and str(tmp_path) not in failed["reason"]
-    )
+    assert (done["state"], failed["state"]) == ("done", "failed")
+    assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # where the program lies is left out
     assert table.read(out).failures == [failed]
     again = Inline()
     run(text, out, again)
-    assert again.done == ["two_pads_sphere_radius=10.0"]
+    assert again.done == ["wall_low_friction_elasticity=none"]
+
+
+def test_no_path_of_this_machine_is_in_a_reason(tmp_path: Path) -> None:
+    scene = load_scene(find("two_pads"))
+    own = Job(scene, tmp_path / "case", False, {}, "", LOADED)
+    beside = dataclasses.replace(own, scene=dataclasses.replace(scene, path=Path("mine.toml")))
+    reason = f"{own.folder}/two_pads/case.h5: of {scene.path}"
+    assert failure(reason, own)["answers"]["reason"] == "two_pads/case.h5: of two_pads.toml"
+    assert failure("a. b/c. d", beside)["answers"]["reason"] == "a. b/c. d"
+
+
+def test_what_another_version_would_make_is_not_stored_as_this_one_s(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+
+    def install(at: Job) -> None:
+        if len(begun(out)) == 2:
+            monkeypatch.setattr(job, "code", lambda: "newer")
+
+    found = run(QUICK, out, Inline(install))
+    assert [row["state"] for row in found.rows] == ["done", "done", "failed", "failed"]
+    assert [row["reason"] for row in found.failures] == [OTHER_CODE] * 2
+    assert len(finished(out)) == 2 and not list(out.glob("cases/two_pads*/two_pads"))
+    monkeypatch.undo()
+    again = Inline()
+    assert [row["state"] for row in run(QUICK, out, again).rows] == ["done"] * 4 and len(again.done) == 2
+
+
+def test_a_worker_that_loaded_another_version_stores_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "LOADED", "older")
+    outcome = run_job(Job(load_scene(find("two_pads")), tmp_path / "case", False, {}, "", LOADED), Silent())
+    assert (outcome["state"], outcome["answers"]["reason"]) == ("failed", OTHER_CODE)
+    assert not (tmp_path / "case").exists()
+
+
+def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    def with_a_run(folder: Path):
+        scene, analysis, _ = read_results(folder)
+        return scene, analysis, SimpleNamespace(mechanism=lambda: analysis.rounded[analysis.main].twists)
+
+    run(QUICK, tmp_path / "fresh" / "out")
+    monkeypatch.setattr(job, "read_results", with_a_run)
+    found = run(QUICK, tmp_path / "used" / "out")
+    assert found.rows[0]["associated_mechanism"] and found.rows[0]["yade_mechanism"] is None
+    assert (tmp_path / "used/out/results.csv").read_bytes() == (tmp_path / "fresh/out/results.csv").read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -396,8 +453,45 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
 
+def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+
+    def end(at: Job) -> None:
+        if len(begun(out)) == 2:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline(end))
+    elsewhere: list[int] = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: elsewhere.append(number))
+    try:
+        assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == INTERRUPTED
+        assert elsewhere == [] and "error: stopped" in capsys.readouterr().err
+        assert [row["case"] for row in table.read(out).rows] == begun(out)
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert elsewhere == [signal.SIGTERM]
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_the_report_is_written_while_the_folder_is_held(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    def conclude(found: table.CampaignTable) -> None:
+        with pytest.raises(FolderInUseError), alone_in(found.folder):
+            pass
+        concluded.append(len(found.rows))
+
+    concluded: list[int] = []
+    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline())
+    monkeypatch.setattr("comparison.campaign.command.write_campaign_report", conclude)
+    assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(tmp_path / "out"), "-q"]) == 0
+    assert concluded == [4]
+
+
 def test_a_shipped_campaign_is_found_by_its_name_and_all_its_cases_are_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     cases = expand(load(find_campaign(Path("seed_paper"))))
     assert len(cases) >= 60 and len({case.sweep for case in cases}) == 9
     assert main(["campaign", "seed_papers"]) == 2
-    assert 'seed_paper"' in capsys.readouterr().err
+    assert 'did you mean "seed_paper"?' in capsys.readouterr().err
+    assert main(["campaign", "unlike"]) == 2
+    assert "valid campaigns: seed_paper" in capsys.readouterr().err

@@ -16,7 +16,7 @@ from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, one_messa
 from test_security import listening, tree
 
 from comparison.campaign.dask import Dask
-from comparison.campaign.job import Job
+from comparison.campaign.job import LOADED, Job
 from comparison.campaign.local import ATTEMPTS, Local
 from comparison.cli import main
 
@@ -122,7 +122,7 @@ def test_workers_of_a_scheduler_one_of_them_lost_give_the_table_of_this_process(
 
 
 def test_a_case_whose_workers_all_die_is_a_failure_and_the_others_go_on(tmp_path: Path) -> None:
-    (job, *_) = [Job(case.run.scene(), tmp_path / case.run.name, False, {}, "") for case in campaign(QUICK, tmp_path / "out").cases]
+    (job, *_) = [Job(case.run.scene(), tmp_path / case.run.name, False, {}, "", LOADED) for case in campaign(QUICK, tmp_path / "out").cases]
     with Local(1, yade=False) as engine:
         engine.begin(job)
         ended: list[Any] = []

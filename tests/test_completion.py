@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from comparison import shipped
-from comparison.arguments import SHELLS
+from comparison import completion, shipped
+from comparison.arguments import SHELLS, parser
 from comparison.cli import COMMANDS, main
+from comparison.tutorial import NAMES
 
 BASH = shutil.which("bash")
 IN_BASH = """
@@ -36,7 +37,7 @@ def offered(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path, here = tmp_path / "crosscheck.bash", tmp_path / "here"
     path.write_text(script("bash", capsys))
     (here / "results").mkdir(parents=True)
-    for name in ("mine.toml", "mine.txt", "mine.png"):
+    for name in ("mine.toml", "mine.txt", "mine.png", "mine.gif", "mine.html"):
         (here / name).touch()
 
     def ask(*words: str) -> list[str]:
@@ -68,12 +69,29 @@ def test_options_folders_figures_and_shells_are_offered_where_they_belong(offere
     assert offered("completion", "") == sorted(SHELLS)
 
 
+def test_campaigns_tutorials_animations_and_pages_are_offered_where_they_belong(offered) -> None:
+    assert offered("campaign", "") == sorted([*shipped.campaigns(), "mine.toml", "results"])
+    assert offered("campaign", "seed") == ["seed_paper"]
+    assert offered("compare", "") == offered("compare", "results", "") == ["results"]
+    assert offered("compare", "results", "results", "-o", "mi") == ["mine.html"]
+    assert offered("tutorial", "") == sorted(NAMES)
+    assert offered("animate", "two_pads", "-o", "mi") == ["mine.gif"]
+
+
+def test_every_positional_and_every_output_says_what_completes_it() -> None:
+    whole = parser(COMMANDS)
+    completion.script(whole, "bash")
+    asked = [one for one in completion.actions(whole) if not one.option_strings or "-o" in one.option_strings]
+    assert len(asked) > len(COMMANDS)
+    assert [one.metavar for one in asked if one.choices is None and not hasattr(one, "complete")] == []
+
+
 @pytest.mark.parametrize("shell", SHELLS)
 def test_every_shell_s_script_knows_all_commands_and_scenes_and_is_its_language(
     shell: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = script(shell, capsys)
-    assert all(name in text for name in (*COMMANDS, *shipped.names()))
+    assert all(name in text for name in (*COMMANDS, *shipped.names(), *shipped.campaigns(), *NAMES))
     assert main(["completion", shell, "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {"shell": shell, "script": text.removesuffix("\n")}
     if (found := shutil.which(shell)) is not None:

@@ -1,17 +1,22 @@
 """Settings from files and the environment: which of them holds, and what is said where one cannot."""
 
+import contextlib
 import json
 import os
+import pickle
 import re
 from pathlib import Path
 
 import pytest
+from campaigns_for_tests import Inline
 
 from comparison import configuration
+from comparison.campaign.job import Job
 from comparison.cli import main
-from comparison.configuration import Settings
+from comparison.configuration import MOST_WORKERS, Settings
 from comparison.ending import TOOL, USAGE
 from comparison.launch import Yade, find_yade
+from la_core.errors import SceneError
 
 SOLVE = ["solve", "two_pads", "-q"]
 
@@ -73,6 +78,40 @@ def test_a_time_limit_reaches_yade_and_the_command_line_s_goes_before(monkeypatc
     assert main(["run", "two_pads"]) == 0
     assert main(["run", "two_pads", "--time-limit", "9"]) == 0
     assert limits == [7.0, 9.0]
+
+
+def test_a_time_limit_reaches_the_cases_of_a_campaign(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = []
+
+    class Engine(Inline):
+        def begin(self, job: Job) -> None:
+            limits.append(pickle.loads(pickle.dumps(job)).time_limit)  # as a worker gets it
+            super().begin(job)
+
+    def hears(scene: object, folder: object, listener: object, yade: bool, time_limit: float | None) -> None:
+        limits.append(time_limit)
+        raise SceneError("here", "is enough")
+
+    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Engine())
+    monkeypatch.setattr("comparison.campaign.job.run_scene", hears)
+    Path("one.toml").write_text('[[sweep]]\nscene = "two_pads"')
+    assert main(["campaign", "one.toml", "-q"]) == TOOL
+    folder_says("time_limit = 7")
+    assert main(["campaign", "one.toml", "-q"]) == TOOL
+    assert main(["campaign", "one.toml", "-q", "--time-limit", "9"]) == TOOL
+    assert limits == [None, None, 7.0, 7.0, 9.0, 9.0]
+
+
+@pytest.mark.parametrize("workers", [0, 1, MOST_WORKERS, MOST_WORKERS + 1])
+def test_the_command_line_and_the_configuration_take_equally_many_workers(workers: int, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["campaign", "nowhere.toml", "-q"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("CROSSCHECK_WORKERS", str(workers))
+        assert main(command) == USAGE
+    configured = "nowhere.toml" in capsys.readouterr().err  # else the number is refused before the file is looked for
+    with contextlib.suppress(SystemExit):
+        main([*command, "--workers", str(workers)])
+    assert configured == ("error: nowhere.toml" in capsys.readouterr().err) == (1 <= workers <= MOST_WORKERS)
 
 
 def test_an_empty_variable_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ import ast
 import dataclasses
 import doctest
 import importlib
+import math
 import re
 import sys
 import tomllib
@@ -19,6 +20,7 @@ import la_core
 from comparison import shipped, workflow
 from comparison.cli import main
 from la_core.case import digest
+from la_core.exchange import ExchangeError
 from la_core.scene import Scene
 
 ROOT = Path(__file__).parent.parent
@@ -215,6 +217,29 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert result.report().is_file()
     with pytest.raises(ValueError, match="one folder"):
         result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
+    assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
+
+
+def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> None:
+    of_another = tmp_path / "letter.1.part"
+    of_another.touch()
+    for folder in (tmp_path, tmp_path / "nothere"):
+        with pytest.raises(ExchangeError, match="holds no results"):
+            comparison.read(folder)
+    assert list(tmp_path.iterdir()) == [of_another]
+
+
+@pytest.mark.parametrize("seconds", [-1, 0.0, math.nan, math.inf])
+def test_a_time_limit_that_is_none_is_refused_before_anything_runs(seconds: float, tmp_path: Path) -> None:
+    with pytest.raises(la_core.SceneError, match=r"time_limit = .*: must be a positive number of seconds"):
+        comparison.run("two_pads", tmp_path / "results", yade=False, time_limit=seconds, quiet=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -> None:
+    with pytest.raises(la_core.SceneError, match=r"x\.jpg: a figure's name ends in \.png, \.svg or \.pdf"):
+        comparison.draw(la_core.load("two_pads")).save(tmp_path / "x.jpg")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["..", "report.html", "a/b"])

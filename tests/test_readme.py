@@ -66,7 +66,7 @@ def _steady(lines: list[str]) -> list[str]:
 
 def test_make_targets_of_the_readme_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = re.findall(r"`?make (\w+)`?", README)
+    targets = re.findall(r"`?make ([\w-]+)`?", README)
     assert {"demo", "test", "lint"} <= set(targets)
     assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in targets)
 

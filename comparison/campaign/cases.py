@@ -15,12 +15,14 @@ import tomli_w
 from comparison import shipped
 from comparison.campaign import keys
 from comparison.campaign.definition import Definition, Sweep
+from la_core.case import model
 from la_core.classic import ClassicParameters
 from la_core.compose import override
 from la_core.errors import SceneError, nearest
 from la_core.scene import Scene, load_scene, scene_of_text
 
 LONGEST = 120  # characters of a case's name
+_CLASSIC_RULE = "needs relaxation in (0, 1], slope from 0, iterations from 1, and cohesion from 0 and below tolerance"
 _UNSAFE = re.compile(r"[^\w.+=-]", re.ASCII)
 
 
@@ -121,14 +123,17 @@ def _classic(given: dict[str, Any]) -> ClassicParameters | None:
             raise SceneError(f"{keys.CLASSIC}{name}", f"must be a {'' if float in kinds else 'whole '}number", value=value)
     try:
         return ClassicParameters(**{name: type(defaults[name])(value) for name, value in own.items()}) if own else None
-    except ValueError as error:
-        raise SceneError(keys.CLASSIC.rstrip("."), str(error)) from error
+    except (ValueError, OverflowError) as error:
+        given_words = ", ".join(f"{name} = {value}" for name, value in own.items())
+        raise SceneError(keys.CLASSIC.rstrip("."), _CLASSIC_RULE, hint=f"given: {given_words}; the rest is as by default") from error
 
 
 def _run(folder: str, path: Path, text: str) -> Run:
-    """A run of a scene, which is checked by being built."""
+    """A run of a scene, which is checked by being built and modelled, all but solved."""
     name = _stem(path.stem)
-    meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene_of_text(text, path, name).meshes]
+    scene = scene_of_text(text, path, name)
+    model(scene)
+    meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
     return Run(folder, name, path, text, tuple(meshes))
 
 
@@ -146,7 +151,7 @@ def _titled(data: dict[str, Any], stem: str, parts: list[str]) -> str:
 
 def _labels(definition: Definition) -> dict[str, str]:
     """Short names of the varied keys: as given, else the last name in their path where no other key has it, else all of it."""
-    last = {key: re.split(r"\.", key)[-1] for key in definition.keys}
+    last = {key: key.split(".")[-1] for key in definition.keys}
     often = Counter(last.values())
     return {key: definition.file.labels.get(key) or (short if often[short] == 1 else key) for key, short in last.items()}
 

@@ -1,10 +1,13 @@
 """`crosscheck campaign`: what its words mean, what it prints, and with which code it ends."""
 
 import argparse
+import contextlib
 import importlib.util
 import os
+import signal
+import threading
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from comparison import shipped
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
 from comparison.campaign.dask import Dask
@@ -25,7 +29,6 @@ from comparison.report_numbers import DASH, plural
 from comparison.tables import number
 from la_core.errors import SceneError, nearest
 
-SHIPPED = Path(__file__).parent.parent / "campaigns"
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
@@ -37,11 +40,10 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     asked = definition.load(path)
     folder = (options.output or default_folder(path)).resolve()
     yade = asked.file.yade and not options.no_yade
-    whole = Campaign(asked, expand(asked), folder, yade, options.parquet)
+    whole = Campaign(asked, expand(asked), folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
-    with CampaignNarration(narrator, asked.title) as narration:
-        found = run_campaign(whole, engine, narration)
-    write_campaign_report(found)
+    with _a_request_to_end_is_an_interruption(), CampaignNarration(narrator, asked.title) as narration:
+        found = run_campaign(whole, engine, narration, write_campaign_report)
     if options.json:
         print_json({name: value for name, value in vars(found).items() if name != "folder"} | {"folder": str(folder)})
     else:
@@ -51,12 +53,12 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
 
 def find(asked: Path) -> Path:
     """Path of a campaign given by path or by a shipped one's name; raises SceneError when there is neither."""
-    shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+    known = shipped.campaigns()
     if asked.suffix == ".toml" or asked.exists():
         return asked
-    if str(asked) not in shipped:
-        raise SceneError(str(asked), "neither a file nor a shipped campaign", hint=nearest(str(asked), shipped))
-    return shipped[str(asked)]
+    if str(asked) not in known:
+        raise SceneError(str(asked), "neither a file nor a shipped campaign", hint=nearest(str(asked), known, "campaigns"))
+    return known[str(asked)]
 
 
 def default_folder(path: Path) -> Path:
@@ -67,6 +69,19 @@ def default_folder(path: Path) -> Path:
 def cores() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextlib.contextmanager
+def _a_request_to_end_is_an_interruption() -> Iterator[None]:
+    """SIGTERM, as schedulers of machines send it, ends the campaign as Ctrl-C does: tables are written, the exit code is 130."""
+    if threading.current_thread() is not threading.main_thread():  # elsewhere Python lets nobody hear signals
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def exit_code(found: CampaignTable) -> int:

@@ -15,7 +15,7 @@ import uuid
 from pathlib import Path
 from typing import Any
 
-from comparison.campaign.job import Job, Outcome, StoppedError, code, failure, run_job
+from comparison.campaign.job import LOADED, Job, Outcome, StoppedError, failure, run_job
 from comparison.ending import message_of
 from comparison.files import LOCK, write_text
 from la_core.errors import SceneError
@@ -67,7 +67,7 @@ class Dask:
         except TimeoutError as error:
             hint = f"start some: dask worker {self._address} --nthreads 1"
             raise OSError(errno.EHOSTUNREACH, f"the scheduler has no workers; {hint}", self._address) from error
-        threads, own = self._client.nthreads(), code()
+        threads, own = self._client.nthreads(), LOADED
         for worker, seen in self._client.run(_look, self._folder).items():
             if seen["token"] != self._token:
                 rule = f"does not see the campaign's folder {self._folder}; take one by -o that all workers share under one path"
@@ -98,7 +98,7 @@ class Dask:
                 found.append((job, future.result()))
             except Exception as error:  # the worker's own, or what became of it
                 self._require_scheduler()
-                found.append((job, failure(_reason(error), job.folder)))
+                found.append((job, failure(_reason(error), job)))
             del self._jobs[future]
         self._require_scheduler()
         return found
@@ -123,17 +123,17 @@ def _reason(error: BaseException) -> str:
 
 def _look(folder: Path) -> dict[str, Any]:
     """What a worker sees."""
-    return {"token": _token_in(folder), "code": code(), "threads": os.environ.get("OMP_NUM_THREADS")}
+    return {"token": _token_in(folder), "code": LOADED, "threads": os.environ.get("OMP_NUM_THREADS")}
 
 
 def _work(job: Job, folder: Path, token: str) -> Outcome:
     """A job, in a worker."""
     if _token_in(folder) != token:
-        return failure("its worker does not see the campaign's folder", job.folder)
+        return failure("its worker does not see the campaign's folder", job)
     try:
         return run_job(job, _Watch(folder, token))
     except StoppedError:
-        return failure("the campaign is gone", job.folder)
+        return failure("the campaign is gone", job)
 
 
 class _Watch:

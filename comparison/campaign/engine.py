@@ -12,7 +12,7 @@ from comparison.campaign import table
 from comparison.campaign.cases import Case, Run, axes
 from comparison.campaign.columns import result_columns
 from comparison.campaign.definition import Definition
-from comparison.campaign.job import Job, Outcome, code, digest, stored_outcome
+from comparison.campaign.job import LOADED, Job, Outcome, digest, stored_outcome
 from comparison.campaign.narration import CampaignNarration
 from comparison.files import alone_in, write_text
 from comparison.provenance import describe
@@ -44,21 +44,34 @@ class Engine(Protocol):
 
 @dataclass(frozen=True)
 class Campaign:
-    """Cases to run in a folder. yade: whether YADE takes part. parquet: whether tables are written as Parquet as well."""
+    """Cases to run in a folder.
+
+    yade: whether YADE takes part. parquet: whether tables are written as Parquet as well. time_limit: wall seconds for each YADE run, None
+    for the scenes' own; as for `crosscheck run` no part of what decides an outcome, for a run that it ended is made again.
+    """
 
     definition: Definition
     cases: list[Case]
     folder: Path
     yade: bool
     parquet: bool = False
+    time_limit: float | None = None
 
     def folder_of(self, run: Run) -> Path:
         """A run's own folder."""
         return self.folder / CASES / run.name
 
 
-def run_campaign(campaign: Campaign, engine: Engine, narration: CampaignNarration) -> table.CampaignTable:
-    """Run what is not finished; tables are written however this ends. Raises FolderInUseError where another works in the folder."""
+def run_campaign(
+    campaign: Campaign,
+    engine: Engine,
+    narration: CampaignNarration,
+    conclude: Callable[[table.CampaignTable], object] = lambda found: None,
+) -> table.CampaignTable:
+    """Run what is not finished; tables are written however this ends. Raises FolderInUseError where another works in the folder.
+
+    conclude: called with the final table while the folder is still held.
+    """
     campaign.folder.mkdir(parents=True, exist_ok=True)
     with alone_in(campaign.folder):
         write_text(campaign.folder / "campaign.toml", campaign.definition.text)
@@ -69,19 +82,21 @@ def run_campaign(campaign: Campaign, engine: Engine, narration: CampaignNarratio
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
-        return table.read(campaign.folder)
+        found = table.read(campaign.folder)
+        conclude(found)
+    return found
 
 
 def _waiting(campaign: Campaign, outcomes: dict[str, Outcome]) -> list[tuple[Run, dict[str, ClassicParameters], str]]:
     """Runs that are not finished, each with the classic iterations asked for and the digest of its inputs; the others' are filled in."""
-    by, found = code(), []
+    found = []
     runs = {case.run.name: case.run for case in campaign.cases}
     classic: dict[str, dict[str, ClassicParameters]] = {name: {} for name in runs}
     for case in campaign.cases:
         if case.classic is not None:
             classic[case.run.name][case.name] = case.classic
     for name, run in runs.items():
-        inputs = digest(run, campaign.yade, classic[name], by)
+        inputs = digest(run, campaign.yade, classic[name], LOADED)
         if (stored := stored_outcome(campaign.folder_of(run), run.scene_name, inputs)) is not None:
             outcomes[name] = stored
         else:
@@ -101,7 +116,8 @@ def _run_all(
     while waiting or running:
         while waiting and running < engine.capacity:
             run, classic, inputs = waiting.popleft()
-            engine.begin(Job(run.scene(), campaign.folder_of(run), campaign.yade, classic, inputs))
+            folder = campaign.folder_of(run)
+            engine.begin(Job(run.scene(), folder, campaign.yade, classic, inputs, LOADED, campaign.time_limit))
             running += 1
             narration.begins()
         for job, outcome in engine.ended(LOOKS_EVERY):

@@ -31,6 +31,7 @@ ROOMS = ("la_core", "yade_scripts", "comparison")
 OWN = ("columns.py", "job.py", "labels.py")  # of this package, what an outcome is made by; the others only gather and draw
 PATIENCE = 600.0  # s for another process to leave a case's folder: one that an earlier call began and that has not seen its end yet
 LOOKS_EVERY = 0.2  # s
+OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
 
 Outcome = dict[str, Any]
 
@@ -39,7 +40,8 @@ Outcome = dict[str, Any]
 class Job:
     """A scene to take through both methods in `folder`, and through the classic iteration for each of some cases, by name.
 
-    inputs: digest of all that decides the outcome.
+    inputs: digest of all that decides the outcome. code: that of the program that asks for it. time_limit: wall seconds for YADE, None
+    for the scene's own.
     """
 
     scene: Scene
@@ -47,6 +49,8 @@ class Job:
     yade: bool
     classic: dict[str, ClassicParameters]
     inputs: str
+    code: str
+    time_limit: float | None = None
 
     @property
     def scene_folder(self) -> Path:
@@ -59,10 +63,13 @@ class StoppedError(BaseException):
 
 
 def code() -> str:
-    """Digest of the code and versions that decide an outcome."""
+    """Digest of the code and versions that decide an outcome, as they lie on the disk."""
     versions = {name: version for name, version in describe().items() if name != "machine"}
     own = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in OWN]
     return hashlib.sha256(json.dumps([*(code_digest(ROOT / room) for room in ROOMS), own, versions]).encode()).hexdigest()
+
+
+LOADED = code()  # of what this process works with, however long it lives and whatever is installed meanwhile
 
 
 def digest(run: Run, yade: bool, classic: dict[str, ClassicParameters], by: str) -> str:
@@ -90,6 +97,8 @@ def run_job(job: Job, listener: Listener) -> Outcome:
     """Do a job; whatever goes wrong is a failed outcome with its reason. A done one is stored in the job's folder."""
     began = time.monotonic()
     try:
+        if {LOADED, code()} != {job.code}:  # stages store under the code on the disk what the loaded code makes
+            return failure(OTHER_CODE, job)
         job.folder.mkdir(parents=True, exist_ok=True)
         with _alone_after_waiting(job.folder):
             if (stored := stored_outcome(job.folder, job.scene.name, job.inputs)) is not None:
@@ -100,32 +109,34 @@ def run_job(job: Job, listener: Listener) -> Outcome:
             write_text(job.folder / OUTCOME, json.dumps(outcome | {"sum": _sum_of(outcome)}, indent=1, ensure_ascii=False) + "\n")
             return outcome
     except Exception as error:  # whatever it is, the other cases go on
-        return failure(message_of(error), job.folder)
+        return failure(message_of(error), job)
 
 
-def failure(reason: str, folder: Path) -> Outcome:
-    """A failed outcome, for a reason."""
-    return {"state": "failed", "answers": {"reason": _told(reason, folder)}, "costs": {}, "classic": {}}
+def failure(reason: str, job: Job) -> Outcome:
+    """A job's failed outcome, for a reason."""
+    return {"state": "failed", "answers": {"reason": _told(reason, job)}, "costs": {}, "classic": {}}
 
 
-def _told(reason: str, folder: Path) -> str:
-    """The first line of a reason, with paths from the case's folder on: tables must not hang on where the campaign lies."""
-    return next(iter(reason.replace(f"{folder}/", "").splitlines()), "")
+def _told(reason: str, job: Job) -> str:
+    """The first line of a reason, with paths from the case's or its scene's folder on: tables must not hang on where these lie."""
+    for folder in (job.folder, job.scene.path.parent):
+        reason = reason.replace(f"{folder}/", "") if folder.name else reason
+    return next(iter(reason.splitlines()), "")
 
 
 def _done(job: Job, listener: Listener) -> Outcome:
-    summary = run_scene(job.scene, job.scene_folder, listener, job.yade)
+    summary = run_scene(job.scene, job.scene_folder, listener, job.yade, job.time_limit)
     write_report(job.folder, [summary], describe())
     scene, analysis, run = read_results(job.scene_folder)
     main = analysis.rounded[analysis.main]
     mechanisms = {"associated": main.twists}
     if analysis.coulomb is not None:
         mechanisms["coulomb"] = analysis.coulomb.twists
-    if run is not None:
+    if run is not None and summary["yade"] is not None:  # a run may lie there from a call that asked for YADE
         mechanisms["yade"] = run.mechanism()
     labels = {method: mechanism_label(analysis.assembly.blocks, twists) for method, twists in mechanisms.items()}
     answers = answers_of(summary, labels)
-    answers["reason"] = _told(answers["reason"] or "", job.folder)
+    answers["reason"] = _told(answers["reason"] or "", job)
     state = "failed" if answers["yade_status"] in ("missing", "failed") else "done"
     outcome: Outcome = {"state": state, "answers": answers, "costs": costs_of(summary), "classic": {}}
     for name, parameters in job.classic.items():

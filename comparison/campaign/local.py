@@ -73,7 +73,7 @@ class Local:
                     other.begin(job, worker.attempt + 1)
                 else:
                     how = _how_ended(worker.process.exitcode)
-                    found.append((job, failure(f"its worker {how}, {ATTEMPTS} times; run the campaign again", job.folder)))
+                    found.append((job, failure(f"its worker {how}, {ATTEMPTS} times; run the campaign again", job)))
         return found
 
 
