@@ -6,7 +6,7 @@ from typing import Any
 
 import jinja2
 
-from comparison.report_numbers import DASH, number
+from comparison.report_numbers import DASH, first_sentence, number, plural
 
 
 def environment(name: str) -> jinja2.Environment:
@@ -19,7 +19,7 @@ def environment(name: str) -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"number": number, "md": markdown}
+    found.filters |= {"number": number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
     return found
 
 

@@ -59,3 +59,9 @@ def signed(value: float, digits: int) -> str:
 def plural(count: int, word: str) -> str:
     """So many of what a word names, whose plural ends in s."""
     return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+def first_sentence(text: str) -> str:
+    """What comes before the second sentence of a text: the rest is told where there is room."""
+    first, more, _ = text.partition(". ")
+    return f"{first}." if more else first

@@ -25,6 +25,7 @@ from comparison.campaign.table import CampaignTable
 from comparison.campaign.words import CLASSIC, QUANTITY, short, shown, words_of
 from comparison.report import VERDICTS
 from comparison.report_numbers import DASH, exists, interval_words, number, signed
+from comparison.tolerances import LEAST_REACTION
 
 PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
@@ -46,7 +47,7 @@ def compared(table: CampaignTable) -> list[Words]:
 
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
-    share = apart / row[predicted] if apart is not None and row[predicted] else None
+    share = apart / row[predicted] if apart is not None and abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION else None
     sign, word = symbol(row)
     return _named(table, row, varying) | {
         "symbol": sign,
