@@ -1,10 +1,12 @@
 """The README is true: its commands run, its outputs and numbers are those of today."""
 
+import csv
 import dataclasses
 import json
 import math
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
@@ -17,6 +19,8 @@ from scenes_for_tests import load
 from comparison import shipped, tables
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
+from comparison.campaign.command import find as find_campaign
+from comparison.campaign.definition import load as load_campaign
 from comparison.cli import COMMANDS, main
 from comparison.effects_table import effects_summary
 from la_core.assembly import assemble
@@ -284,3 +288,17 @@ def test_every_bought_accuracy_of_the_page_is_kept_and_a_coarse_wall_costs_less_
         assert shares and max(shares) <= number(asked)
     seconds = {row[0]: number(row[3]) + number(row[6]) for name, row in zip(names, rows, strict=True) if name == "wall_third"}
     assert seconds["1 %"] < seconds["0.2 %"] / 3.0
+
+
+def test_the_campaign_after_the_seed_paper_came_to_what_the_readme_says() -> None:
+    folder = ROOT / "comparison" / "gallery" / "seed_paper"
+    with (folder / "results.csv").open(encoding="utf-8", newline="") as table:
+        rows = list(csv.DictReader(table))
+    cases = expand(load_campaign(find_campaign(Path("seed_paper"))))
+    assert [row["case"] for row in rows] == [case.name for case in cases]
+    counts = Counter(row["verdict"] for row in rows)
+    assert f"{len(rows)} cases, {counts['agree']} agree and {counts['inconclusive']} are" in README
+    assert len(rows) == counts["agree"] + counts["inconclusive"]
+    assert f"{len({case.run.name for case in cases})} runs" in README
+    report = (folder / "report.md").read_text(encoding="utf-8")
+    assert all(row["case"].replace("_", r"\\_") in report for row in rows)
