@@ -301,4 +301,4 @@ def test_the_campaign_after_the_seed_paper_came_to_what_the_readme_says() -> Non
     assert len(rows) == counts["agree"] + counts["inconclusive"]
     assert f"{len({case.run.name for case in cases})} runs" in README
     report = (folder / "report.md").read_text(encoding="utf-8")
-    assert all(row["case"].replace("_", r"\\_") in report for row in rows)
+    assert all(row["case"].replace("_", r"\_") in report for row in rows)
