@@ -19,19 +19,19 @@ FEW = 12  # cases that are named under their axis
 
 
 def cost_figure(table: CampaignTable) -> Figure | None:
-    """Left seconds against free blocks, right seconds of each case, the dearest first; None where no time is known."""
+    """Left seconds against free blocks, right seconds of each case, the dearest first; None where no time of a case with blocks is known."""
     blocks = {row["case"]: row.get("free_blocks") for row in table.rows}
     once = costs_once(table)
     total = {cost["case"]: sum(cost[name] for name in SECONDS if exists(cost.get(name))) for cost in once}
-    dearest = sorted((cost for cost in once if total[cost["case"]] > 0.0), key=lambda cost: (-total[cost["case"]], cost["case"]))
+    known = [cost for cost in once if total[cost["case"]] > 0.0 and exists(blocks.get(cost["case"]))]
+    dearest = sorted(known, key=lambda cost: (-total[cost["case"]], cost["case"]))
     if not dearest:
         return None
     figure, (left, right) = plot_axes.panels(2, 3.8)
     for name, (_, colour, marker) in SECONDS.items():
         style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.6}
         some = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
-        sized = [(blocks.get(cost["case"]), cost[name]) for _, cost in some if exists(blocks.get(cost["case"]))]
-        left.plot([size for size, _ in sized], [seconds for _, seconds in sized], **style)
+        left.plot([blocks[cost["case"]] for _, cost in some], [cost[name] for _, cost in some], **style)
         right.plot([k for k, _ in some], [cost[name] for _, cost in some], **style)
     _finish(left, right, [cost["case"] for cost in dearest])
     plot_axes.legend(figure, [_handle(table, name) for name in SECONDS])
