@@ -19,7 +19,7 @@ FEW = 12  # cases that are named under their axis
 
 
 def cost_figure(table: CampaignTable) -> Figure | None:
-    """Left seconds against free blocks, right seconds of each case, the dearest first; None where no time of a case with blocks is known."""
+    """Left seconds against free blocks, right seconds of each case, the dearest first; None where none is known."""
     blocks = {row["case"]: row.get("free_blocks") for row in table.rows}
     once = costs_once(table)
     total = {cost["case"]: sum(cost[name] for name in SECONDS if exists(cost.get(name))) for cost in once}
