@@ -11,7 +11,7 @@ from comparison.check_reach import check_reach
 from comparison.record import Run
 from la_core import accuracy
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import STEPS
+from la_core.coulomb import FIRST_SAGS, STEPS
 from la_core.limit import Status
 from la_core.scene import Scene
 
@@ -37,11 +37,13 @@ def needed(scene: Scene, analysis: LimitAnalysis, run: Run) -> dict[str, tuple[b
     return {effect: answer for effect, answer in found.items() if getattr(scene.effects, effect) == "auto"}
 
 
-def analyse_with(scene: Scene, found: dict[str, tuple[bool | str, str]], steps: int = STEPS) -> LimitAnalysis:
-    """Limit analysis again, with those effects modelled for those reasons. steps: of the prediction."""
+def analyse_with(
+    scene: Scene, found: dict[str, tuple[bool | str, str]], steps: int = STEPS, first_sags: float = FIRST_SAGS
+) -> LimitAnalysis:
+    """Limit analysis again, with those effects modelled for those reasons. steps, first_sags: of the prediction."""
     choices = {effect: choice for effect, (choice, _) in found.items() if effect != "friction"}
     asked = replace(scene, effects=scene.effects.model_copy(update=choices))
-    analysis = accuracy.analyse(asked, slides=found["friction"][1] if "friction" in found else "", steps=steps)
+    analysis = accuracy.analyse(asked, slides=found["friction"][1] if "friction" in found else "", steps=steps, first_sags=first_sags)
     effects = analysis.assembly.effects
     for effect, (choice, reason) in found.items():
         effects = effects.settled(effect, choice, reason)

@@ -14,7 +14,7 @@ from dataclasses import replace
 from la_core import case
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly
-from la_core.coulomb import STEPS, CoulombSolution
+from la_core.coulomb import FIRST_SAGS, STEPS, CoulombSolution
 from la_core.errors import SceneError
 from la_core.limit import Solution, Status
 from la_core.purchase import Attempt, Purchase
@@ -47,13 +47,13 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
     return asking
 
 
-def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS) -> LimitAnalysis:
+def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS, first_sags: float = FIRST_SAGS) -> LimitAnalysis:
     """`case.analyse`; where the scene asks for an accuracy, the best of the attempts at it, with all of them as its `purchase`.
 
-    steps: of the prediction, where no accuracy is asked for.
+    steps, first_sags: of the prediction, where no accuracy is asked for.
     """
     if scene.accuracy is None:
-        return case.analyse(scene, with_path, slides, steps)
+        return case.analyse(scene, with_path, slides, steps, first_sags)
     tried, steps, before, found = scene, _first_steps(scene.accuracy), math.nan, []
     while True:
         start = time.perf_counter()

@@ -11,7 +11,7 @@ import numpy as np
 from la_core import reach
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly, assemble
-from la_core.coulomb import STEPS
+from la_core.coulomb import FIRST_SAGS, STEPS
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve
 from la_core.path import follow_path
@@ -42,18 +42,19 @@ def smallest_inset(assembly: Assembly) -> float:
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * width.min()))
 
 
-def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS) -> LimitAnalysis:
+def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS, first_sags: float = FIRST_SAGS) -> LimitAnalysis:
     """Assemble and solve a scene, at the inset that both methods share and for sharp arrises.
 
     The bounds, the path and the reaction at rest are those of the whole structure; the prediction is that of the region within reach
     where it is proven to be the whole structure's. The path is followed where the scene asks for it, or with_path does. slides: why
     joints are known to slide, which keeps friction in where "auto" might leave it out. steps: of the prediction, from rest to the plateau.
+    first_sags: travel of the first of them over the elastic sag.
     """
     assembly, sharp_assembly, stiffness, least_gap = model(scene)
     rounded = dict(_solve_all(scene, assembly))
     sharp = rounded if assembly.inset == sharp_assembly.inset else dict(_solve_all(scene, sharp_assembly))
     bounds = LimitAnalysis(assembly, rounded, sharp, stiffness, least_gap)
-    analysis, path = with_prediction(scene, bounds, sharp_assembly, slides, with_path, steps), None
+    analysis, path = with_prediction(scene, bounds, sharp_assembly, slides, with_path, steps, first_sags), None
     is_followed = with_path or analysis.assembly.effects.elasticity == "path"
     if is_followed and assembly.effects.friction == "coulomb" and rounded[bounds.main].status is Status.SOLVED:
         asked = scene.path_asked or PathAsked()

@@ -58,16 +58,22 @@ class CoulombSolution:
 
 
 def predict(
-    assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0, steps: int = STEPS
+    assembly: Assembly,
+    stiffness: JointStiffness,
+    associated: Solution,
+    wedging: float = 0.0,
+    steps: int = STEPS,
+    first_sags: float = FIRST_SAGS,
 ) -> CoulombSolution:
     """Follow the structure from rest to its plateau; where the associated answer has no value, neither has this.
 
-    wedging: m or rad, a motion of the support against its settlement before gravity acts. steps: from rest to the whole travel.
+    wedging: m or rad, a motion of the support against its settlement before gravity acts. steps: from rest to the whole travel. first_sags:
+    travel of the first of them over the elastic sag.
     """
     if associated.status is not Status.SOLVED:
         return _without_value(assembly, associated.status)
     joints = ElasticJoints(assembly, stiffness)
-    first = min(0.5, FIRST_SAGS * stiffness.sag / joints.unit)
+    first = min(0.5, first_sags * stiffness.sag / joints.unit)
     best: CoulombSolution | None = None
     for count in (steps, 2 * steps):  # shorter steps where the iteration does not converge: each foretells more of the next
         stations = np.geomspace(1.0, first, count)[::-1]  # a single step goes the whole way

@@ -7,19 +7,25 @@ import numpy as np
 from la_core import reach
 from la_core.analysis import LimitAnalysis
 from la_core.assembly import Assembly
-from la_core.coulomb import STEPS, predict, reaction_at_rest
+from la_core.coulomb import FIRST_SAGS, STEPS, predict, reaction_at_rest
 from la_core.limit import Drive, Solution, Status
 from la_core.scene import Scene
 from la_core.sliding import Sliding, look_for_sliding, may_leave_out_friction, settled_effects
 
 
 def with_prediction(
-    scene: Scene, whole: LimitAnalysis, sharp_assembly: Assembly, slides: str = "", with_path: bool = False, steps: int = STEPS
+    scene: Scene,
+    whole: LimitAnalysis,
+    sharp_assembly: Assembly,
+    slides: str = "",
+    with_path: bool = False,
+    steps: int = STEPS,
+    first_sags: float = FIRST_SAGS,
 ) -> LimitAnalysis:
     """The analysis with its prediction, by the smallest region whose answer counts for the whole structure.
 
     slides: why joints are known to slide. with_path: a path is followed besides, so that friction and all blocks are called for.
-    steps: of the prediction.
+    steps, first_sags: of the prediction, as in `la_core.coulomb.predict`.
     """
     search = None
     if whole.assembly.effects.friction == "coulomb" and may_leave_out_friction(scene) and not with_path:
@@ -32,14 +38,14 @@ def with_prediction(
         masks, reason = [], "a path is asked for, and at its start every block sags"
     for aside in masks:
         sharp_part = reach.set_aside(sharp_assembly, aside)
-        part = _predicted(scene, _without(whole, sharp_assembly, aside), sharp_part, search, steps)
+        part = _predicted(scene, _without(whole, sharp_assembly, aside), sharp_part, search, steps, first_sags)
         answer, sharp_answer = part.coulomb or part.rounded[part.main], part.coulomb_sharp or part.sharp[part.main]
         obstacle = reach.obstacle(whole.assembly, part.assembly, answer.twists, answer.forces)
         obstacle = obstacle or reach.obstacle(sharp_assembly, sharp_part, sharp_answer.twists, sharp_answer.forces)
         if not obstacle:
             return _at_rest(scene, _because(part, True, reach.reason(part.assembly)), whole.assembly, sharp_assembly)
         reason = f"the whole structure is modelled after all: {obstacle}"
-    return _predicted(scene, _because(whole, False, reason), sharp_assembly, search, steps)
+    return _predicted(scene, _because(whole, False, reason), sharp_assembly, search, steps, first_sags)
 
 
 def search_sliding(scene: Scene, bounds: LimitAnalysis, slides: str = "") -> Sliding:
@@ -65,15 +71,17 @@ def _without(whole: LimitAnalysis, sharp_assembly: Assembly, aside: np.ndarray) 
     return replace(whole, assembly=reach.set_aside(whole.assembly, aside), rounded=rounded, sharp=sharp)
 
 
-def _predicted(scene: Scene, analysis: LimitAnalysis, sharp_assembly: Assembly, search: Sliding | None, steps: int) -> LimitAnalysis:
+def _predicted(
+    scene: Scene, analysis: LimitAnalysis, sharp_assembly: Assembly, search: Sliding | None, steps: int, first_sags: float
+) -> LimitAnalysis:
     """With Coulomb's prediction, where the scene calls for it; the associated answer is it where no joint was found to slide."""
     assembly, rounded, sharp = analysis.assembly, analysis.rounded[analysis.main], analysis.sharp[analysis.main]
     alike = assembly.inset == sharp_assembly.inset
     if search is not None and not search.found:
         coulomb, coulomb_sharp = search.as_coulomb(assembly, rounded), replace(search, seconds=0.0).as_coulomb(sharp_assembly, sharp)
     elif assembly.effects.friction == "coulomb":
-        coulomb = predict(assembly, analysis.stiffness, rounded, wedging(scene), steps)
-        coulomb_sharp = coulomb if alike else predict(sharp_assembly, analysis.stiffness, sharp, wedging(scene), steps)
+        coulomb = predict(assembly, analysis.stiffness, rounded, wedging(scene), steps, first_sags)
+        coulomb_sharp = coulomb if alike else predict(sharp_assembly, analysis.stiffness, sharp, wedging(scene), steps, first_sags)
     else:
         return analysis
     return replace(analysis, coulomb=coulomb, coulomb_sharp=coulomb if alike else coulomb_sharp)
