@@ -80,6 +80,7 @@ def _run_alone(scene: Scene, folder: Path, listener: Listener, with_yade: bool, 
         listener.stage(scene.name, "limit analysis", f"prediction made again in {steps} steps, for YADE contradicts it")
         case_file.write_case(folder / "case.h5", scene, finer, inputs)
         analysis = finer
+    notes += refine.note(analysis)
     run_inputs = _run_inputs(inputs, analysis)
     return _compare(Stored(scene, analysis, run, yade, notes, run_inputs), folder, listener)
 

@@ -37,6 +37,7 @@ def test_eight_steps_leave_a_thrust_that_more_steps_do_not(summary: dict) -> Non
     assert coulomb["steps"] > STEPS and summary["verdict"] == "agree", summary["reason"]
     assert coulomb["reaction"] / weight == pytest.approx(3 / BLOCKS, rel=PREDICTED)
     assert summary["yade"]["reaction"] / weight == pytest.approx(3 / BLOCKS, rel=BY_YADE)
+    assert [note for note in summary["notes"] if f"in up to {coulomb['steps']}" in note and "weaker" in note]
     first = analyse(load_scene(WALL)).coulomb
     assert first is not None and first.steps == STEPS
     assert abs(first.value / weight - 3 / BLOCKS) > 0.1 * 3 / BLOCKS  # else this scene shows nothing
