@@ -38,8 +38,9 @@ def note(analysis: LimitAnalysis) -> list[str]:
     if analysis.purchase or analysis.coulomb is None or analysis.coulomb.steps in (0, STEPS):
         return []
     return [
-        f"YADE contradicted the Coulomb prediction in {STEPS} steps, so it was made again in up to {analysis.coulomb.steps}, until it was no "
-        "longer contradicted or none finer was left. An agreement reached so is weaker than one with a prediction made blind to YADE."
+        f"YADE contradicted the Coulomb prediction in {STEPS} steps, so it was made again in up to {analysis.coulomb.steps}, "
+        "until it was no longer contradicted or none finer was left. "
+        "An agreement reached so is weaker than one with a prediction made blind to YADE."
     ]
 
 
