@@ -111,11 +111,13 @@ def _solve_all(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Soluti
             return
 
 
-def code_digest(folder: Path) -> str:
-    """Digest of the Python code directly in a package's folder."""
+def code_digest(*folders: Path) -> str:
+    """Digest of all Python code below the folders: where each file lies, and every byte of it."""
     total = hashlib.sha256()
-    for source in sorted(folder.glob("*.py")):
-        total.update(source.read_bytes())
+    for folder in folders:
+        for source in sorted(folder.rglob("*.py")):
+            name, content = source.relative_to(folder).as_posix().encode(), source.read_bytes()
+            total.update(b"%d %b %d %b" % (len(name), name, len(content), content))
     return total.hexdigest()
 
 
