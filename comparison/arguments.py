@@ -6,7 +6,7 @@ from pathlib import Path
 
 from comparison.configuration import MOST_WORKERS
 from comparison.provenance import version
-from la_core.schema import LEAST_ACCURACY, MOST_ACCURACY
+from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
 FIGURE_FORMATS = (".png", ".svg", ".pdf")

@@ -8,11 +8,9 @@ from typing import Any
 from comparison.buying import HISTORY_OF_SPEED, attempt_of
 from comparison.check import Check, Verdict, number
 from comparison.record import Run
-from la_core.accuracy import HISTORY, INSET_SHARE
-from la_core.analysis import LimitAnalysis
+from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
-from la_core.purchase import Attempt
 from la_core.scene import Scene
 
 METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}

@@ -7,11 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from comparison.record import Run
-from la_core.accuracy import HISTORY, has_history, scale, shared_parts
-from la_core.analysis import LimitAnalysis
+from la_core.analysis import HISTORY, Attempt, LimitAnalysis, has_history, scale, shared_parts
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
-from la_core.purchase import Attempt
 from la_core.scene import Scene
 
 FIT, INERTIA = "fitted plateau", "inertia"

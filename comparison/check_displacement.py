@@ -7,7 +7,7 @@ import numpy as np
 from comparison.check import Check, Verdict
 from comparison.record import Run
 from la_core.analysis import LimitAnalysis
-from la_core.shapes import Blocks
+from la_core.geometry import Blocks
 
 
 def check_displacement(analysis: LimitAnalysis, run: Run) -> Iterator[Check]:

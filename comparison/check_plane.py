@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from comparison.check import Check, Verdict
 from la_core.analysis import LimitAnalysis
-from la_core.lift import residual_in_space
-from la_core.limit import Status
+from la_core.limit import Status, residual_in_space
 
 IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block: ten times what limit analysis leaves in the plane
 

@@ -12,13 +12,11 @@ import numpy as np
 from comparison.check import Check, Verdict, inside, within
 from comparison.record import Run
 from comparison.tolerances import HISTORY, REACH, REACTION, bought, is_broad, least_reaction, reaction_tolerance
-from la_core import evidence, mechanism
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import CoulombSolution
-from la_core.limit import Drive, Status
+from la_core.coulomb import SLIDING_SHARE, CoulombSolution
+from la_core.limit import Drive, Status, consistent_reaction
+from la_core.measures import mechanism, residuals
 from la_core.scene import Scene
-from la_core.sliding import SLIDING_SHARE
-from la_core.static_form import consistent_reaction
 
 REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within the mechanism's interval"
 SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
@@ -58,8 +56,8 @@ def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
         share = HISTORY + abs(coulomb.drift) if slides else REACTION
         share += REACH if assembly.effects.reach else 0.0
-        residuals = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
-        doubt = "" if coulomb.status is Status.SOLVED else f"The Coulomb iteration has not converged ({residuals})."
+        left = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
+        doubt = "" if coulomb.status is Status.SOLVED else f"The Coulomb iteration has not converged ({left})."
         if doubt and not (coulomb.dilatancy_residual <= DOUBTFUL and abs(coulomb.drift) <= DOUBTFUL):
             return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
         share += _spurious_share(analysis, coulomb) if doubt else 0.0
@@ -87,8 +85,8 @@ def _slides_in_yade(analysis: LimitAnalysis, run: Run) -> bool:
     twists = run.mechanism()
     if np.isnan(twists).any():
         return False
-    penetrates = evidence.penetration(analysis.assembly, twists) > ADMISSIBLE
-    return not penetrates and evidence.flow_rule_violation(analysis.assembly, twists) > ADMISSIBLE
+    penetrates = residuals.penetration(analysis.assembly, twists) > ADMISSIBLE
+    return not penetrates and residuals.flow_rule_violation(analysis.assembly, twists) > ADMISSIBLE
 
 
 def check_prediction(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
@@ -152,7 +150,7 @@ def _check_consistency(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check
     """The least reaction with friction limited by YADE's own normal forces is YADE's where every joint that should slide does."""
     forces = run.plateau_forces()
     normal = np.maximum(np.sum(forces * analysis.assembly.normal, axis=1), 0.0)
-    found, sharp = evidence.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
+    found, sharp = residuals.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
     name = "YADE's friction state"
     if sharp.status is not Status.SOLVED:
         reason = "YADE's mean normal forces on the plateau are not those of one quasi-static state."
@@ -208,5 +206,5 @@ def _is_collapse_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, twis
     """Whether twists (B, 6) for the support's unit motion solve limit analysis, too: they obey the flow rule and do its work."""
     work = float(np.sum(analysis.assembly.dead_load * twists))
     misses = abs(work - analysis.rounded[Drive.YIELDING].value)
-    obeys = evidence.flow_rule_violation(analysis.assembly, twists) <= ADMISSIBLE
+    obeys = residuals.flow_rule_violation(analysis.assembly, twists) <= ADMISSIBLE
     return obeys and misses <= reaction_tolerance(scene, analysis, run)

@@ -6,9 +6,8 @@ from dataclasses import replace
 from comparison.check import Check, Verdict
 from comparison.record import Run
 from comparison.tolerances import UNBALANCED
-from la_core import reach
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import assemble
+from la_core.analysis import LimitAnalysis, reach
+from la_core.model import assemble
 from la_core.scene import Scene
 
 

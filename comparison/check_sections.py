@@ -7,10 +7,10 @@ import numpy as np
 from comparison.check import Check, inside, within
 from comparison.record import Run
 from comparison.tolerances import reaction_tolerance
-from la_core import evidence, sections
 from la_core.analysis import LimitAnalysis
-from la_core.contacts import plane_axes
-from la_core.limit import Drive
+from la_core.geometry import plane_axes
+from la_core.limit import Drive, section_forces
+from la_core.measures import residuals
 from la_core.scene import Scene
 
 SECTION = 1e-2  # of the weight: a sum of YADE's forces, of which each carries its own unbalanced part
@@ -20,16 +20,16 @@ ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
 def check_sections(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
     """Force sums: through horizontal cuts, which equilibrium fixes, and across the reaction, which it limits to a range."""
     assembly, forces = analysis.assembly, run.plateau_forces()
-    expected = sections.level_sums(assembly, analysis.rounded[Drive.YIELDING].forces)
-    difference = float(np.abs(sections.level_sums(assembly, forces) - expected).max())
+    expected = section_forces.level_sums(assembly, analysis.rounded[Drive.YIELDING].forces)
+    difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
     reason = "The force sums over horizontal cuts differ: the two methods do not carry the same weight."
     largest = float(np.linalg.norm(expected, axis=1).max())
     yield within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
     tolerance = reaction_tolerance(scene, analysis, run)
     slack = SECTION * scene.weight
     for label, direction in _transverse_directions(scene, assembly.effects.plane):
-        low, high = sections.support_force_range(assembly, direction, evidence.reaction(assembly, forces), tolerance)
-        found = float(sections.support_force(assembly, forces) @ direction)
+        low, high = section_forces.support_force_range(assembly, direction, residuals.reaction(assembly, forces), tolerance)
+        found = float(section_forces.support_force(assembly, forces) @ direction)
         reason = f"The support's force along {label} lies outside what equilibrium and friction allow."
         yield inside(f"support's force along {label}, in its range", (low, high), found, slack, "N", reason)
 

@@ -15,9 +15,9 @@ from comparison.check_sections import check_sections
 from comparison.energy import check_energy
 from comparison.record import Run
 from comparison.tolerances import REACTION, UNBALANCED, bought, reaction_tolerance
-from la_core import evidence
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
+from la_core.measures import residuals
 from la_core.scene import Scene
 
 SETTLEMENT = 1e-3  # of the settlement asked for: the support is driven, so only round-off may separate the two
@@ -125,8 +125,8 @@ def _check_contacts(analysis: LimitAnalysis, run: Run) -> Check:
 
 def _check_equilibrium(analysis: LimitAnalysis, run: Run) -> Check:
     forces = run.plateau_forces()
-    residual = evidence.equilibrium_residual(analysis.assembly, forces)
-    violation = evidence.cone_violation(analysis.assembly, forces)
+    residual = residuals.equilibrium_residual(analysis.assembly, forces)
+    violation = residuals.cone_violation(analysis.assembly, forces)
     worst = max(residual, violation)
     reason = "YADE's mean state on the plateau is out of equilibrium or breaks the friction law, so its reaction is not a quasi-static one."
     rests = worst <= UNBALANCED

@@ -21,14 +21,11 @@ from comparison.ending import AGREE, EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE, TOO
 from comparison.files import FolderInUseError, refuse_name
 from comparison.narration import Narration
 from comparison.summary import limit_analysis_summary
-from la_core.accuracy import with_accuracy
-from la_core.answer import solve
-from la_core.case import model, settled
+from la_core.analysis import model, settled, solve, with_accuracy
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
-from la_core.full_model import full_model
 from la_core.limit import Status
-from la_core.scene import Scene, load_scene
+from la_core.scene import Scene, full_model, load_scene
 
 PIPE_WIDTH = 120  # columns
 
@@ -178,7 +175,7 @@ def _refuse_names(scenes: list[Scene]) -> None:
 
 
 def _report(options: argparse.Namespace, narrator: Console) -> int:
-    from comparison.campaign.report_command import is_campaign, report_campaigns
+    from comparison.campaign import is_campaign, report_campaigns
     from comparison.workflow import report_again
 
     if any(map(is_campaign, options.folders)):
@@ -229,13 +226,13 @@ def _conclude(options: argparse.Namespace, reports: list[tuple[Path, list[dict[s
 
 
 def _campaign(options: argparse.Namespace, narrator: Console) -> int:
-    from comparison.campaign.command import campaign
+    from comparison.campaign import campaign
 
     return campaign(options, narrator, _stdout(), _print_json)
 
 
 def _compare(options: argparse.Namespace, narrator: Console) -> int:
-    from comparison.campaign.report_command import compare_campaigns
+    from comparison.campaign import compare_campaigns
 
     return compare_campaigns(options, narrator, _stdout(), _print_json)
 

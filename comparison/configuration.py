@@ -13,9 +13,8 @@ from typing import Annotated, Any
 import pydantic
 from pydantic import BeforeValidator, Field, Strict
 
-from la_core.complaint import complaint
 from la_core.errors import CONTROL, SceneError, nearest
-from la_core.schema_types import Positive, Table
+from la_core.scene import Positive, Table, complaint
 
 OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
 PREFIX = "CROSSCHECK_"

@@ -5,17 +5,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from la_core.assembly import Assembly, assemble
-from la_core.case import drives, smallest_inset
-from la_core.classic import iterate
-from la_core.contact_grid import with_grid
-from la_core.coulomb import predict
-from la_core.limit import ACCEPTED, solve
-from la_core.linearised import solve_linearised
-from la_core.path import follow_path
-from la_core.prediction import wedging
+from la_core.analysis import drives, smallest_inset, wedging
+from la_core.coulomb import follow_path, predict
+from la_core.limit import ACCEPTED, iterate, solve, solve_linearised
+from la_core.model import Assembly, JointStiffness, assemble, joint_stiffness, with_grid
 from la_core.scene import Scene
-from la_core.stiffness import JointStiffness, joint_stiffness
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 FACETS = (4, 8, 16, 32, 64)

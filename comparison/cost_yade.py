@@ -10,8 +10,7 @@ from typing import Any
 from comparison.cost_methods import PREDICTION, Method, Outcome, shared_inset
 from comparison.launch import Yade, run_yade
 from comparison.record import read_run
-from la_core.case import analyse
-from la_core.case_file import write_case
+from la_core.analysis import analyse, write_case
 from la_core.scene import Scene
 
 FACTORS = {  # of what the program derives, by setting of YADE; words for people

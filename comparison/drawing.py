@@ -15,9 +15,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
-from la_core.assembly import Assembly
 from la_core.exchange import FIXED, FREE, SUPPORT
-from la_core.shapes import Blocks
+from la_core.geometry import Blocks
+from la_core.model import Assembly
 
 LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: told apart in greyscale by luminance alone
 YADE = "#f39c34"

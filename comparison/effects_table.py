@@ -3,12 +3,11 @@
 from typing import Any
 
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import PLANE_FREEDOMS, Assembly, assemble
-from la_core.contacts import contact_points
-from la_core.coulomb import STEPS
+from la_core.coulomb import STATIONS, STEPS
 from la_core.exchange import PLATEAU_SHARE, POSES
+from la_core.geometry import contact_points
+from la_core.model import PLANE_FREEDOMS, Assembly, assemble
 from la_core.scene import Scene
-from la_core.sliding import STATIONS
 
 SEARCH = len(STATIONS) + 1  # programmes that look for a sliding joint
 BODIES_OF_BLOCK = 3  # clump, carrier and face

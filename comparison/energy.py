@@ -13,7 +13,7 @@ import numpy as np
 
 from comparison.check import Check, Verdict, number
 from comparison.record import Run
-from la_core.assembly import Assembly
+from la_core.model import Assembly
 
 GRAVITY = 0
 DRIFT = 0.05  # of the turnover: forces between two stored states are taken as the mean of both

@@ -9,13 +9,12 @@ from comparison import shipped
 from comparison.record import Run
 from comparison.vtu import POLYGON, VERTEX, Grid, write_collection, write_grid
 from comparison.workflow import read_results
-from la_core import mechanism
-from la_core.accuracy import analyse
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly
+from la_core.analysis import LimitAnalysis, accuracy
 from la_core.errors import SceneError
+from la_core.geometry import Blocks
+from la_core.measures import mechanism
+from la_core.model import Assembly
 from la_core.scene import load_scene
-from la_core.shapes import Blocks
 
 
 def results_of(source: str) -> tuple[LimitAnalysis, Run | None]:
@@ -29,7 +28,7 @@ def results_of(source: str) -> tuple[LimitAnalysis, Run | None]:
     runs = sorted(path.parent.name for path in folder.glob("*/case.h5"))
     if runs:
         raise SceneError(source, "holds the results of several scenes", hint=f"name one of its folders: {', '.join(runs)}")
-    return analyse(load_scene(shipped.find(source))), None
+    return accuracy.analyse(load_scene(shipped.find(source))), None
 
 
 def export(analysis: LimitAnalysis, run: Run | None, folder: Path) -> list[Path]:

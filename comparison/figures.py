@@ -8,8 +8,8 @@ from comparison.motion import shown_answer
 from comparison.plot_dissipation import dissipation_figure
 from comparison.record import Run
 from la_core.analysis import LimitAnalysis
-from la_core.dissipation import measure
 from la_core.limit import Status
+from la_core.measures import measure
 from la_core.scene import Scene
 
 

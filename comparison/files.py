@@ -7,9 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from la_core.errors import SceneError
-from la_core.scene import Scene
-from la_core.schema_mesh import FOLDER_FORMATS
-from la_core.sealed_file import write_whole
+from la_core.exchange import write_whole
+from la_core.scene import FOLDER_FORMATS, Scene
 
 RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # no mesh, or folder of them, can have a result's name
 ANIMATION = "animation.gif"  # of the results beside it: `crosscheck report` takes it into the page
@@ -19,7 +18,7 @@ FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "dissipation.png", 
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
 OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, "outcome.json", ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
-_UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # as `la_core.sealed_file` names what it writes
+_UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # as `la_core.exchange.checksummed_file` names what it writes
 
 
 class FolderInUseError(Exception):

@@ -13,10 +13,10 @@ from comparison.launch import find_yade
 from comparison.narration import Narration
 from comparison.plot_cost import cost_figure
 from comparison.provenance import describe
-from la_core.assembly import assemble
-from la_core.case import drives
+from la_core.analysis import drives
 from la_core.errors import SceneError
 from la_core.limit import Status, solve
+from la_core.model import assemble
 from la_core.scene import Scene
 
 

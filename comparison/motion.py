@@ -7,12 +7,11 @@ import numpy as np
 
 from comparison.drawing import size
 from comparison.record import Run
-from la_core import mechanism
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly
 from la_core.coulomb import CoulombSolution
-from la_core.dissipation import contact_states
 from la_core.limit import Solution, Status
+from la_core.measures import contact_states, mechanism
+from la_core.model import Assembly
 
 DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mechanism
 

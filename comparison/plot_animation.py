@@ -19,13 +19,12 @@ from comparison.plot_reaction import draw_levels
 from comparison.plots import TITLE_WIDTH, looks, wrapped
 from comparison.record import Run
 from comparison.report_numbers import number
-from la_core import mechanism
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly
 from la_core.errors import SceneError
-from la_core.exchange import FREE
+from la_core.exchange import FREE, write_whole
+from la_core.measures import mechanism
+from la_core.model import Assembly
 from la_core.scene import Scene
-from la_core.sealed_file import write_whole
 
 SECONDS = 4.0  # from rest to the end
 HOLD = 2.0  # s, the last frame

@@ -14,9 +14,8 @@ from matplotlib.patches import Patch
 
 from comparison import drawing
 from comparison.drawing import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas
-from la_core import mechanism
-from la_core.assembly import Assembly
-from la_core.dissipation import ContactState, MechanismMeasures
+from la_core.measures import ContactState, MechanismMeasures, mechanism
+from la_core.model import Assembly
 
 DRAWN = 0.09  # of the structure's size: the largest displacement drawn
 SMALLEST = 0.01  # of the most dissipating interface: less is drawn as none

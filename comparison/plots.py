@@ -20,12 +20,11 @@ from comparison import drawing
 from comparison.drawing import ASIDE, FAINT, FEW, INK, ROLE_FACE, ROLE_HATCH, Canvas
 from comparison.motion import DRAWN, drawn_motion
 from comparison.plot_reaction import reaction_figure
-from la_core import mechanism
-from la_core.assembly import Assembly
-from la_core.exchange import FIXED, FREE, SUPPORT
+from la_core.exchange import FIXED, FREE, SUPPORT, write_whole
+from la_core.geometry import Blocks
+from la_core.measures import mechanism
+from la_core.model import Assembly
 from la_core.scene import Scene
-from la_core.sealed_file import write_whole
-from la_core.shapes import Blocks
 
 __all__ = ["assembly_figure", "looks", "mechanism_figure", "reaction_figure", "save", "wrapped"]
 

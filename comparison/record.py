@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from la_core import exchange
-from la_core.assembly import Assembly
+from la_core.model import Assembly
 
 STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 

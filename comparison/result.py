@@ -21,11 +21,9 @@ from comparison.provenance import describe
 from comparison.record import Run
 from comparison.report import write_report
 from comparison.workflow import read_results, report_again, run_scene
-from la_core.answer import Answer
-from la_core.case import settled
+from la_core.analysis import Answer, settled
 from la_core.errors import SceneError, nearest
-from la_core.scene import Scene
-from la_core.shipped import load
+from la_core.scene import Scene, load
 from la_core.text_table import Tabled
 
 

@@ -12,9 +12,8 @@ from rich.table import Table
 
 from comparison.summary import without_undefined
 from comparison.tables import number
-from la_core.assembly import Assembly
-from la_core.classic import ClassicParameters, ClassicSolution, iterate
-from la_core.limit import Drive, Status
+from la_core.limit import ClassicParameters, ClassicSolution, Drive, Status, iterate
+from la_core.model import Assembly
 from la_core.scene import Scene
 
 RELAXATIONS = (0.2, 0.4, 0.6, 0.8, 1.0)
@@ -35,7 +34,7 @@ class Trial:
 
     status: SOLVED when it converged, INACCURATE when it did not, else what programme number `iterations` came to.
     value: where it converged to, NaN else. last, lowest, highest: the last value it had and the range of the last ten.
-    violation: of Coulomb's limit by the last forces, and dilation: see `la_core.classic.ClassicSolution`.
+    violation: of Coulomb's limit by the last forces, and dilation: see `la_core.limit.classic_iteration.ClassicSolution`.
     """
 
     relaxation: float

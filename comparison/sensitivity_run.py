@@ -6,10 +6,10 @@ from comparison import plots
 from comparison.narration import Narration
 from comparison.plot_sensitivity import sensitivity_figure
 from comparison.sensitivity import Sensitivity, study
-from la_core.accuracy import analyse
-from la_core.assembly import assemble
+from la_core.analysis import accuracy
 from la_core.errors import SceneError
 from la_core.limit import Status
+from la_core.model import assemble
 from la_core.scene import Scene
 
 
@@ -18,7 +18,7 @@ def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Se
 
     Raises SceneError for a structure without an answer.
     """
-    analysis = analyse(scene)
+    analysis = accuracy.analyse(scene)
     main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
     if main.status is not Status.SOLVED:
         raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so there is nothing to iterate on")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from la_core.shipped import FOLDER, find, names
+from la_core.scene import FOLDER, find, names
 
 __all__ = ["FOLDER", "LONG", "campaigns", "find", "names"]
 

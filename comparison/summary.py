@@ -10,11 +10,10 @@ from comparison.check import Check, overall
 from comparison.effects_table import effects_summary
 from comparison.energy import energy_summary
 from comparison.record import Run
-from la_core.analysis import LimitAnalysis
-from la_core.answer_values import associated_values, coulomb_values, path_values
-from la_core.assembly import assemble
-from la_core.dissipation import measure
+from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
+from la_core.measures import measure
+from la_core.model import assemble
 from la_core.scene import Scene
 
 

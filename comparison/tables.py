@@ -12,10 +12,9 @@ from comparison.bought import percent
 from comparison.check import Check
 from comparison.doctor import Finding
 from comparison.effects_table import effects_summary
-from la_core import answer_table
-from la_core.assembly import Assembly
-from la_core.scene import Scene
-from la_core.schema import Expected
+from la_core.analysis import answer_table
+from la_core.model import Assembly
+from la_core.scene import Expected, Scene
 from la_core.text_table import number, over_weight
 
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")

@@ -6,7 +6,7 @@ from la_core.scene import Scene
 
 REACTION = 5e-3  # of the reaction: finite stiffness, settlement and speed of a YADE run, measured on cases with exact values
 HISTORY = 1e-2  # of the reaction where joints slide: what the steps of either method leave open in friction's history
-REACH = 5e-3  # of the reaction, besides: what friction's history next to blocks set aside may change (`la_core.reach`)
+REACH = 5e-3  # of the reaction, besides: what friction's history next to blocks set aside may change (`la_core.analysis.reach`)
 LEAST_REACTION = 1e-4  # of the weight: what a reaction of zero is judged by
 UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
 BROAD = 0.05  # of the reaction: an uncertainty above this decides nothing

@@ -9,8 +9,7 @@ from comparison.check_plane import check_plane
 from comparison.check_prediction import slides_unforeseen
 from comparison.check_reach import check_reach
 from comparison.record import Run
-from la_core import accuracy
-from la_core.analysis import LimitAnalysis
+from la_core.analysis import LimitAnalysis, accuracy
 from la_core.coulomb import FIRST_SAGS, STEPS
 from la_core.limit import Status
 from la_core.scene import Scene

@@ -17,9 +17,9 @@ from comparison.drawing import ROLE_FACE
 from comparison.motion import Motion, Motions, motions
 from comparison.plots import ROLE_NAME
 from comparison.record import Run
-from la_core import mechanism
 from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly
+from la_core.measures import mechanism
+from la_core.model import Assembly
 from la_core.scene import Scene
 
 FILE = "viewer.json"

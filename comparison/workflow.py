@@ -17,8 +17,9 @@ from comparison.files import ANIMATION, alone_in, copy_inputs, write_text
 from comparison.launch import YadeFailedError, YadeMissingError, find_yade, run_yade
 from comparison.record import Run, read_run
 from comparison.summary import comparison_summary, without_run, yade_summary
-from la_core import accuracy, case, case_file, exchange
-from la_core.analysis import LimitAnalysis
+from la_core import exchange
+from la_core.analysis import LimitAnalysis, accuracy, case_file, code_digest
+from la_core.analysis import digest as scene_digest
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene
 
@@ -146,7 +147,7 @@ def _notes(scene: Scene, analysis: LimitAnalysis) -> list[str]:
 
 def _limit_analysis(scene: Scene, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
     """Limit analysis, stored or new, and the digest of its inputs; a new one makes a run on the old one worthless."""
-    path, inputs = folder / "case.h5", case.digest(scene)
+    path, inputs = folder / "case.h5", scene_digest(scene)
     if exchange.inputs_digest(path) == inputs:
         try:
             stored = case_file.read_case(path, scene)
@@ -197,7 +198,7 @@ def _yade(
 
 def _digest(of: str, room: str) -> str:
     """Digest of a stage's inputs: what it is made `of`, and the code of the `room` that makes it."""
-    return hashlib.sha256((of + case.code_digest(ROOT / room)).encode()).hexdigest()
+    return hashlib.sha256((of + code_digest(ROOT / room)).encode()).hexdigest()
 
 
 def _compare(stored: Stored, folder: Path, listener: Listener) -> dict[str, Any]:

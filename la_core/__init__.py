@@ -7,15 +7,15 @@ are stable; type checkers read them in `__init__.pyi`.
 from importlib import import_module as _load
 
 _HOMES = {
-    "Answer": "answer",
+    "Answer": "analysis",
     "Scene": "scene",
     "SceneError": "errors",
     "Status": "limit",
-    "build": "compose",
-    "load": "shipped",
-    "names": "shipped",
-    "solve": "answer",
-    "variant": "compose",
+    "build": "scene",
+    "load": "scene",
+    "names": "scene",
+    "solve": "analysis",
+    "variant": "scene",
 }
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 

@@ -20,7 +20,7 @@ from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.report_numbers import DASH
 from comparison.tables import number
-from la_core.accuracy import with_accuracy
+from la_core.analysis.accuracy import with_accuracy
 
 ACCURACIES = (0.05, 0.01, 0.002)
 SCENES = (

@@ -21,9 +21,9 @@ from rich.table import Table
 
 from comparison import launch
 from comparison.record import Run, read_run
-from la_core.case import analyse
-from la_core.case_file import write_case
-from la_core.scene import Scene
+from la_core.analysis.case_file import write_case
+from la_core.analysis.stage import analyse
+from la_core.scene.scene import Scene
 
 SPLIT = 0.66  # of the base's length stays; no upright joint stands over the end of it, so that displacements may be small
 BLOCK = (0.4, 0.2, 0.2)  # m

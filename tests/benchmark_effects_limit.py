@@ -16,10 +16,10 @@ import scenes_for_tests as scenes
 from rich.console import Console
 from rich.table import Table
 
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse
-from la_core.limit import Drive, solve
-from la_core.scene import Scene
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Drive, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 ROUNDS = 3
 LONG = 20.0  # s: what takes longer is measured once

@@ -18,11 +18,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from la_core.assembly import Assembly, assemble
-from la_core.coulomb import STEPS, follow, predict
-from la_core.elastic import ElasticJoints, JointState, Trial
-from la_core.limit import Drive, Status, solve
-from la_core.stiffness import JointStiffness, joint_stiffness
+from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
+from la_core.coulomb.plateau import STEPS, follow, predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import JointStiffness, joint_stiffness
 
 WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8), (16, 10), (20, 12))  # blocks per course, courses
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)

@@ -26,10 +26,13 @@ import scenes_for_tests as scenes
 from process_memory import peak_memory
 
 from comparison import launch, plots, provenance
-from la_core import assembly, case, conic, coulomb, elastic, interval, limit, stiffness
-from la_core.case_file import write_case
-from la_core.limit import Drive
-from la_core.scene import Scene
+from la_core.analysis import stage
+from la_core.analysis.case_file import write_case
+from la_core.coulomb import elastic_joints, interval, plateau
+from la_core.limit import associated, conic
+from la_core.limit.associated import Drive
+from la_core.model import assembly, joint_stiffness
+from la_core.scene.scene import Scene
 
 SIZES: dict[tuple[str, str], tuple[int, ...]] = {
     ("associated", "plane"): (60, 120, 250, 500, 1000, 2000, 5000),
@@ -55,12 +58,12 @@ SOLVER = {"set-up": (conic.Programme, "__init__"), "solve": (conic.Programme, "s
 BUILD = {
     "scene": (scenes, "build"),
     "assembly": (assembly, "assemble"),
-    "bound's matrices": (limit, "scaled_problem"),
-    "elastic matrices": (elastic.ElasticJoints, "__init__"),
+    "bound's matrices": (associated, "scaled_problem"),
+    "elastic matrices": (elastic_joints.ElasticJoints, "__init__"),
     "interval's matrices": (interval, "scaled_problem"),
-    "stiffness": (stiffness, "joint_stiffness"),
-    "model of an analysis": (case, "model"),
-    "matrices of an analysis": (case, "scaled_problem"),
+    "stiffness": (joint_stiffness, "joint_stiffness"),
+    "model of an analysis": (stage, "model"),
+    "matrices of an analysis": (stage, "scaled_problem"),
 }
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
@@ -69,17 +72,17 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     """Limit analysis of one wall: the least reaction by the associated law, or that and the Coulomb prediction."""
     scene = scale.wall(size, plane)
     model = assembly.assemble(scene)
-    bound = limit.solve(model, Drive.YIELDING)
+    bound = associated.solve(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
-    answer = coulomb.predict(model, stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
+    answer = plateau.predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
     return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
 
 
 def whole_analysis(method: str, plane: bool, size: int) -> dict[str, Any]:
     """What the program does with such a scene: both bounds, with inset and sharp, and both predictions where friction asks for them."""
     scene = scale.wall(size, plane, model=method.removeprefix("all of ").casefold())
-    analysis = case.analyse(scene)
+    analysis = stage.analyse(scene)
     return {"blocks": len(scene.blocks), "status": (analysis.coulomb or analysis.rounded[analysis.main]).status.value}
 
 
@@ -102,7 +105,7 @@ def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
 
 def written(scene: Scene, folder: Path) -> Path:
     """case.h5 of a scene."""
-    write_case(folder / "case.h5", scene, case.analyse(scene), "growth")
+    write_case(folder / "case.h5", scene, stage.analyse(scene), "growth")
     return folder / "case.h5"
 
 

@@ -24,11 +24,12 @@ from process_memory import peak_memory
 from rich.console import Console
 from rich.table import Table
 
-from la_core import assembly, conic, limit
-from la_core.coulomb import predict
-from la_core.limit import Drive, Status
-from la_core.scene import Scene
-from la_core.stiffness import joint_stiffness
+from la_core.coulomb.plateau import predict
+from la_core.limit import associated, conic
+from la_core.limit.associated import Drive, Status
+from la_core.model import assembly
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
 
 SIZES = {"plane": [1000, 5000, 20000], "space": [1000, 5000], "corner": [1000, 5000], "building": [1000, 5000], "coulomb": [1000]}
 FIXED_SHARE = 0.66  # of the base's length
@@ -38,10 +39,10 @@ STAGES = {  # what is timed under which name, each a function or method and wher
     "scene": (scenes, "build"),
     "contacts": (assembly, "find_interfaces"),
     "assembly": (assembly, "assemble"),
-    "matrix": (limit, "scaled_problem"),
+    "matrix": (associated, "scaled_problem"),
     "set-up": (conic.Programme, "__init__"),
     "solve": (conic.Programme, "solve"),
-    "evidence": (limit, "_with_evidence"),
+    "evidence": (associated, "_with_evidence"),
 }
 SOLVER = ("set-up", "solve")
 
@@ -150,7 +151,7 @@ def measure(kind: str, size: int) -> Run:
     start = time.process_time()
     with patched(STAGES, spent):
         model = assembly.assemble(build(kind, size))
-        solution = limit.solve(model, Drive.YIELDING)
+        solution = associated.solve(model, Drive.YIELDING)
     total = time.process_time() - start
     spent["assembly"] -= spent["contacts"]
     residual = max(solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
@@ -165,11 +166,11 @@ def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
     """One row of the table of Coulomb predictions."""
     scene = build(kind, size)
     model = assembly.assemble(scene)
-    associated = limit.solve(model, Drive.YIELDING)
-    solution = predict(model, joint_stiffness(model, model.inset, scene.yade), associated)
+    bounds = associated.solve(model, Drive.YIELDING)
+    solution = predict(model, joint_stiffness(model, model.inset, scene.yade), bounds)
     return (
         kind, f"{len(model.blocks)}", solution.status, f"{solution.value / model.weight:.6f}", f"{solution.iterations}",
-        f"{solution.seconds:.1f}", f"{solution.dilatancy_residual:.1e}", f"{associated.seconds:.1f}",
+        f"{solution.seconds:.1f}", f"{solution.dilatancy_residual:.1e}", f"{bounds.seconds:.1f}",
     )  # fmt: skip
 
 

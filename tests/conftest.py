@@ -19,9 +19,9 @@ from comparison import shipped, workflow
 from comparison.cli import main
 from comparison.record import Run, read_run
 from comparison.workflow import run_scene
-from la_core.analysis import LimitAnalysis
-from la_core.case_file import read_case
-from la_core.scene import Scene, load_scene
+from la_core.analysis.case_file import read_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.scene.scene import Scene, load_scene
 
 every_shipped_scene = pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.long) if name in shipped.LONG else name for name in shipped.names()]

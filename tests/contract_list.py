@@ -22,7 +22,7 @@ from comparison.configuration import Settings
 from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
 from comparison.files import WRITTEN
 from la_core import exchange
-from la_core.schema import SceneFile
+from la_core.scene.schema.scene_file import SceneFile
 
 FREE_KEYS = ("settings", "provenance", "reasons", "shared_inset", "saved")  # objects whose keys depend on the scene
 SOLVED = {"wall_third": ("--path",), "ferris_tin_loi_1": (), "two_pads": ()}

@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from la_core.sealed_file import SEAL_BYTES
+from la_core.exchange.checksummed_file import SEAL_BYTES
 
 NUMBER = re.compile(r"(?<![\w.])-?\d[\d_.]*(?:e[-+]?\d+)?")
 QUOTED = re.compile(r'"[^"\n]*"')

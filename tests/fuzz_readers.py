@@ -23,13 +23,13 @@ from fuzz_mutations import forged, mutated_bytes, mutated_text
 from comparison.launch import find_yade, run_yade
 from comparison.record import read_run
 from comparison.shipped import find
-from la_core import case, case_file
+from la_core.analysis import case_file, stage
 from la_core.errors import SceneError
-from la_core.exchange import ExchangeError
-from la_core.mesh import MeshFile, mesh_blocks
-from la_core.scene import load_scene, scene_of_text
-from la_core.schema_mesh import Mesh
-from la_core.sealed_file import write_sealed
+from la_core.exchange.checksummed_file import write_sealed
+from la_core.exchange.fields import ExchangeError
+from la_core.scene.generators.mesh import MeshFile, mesh_blocks
+from la_core.scene.scene import load_scene, scene_of_text
+from la_core.scene.schema.mesh import Mesh
 
 SECONDS = 5.0  # of the processor, for one input
 PATIENCE = 120.0  # s, for one that waits
@@ -72,7 +72,7 @@ def _scene_attempt() -> Callable[[random.Random], None]:
             raise SceneError(name, "not UTF-8 text") from error  # as a scene's file is read
         scene = scene_of_text(text, find(name), name)
         if len(scene.blocks) <= SMALL:
-            case.model(scene)
+            stage.model(scene)
 
     return attempt
 
@@ -105,7 +105,7 @@ def _mesh_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None
 
 def _exchange_readers(folder: Path) -> Iterator[Reader]:
     scene = load_scene(find("two_pads"))
-    analysis = case.analyse(scene)
+    analysis = stage.analyse(scene)
     case_file.write_case(folder / "case.h5", scene, analysis, "")
     run_yade(find_yade(), folder, "", PATIENCE, lambda report: None)
     whole = {name: (folder / name).read_bytes() for name in ("case.h5", "run.h5")}

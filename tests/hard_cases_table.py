@@ -21,9 +21,9 @@ from comparison import workflow
 from comparison.narration import Narration
 from comparison.provenance import describe
 from comparison.tables import number, over_weight, with_uncertainty
-from la_core.answer_values import EVIDENCE
-from la_core.assembly import assemble
+from la_core.analysis.answer_values import EVIDENCE
 from la_core.errors import SceneError
+from la_core.model.assembly import assemble
 
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises

@@ -6,11 +6,11 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix, hstack, identity
 
-from la_core.assembly import Assembly
-from la_core.limit import Drive, Solution, Status, solve
-from la_core.linearised import solve_linearised
-from la_core.scene import Scene
-from la_core.static_form import StaticSolution, coulomb_limits, optimise
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.limit.linearised import solve_linearised
+from la_core.limit.static import StaticSolution, coulomb_limits, optimise
+from la_core.model.assembly import Assembly
+from la_core.scene.scene import Scene
 
 RESIDUAL = 1e-6  # of the mean block weight, or of the fastest block: what la_core promises of an answer called solved
 FACETS = 16  # of the pyramids that bracket a cone in space

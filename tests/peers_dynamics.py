@@ -24,9 +24,9 @@ from comparison.cost_methods import coulomb, shared_inset
 from comparison.cost_yade import run_once
 from comparison.launch import find_yade
 from comparison.record import read_run
-from la_core.assembly import Assembly, assemble
-from la_core.exchange import SUPPORT
-from la_core.scene import Scene
+from la_core.exchange.fields import SUPPORT
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 DYNAMIC = ("arch_spreading", "wall_third")
 SPEED, TRAVEL = 0.002, 0.35e-3  # m/s, m: about where YADE finds its plateau steady and stops

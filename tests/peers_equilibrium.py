@@ -12,8 +12,8 @@ import time
 
 import numpy as np
 
-from la_core import evidence
-from la_core.assembly import Assembly
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly
 
 METHODS = {"compas_cra RBE": "rbe", "compas_cra CRA penalty": "cra_penalty", "compas_cra CRA": "cra"}
 
@@ -39,7 +39,7 @@ def equilibrium(assembly: Assembly, name: str) -> tuple[bool, str, np.ndarray, f
 
 def residual(assembly: Assembly, forces: np.ndarray) -> float:
     """Largest residual that an equilibrium has: of the balance of each block and of the friction cones."""
-    return max(evidence.equilibrium_residual(assembly, forces), evidence.cone_violation(assembly, forces))
+    return max(residuals.equilibrium_residual(assembly, forces), residuals.cone_violation(assembly, forces))
 
 
 def _structure(assembly: Assembly) -> tuple[object, np.ndarray]:

@@ -1,7 +1,7 @@
 """One limit analysis posed to solvers that a user might pick instead of ours: the same rows, cones, offset and power for all.
 
 All but HiGHS get the kinematic form of `la_core.limit.DrivenProblem`, as clarabel does; HiGHS gets the static one, which
-`la_core.linearised` found no slower. Timed are the conversion to the solver's own format, its set-up and its solve.
+`la_core.limit.linearised` found no slower. Timed are the conversion to the solver's own format, its set-up and its solve.
 """
 
 import importlib
@@ -19,10 +19,10 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, EQUILIBRIUM, FAILED, INACCURATE, LEAST_REACTION, OURS, SOLVED, Row
 from scipy import sparse
 
-from la_core import limit, linearised
-from la_core.assembly import Assembly, assemble
-from la_core.conic import Answer, Outcome
-from la_core.limit import ACCEPTED, Drive, DrivenProblem, Solution, driven_problem, scaled_problem, solution_of
+from la_core.limit import associated, linearised
+from la_core.limit.associated import ACCEPTED, Drive, DrivenProblem, Solution, driven_problem, scaled_problem, solution_of
+from la_core.limit.conic import Answer, Outcome
+from la_core.model.assembly import Assembly, assemble
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # asked of a solver in turn until the recomputed residuals are small enough
 PATIENCE = 2  # tolerances in a row that bring nothing better, after which a solver is not asked for less
@@ -130,7 +130,7 @@ def measure_equilibrium(scene: str, solver: str) -> Iterator[Row]:
     believes, words, forces, processor, clock = peers_equilibrium.equilibrium(assembly, solver)
     residual = peers_equilibrium.residual(assembly, forces)
     status = SOLVED if residual <= ACCEPTED else INACCURATE
-    value = limit.evidence.reaction(assembly, forces) / assembly.weight
+    value = associated.evidence.reaction(assembly, forces) / assembly.weight
     note = "" if believes else f"IPOPT: {words}"
     row = Row(scene, solver, "its own", EQUILIBRIUM, status, value, residual, (processor,), clock=(clock,), note=note)
     yield row
@@ -151,8 +151,8 @@ def repeated(row: Row, again: Callable[[], tuple[float, float]], assembly: Assem
 
 def ours(assembly: Assembly) -> Attempt:
     """Our own solve, all its attempts counted."""
-    with timed(limit, "maximise") as spent:
-        solution = limit.solve(assembly, Drive.YIELDING)
+    with timed(associated, "maximise") as spent:
+        solution = associated.solve(assembly, Drive.YIELDING)
     return Attempt(solution, *spent)
 
 

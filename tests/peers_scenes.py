@@ -6,7 +6,7 @@ from functools import partial
 import benchmark_scale
 import scenes_for_tests as scenes
 
-from la_core.scene import Scene
+from la_core.scene.scene import Scene
 
 SCENES: dict[str, Callable[[], Scene]] = {
     "arch_spreading": partial(scenes.shipped, "arch_spreading"),

@@ -21,12 +21,12 @@ from own_formulas import drives
 from random_scenes import random_scenes
 from rich.console import Console
 
-from la_core.assembly import assemble
-from la_core.coulomb import predict
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene
-from la_core.static_form import coulomb_limits, optimise
-from la_core.stiffness import joint_stiffness
+from la_core.coulomb.plateau import predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.static import coulomb_limits, optimise
+from la_core.model.assembly import assemble
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
 
 INTRODUCTION = """\
 # Laws under random structures

@@ -9,9 +9,9 @@ from hypothesis import reject
 from hypothesis import strategies as st
 from scipy.spatial import Voronoi
 
-from la_core.assembly import assemble
 from la_core.errors import SceneError
-from la_core.scene import Scene
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene
 
 SPECIAL_FRICTION = (0.0, 1e-6, 5.0)
 GREATEST_FRICTION = 1.5

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 import la_core
-from la_core.scene import Scene, load_scene
-from la_core.shapes import ROLES
+from la_core.geometry.shapes import ROLES
+from la_core.scene.scene import Scene, load_scene
 
 SHIPPED = Path(la_core.__file__).parent / "scenes"
 DOWN = (0.0, 0.0, -1.0)

@@ -13,12 +13,12 @@ from comparison import bought, buying, workflow
 from comparison.check import Verdict
 from comparison.cli import main
 from comparison.record import Run
-from la_core.accuracy import MOST_STEPS, analyse, answers, with_accuracy
-from la_core.analysis import LimitAnalysis
+from la_core.analysis.accuracy import MOST_STEPS, analyse, answers, with_accuracy
+from la_core.analysis.accuracy_record import Attempt, Purchase, from_text, to_text
+from la_core.analysis.result import LimitAnalysis
 from la_core.errors import SceneError
-from la_core.exchange import TRAVEL_PERIODS
-from la_core.purchase import Attempt, Purchase, from_text, to_text
-from la_core.scene import Scene, scene_of_text
+from la_core.exchange.fields import TRAVEL_PERIODS
+from la_core.scene.scene import Scene, scene_of_text
 
 ACCURACIES = (0.05, 0.01, 0.002)
 PUBLISHED = {

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import assemble
-from la_core.contacts import find_interfaces
 from la_core.errors import SceneError
-from la_core.limit import Drive, solve
-from la_core.scene import Scene
+from la_core.geometry.interfaces import find_interfaces
+from la_core.limit.associated import Drive, solve
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene
 
 ROUND_OFF = 1e-9  # relative, of volumes and weights that are sums of products
 SAME = 1e-6  # of the weight: residuals of a solved answer are below this

@@ -29,12 +29,12 @@ from comparison.files import FolderInUseError, alone_in
 from comparison.sensitivity import study
 from comparison.shipped import find
 from comparison.workflow import read_results
-from la_core.assembly import assemble
-from la_core.case import analyse
-from la_core.classic import ClassicParameters
+from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.exchange import ExchangeError
-from la_core.scene import load_scene
+from la_core.exchange.fields import ExchangeError
+from la_core.limit.classic_iteration import ClassicParameters
+from la_core.model.assembly import assemble
+from la_core.scene.scene import load_scene
 
 ROUND_OFF = 1e-7  # of a speed: residuals of accepted mechanisms are below it
 

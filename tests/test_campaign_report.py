@@ -27,7 +27,7 @@ from comparison.campaign.words import label, quantity
 from comparison.cli import main
 from comparison.drawing import LIMIT_ANALYSIS, YADE
 from comparison.ending import TOOL
-from la_core.exchange import SETTINGS
+from la_core.exchange.fields import SETTINGS
 
 ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
 MU, INSET, LAW = "joint.friction", "joint.inset", "effects.friction"

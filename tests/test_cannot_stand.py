@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse
-from la_core.limit import Drive, Solution, Status, solve
-from la_core.scene import Scene
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 PADS = (
     scenes.box("fixed pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed"),

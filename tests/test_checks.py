@@ -12,12 +12,12 @@ from comparison.check import Check, Verdict, overall
 from comparison.checks import check_expected, check_run
 from comparison.record import Run
 from comparison.shipped import find
-from la_core import mechanism
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly
-from la_core.case import analyse
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene, load_scene
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Drive, Status, solve
+from la_core.measures import mechanism
+from la_core.model.assembly import Assembly
+from la_core.scene.scene import Scene, load_scene
 
 TRAVEL = 1e-3  # m
 

@@ -11,9 +11,9 @@ import scenes_for_tests as scenes
 from comparison.plot_sensitivity import sensitivity_figure
 from comparison.plots import save
 from comparison.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
-from la_core.assembly import Assembly, assemble
-from la_core.classic import ClassicParameters, ClassicSolution, dilation, iterate
-from la_core.limit import Drive, Status, solve
+from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, iterate
+from la_core.model.assembly import Assembly, assemble
 
 MU = 0.6
 NEAR = 1e-3  # of the weight: the iteration stops at 1e-4 of a block's weight, some steps from its limit

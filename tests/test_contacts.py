@@ -8,11 +8,11 @@ import pytest
 import scenes_for_tests as scenes
 from scipy.spatial.transform import Rotation
 
-from la_core.assembly import Assembly, assemble
-from la_core.contacts import TOUCH, find_interfaces
 from la_core.errors import SceneError
-from la_core.exchange import FIXED, FREE
-from la_core.shapes import Blocks, Shape, box, polyhedron, prism
+from la_core.exchange.fields import FIXED, FREE
+from la_core.geometry.interfaces import TOUCH, find_interfaces
+from la_core.geometry.shapes import Blocks, Shape, box, polyhedron, prism
+from la_core.model.assembly import Assembly, assemble
 
 EXACT = 1e-12  # m, on coordinates of order one: only sums and products of doubles
 TURNED = 1e-9  # m, after a rotation and a convex hull

@@ -13,9 +13,9 @@ from comparison.cli import main
 from comparison.cost import Ladder, Rung, climb, prediction_inset
 from comparison.cost_methods import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
 from comparison.cost_yade import yade_methods
-from la_core.assembly import assemble
-from la_core.contact_grid import with_grid
-from la_core.limit import Drive, Status, solve
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import assemble
+from la_core.model.contact_grid import with_grid
 
 REDUNDANT = 1e-6  # of the reaction: solver tolerance
 ROUNDING = 0.05  # of an error: what YADE adds to that of rounded arrises

@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core import coulomb, evidence, friction, interval
-from la_core.assembly import Assembly, assemble
-from la_core.coulomb import CoulombSolution, follow, predict
-from la_core.elastic import ElasticJoints
-from la_core.limit import Drive, Status, solve
-from la_core.path import Path, follow_path
-from la_core.scene import Scene
-from la_core.stiffness import JointStiffness, joint_stiffness
+from la_core.coulomb import fixed_point, interval, plateau
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.equilibrium_path import Path, follow_path
+from la_core.coulomb.plateau import CoulombSolution, follow, predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import JointStiffness, joint_stiffness
+from la_core.scene.scene import Scene
 
 STRAIN = 2e-3  # relative: elastic joints leave a sag of 1/300 of the travel
 UNSLIDING = 1e-3  # relative: where nothing slides, only solver tolerance and that strain separate the two answers
@@ -227,9 +228,9 @@ def test_a_support_that_carries_nothing_leaves_no_reaction(plane) -> None:
 def test_state_is_in_equilibrium_and_within_the_cone(name) -> None:
     assembly, solution = answer(SCENES[name]())
     multiplier = solution.value if assembly.has_live_load else 0.0
-    assert evidence.equilibrium_residual(assembly, solution.forces, multiplier) == solution.equilibrium_residual <= coulomb.ACCEPTED
-    assert evidence.cone_violation(assembly, solution.forces) == solution.cone_violation <= coulomb.ACCEPTED
-    reaction = evidence.multiplier(assembly, solution.forces) if assembly.has_live_load else evidence.reaction(assembly, solution.forces)
+    assert residuals.equilibrium_residual(assembly, solution.forces, multiplier) == solution.equilibrium_residual <= plateau.ACCEPTED
+    assert residuals.cone_violation(assembly, solution.forces) == solution.cone_violation <= plateau.ACCEPTED
+    reaction = residuals.multiplier(assembly, solution.forces) if assembly.has_live_load else residuals.reaction(assembly, solution.forces)
     assert solution.value == pytest.approx(reaction, abs=FOUND * unit(assembly))
 
 
@@ -411,23 +412,23 @@ def test_where_the_associated_answer_has_no_value_neither_has_this(scene, status
 
 
 def test_iteration_that_is_cut_short_says_so(monkeypatch) -> None:
-    monkeypatch.setattr(friction, "MOST_SOLVES", 2)
+    monkeypatch.setattr(fixed_point, "MOST_SOLVES", 2)
     assembly, stiffness = problem(great_wall(0.6, 1.2))
     solution = predict(assembly, stiffness, solve(assembly, Drive.YIELDING))
     assert solution.status is Status.INACCURATE
-    assert solution.strain_residual > friction.CONVERGED
-    assert solution.equilibrium_residual <= coulomb.ACCEPTED and solution.cone_violation <= coulomb.ACCEPTED  # any shift is admissible
+    assert solution.strain_residual > fixed_point.CONVERGED
+    assert solution.equilibrium_residual <= plateau.ACCEPTED and solution.cone_violation <= plateau.ACCEPTED  # any shift is admissible
 
 
 def test_a_settled_value_is_not_polished_any_longer(monkeypatch) -> None:
     """Patience changes what a long step costs, not what an answer is worth."""
     scene = scenes.build(*scenes.wall(10, 6, split=2.0))
     _, patient = answer(scene)
-    monkeypatch.setattr(friction, "PATIENCE", friction.MOST_SOLVES)
+    monkeypatch.setattr(fixed_point, "PATIENCE", fixed_point.MOST_SOLVES)
     _, polished = answer(scene)
     assert patient.iterations < polished.iterations
     assert patient.value == pytest.approx(polished.value, rel=PLATEAU)
-    assert max(patient.dilatancy_residual, polished.dilatancy_residual) <= friction.DILATANCY
+    assert max(patient.dilatancy_residual, polished.dilatancy_residual) <= fixed_point.DILATANCY
 
 
 def test_soft_joints_whose_strain_passes_for_a_mechanism_are_not_called_solved() -> None:
@@ -437,12 +438,12 @@ def test_soft_joints_whose_strain_passes_for_a_mechanism_are_not_called_solved()
 
 
 def test_solver_that_fails_leaves_no_value(monkeypatch) -> None:
-    monkeypatch.setattr("la_core.conic.MOST_ITERATIONS", 2)
+    monkeypatch.setattr("la_core.limit.conic.MOST_ITERATIONS", 2)
     scene = small_wall()
     assembly, stiffness = problem(scene)
     monkeypatch.undo()
     associated = solve(assembly, Drive.YIELDING)
-    monkeypatch.setattr("la_core.conic.MOST_ITERATIONS", 2)
+    monkeypatch.setattr("la_core.limit.conic.MOST_ITERATIONS", 2)
     solution = predict(assembly, stiffness, associated)
     assert solution.status is Status.FAILED and np.isnan(solution.value) and np.isnan(solution.forces).all()
 
@@ -520,6 +521,6 @@ def test_path_counts_what_it_solves() -> None:
 
 def test_path_that_breaks_off_is_shorter(monkeypatch) -> None:
     assembly, stiffness = problem(small_wall())
-    monkeypatch.setattr("la_core.conic.MOST_ITERATIONS", 2)
+    monkeypatch.setattr("la_core.limit.conic.MOST_ITERATIONS", 2)
     path = follow_path(assembly, stiffness, stiffness.travel, 4)
     assert len(path.value) == len(path.settlement) == len(path.converged) < 5

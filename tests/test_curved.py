@@ -8,11 +8,11 @@ import pytest
 import scenes_for_tests as scenes
 from scipy.optimize import linprog
 
-from la_core.assembly import assemble
 from la_core.errors import SceneError
-from la_core.limit import Drive, Solution, Status, solve
-from la_core.scene import Scene
-from la_core.shapes import Blocks
+from la_core.geometry.shapes import Blocks
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene
 
 ROUND_OFF = 1e-12  # of a length, an area or a volume
 EXACT = 1e-6  # of the weight: residuals up to 1e-6 of a block's weight are accepted

@@ -14,8 +14,8 @@ from faulty_runs import INTERRUPTED, TOOL, answer, one_message
 from comparison.cli import main
 from comparison.shipped import find
 from comparison.workflow import read_results
-from la_core.exchange import ExchangeError
-from la_core.sealed_file import VERSION
+from la_core.exchange.checksummed_file import VERSION
+from la_core.exchange.fields import ExchangeError
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "cut short": lambda content: content[: len(content) // 2],

@@ -11,11 +11,11 @@ from matplotlib.text import Text
 
 from comparison import plots, shipped
 from comparison.plot_dissipation import POWER, dissipation_figure
-from la_core import dissipation, mechanism
-from la_core.assembly import Assembly, assemble
-from la_core.dissipation import ContactState, MechanismMeasures, measure, participation_index
-from la_core.limit import Drive, Solution, Status, solve
-from la_core.scene import Scene
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.measures import dissipation, mechanism
+from la_core.measures.dissipation import ContactState, MechanismMeasures, measure, participation_index
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 SOLVER = 1e-6  # relative: what la_core promises of an answer called solved
 RIGID = 1e-6  # threshold for mechanisms of rigid blocks, whose only noise is the solver's

@@ -10,16 +10,16 @@ from conftest import every_shipped_scene
 from comparison import check_plane, check_prediction, turn_back, workflow
 from comparison.check import Check, Verdict
 from comparison.effects_table import EFFECTS, effects_summary
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse, settled
-from la_core.case_file import read_case, write_case
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse, settled
+from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.errors import SceneError
-from la_core.full_model import full_model
-from la_core.heyman import no_sliding_rows, shared_friction
-from la_core.limit import Drive, Status, scaled_problem, solve
-from la_core.scene import Scene
-from la_core.sliding import SLIDING_SHARE
+from la_core.limit.associated import Drive, Status, scaled_problem, solve
+from la_core.limit.no_sliding import no_sliding_rows, shared_friction
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.full_model import full_model
+from la_core.scene.scene import Scene
 
 SOLVER = 1e-6  # of the reaction: what two solves of one problem may differ by
 SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this

@@ -12,8 +12,8 @@ from comparison.check import Verdict
 from comparison.energy import DRIFT, audit, check_energy
 from comparison.record import Run
 from comparison.report_costs import energies
-from la_core.assembly import Assembly, assemble
-from la_core.exchange import SUPPORT
+from la_core.exchange.fields import SUPPORT
+from la_core.model.assembly import Assembly, assemble
 
 CrossCheck = Callable[[str], CrossChecked]
 ADDS_UP = 1e-9  # relative: round-off

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 EXACT = 1e-6  # of the weight: the solver is asked for 1e-9; residuals up to 1e-6 of a block's weight are accepted
 FIVE_DIGITS = 0.5e-5  # half a unit of the last printed digit

@@ -10,13 +10,13 @@ import pytest
 import scenes_for_tests as scenes
 
 from la_core import exchange
-from la_core.analysis import LimitAnalysis
-from la_core.case import analyse, digest
-from la_core.case_file import read_case, write_case
-from la_core.exchange import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
-from la_core.limit import Drive, Solution
-from la_core.scene import Scene
-from la_core.sealed_file import SEAL_BYTES, VERSION, write_sealed
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse, digest
+from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, write_sealed
+from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
+from la_core.limit.associated import Drive, Solution
+from la_core.scene.scene import Scene
 
 FIELDS = (
     Field("a/number", "f8", (), "N", "a number"),

@@ -18,9 +18,9 @@ from comparison.cli import main
 from comparison.export import export
 from comparison.record import Run
 from comparison.vtu import VERTEX, Grid, write_grid
-from la_core.analysis import LimitAnalysis
-from la_core.case import analyse
-from la_core.exchange import FREE
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.exchange.fields import FREE
 
 BALANCED = 1e-5  # of the weight: equilibrium residuals of a solved answer, summed over the contact points
 SAME = 1e-12  # of a coordinate: the files hold double precision

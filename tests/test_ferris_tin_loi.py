@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.analysis import LimitAnalysis
-from la_core.case import analyse
-from la_core.coulomb import CoulombSolution
-from la_core.limit import Status
-from la_core.path import follow_path
-from la_core.scene import Scene
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.equilibrium_path import follow_path
+from la_core.coulomb.plateau import CoulombSolution
+from la_core.limit.associated import Status
+from la_core.scene.scene import Scene
 
 LENGTH, HEIGHT, DEPTH = 0.4, 0.175, 0.3  # m, of a whole block
 SIX_DIGITS = 1e-6

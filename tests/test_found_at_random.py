@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import Assembly, assemble
-from la_core.coulomb import predict
-from la_core.limit import Drive, Status, solve
-from la_core.linearised import solve_linearised
-from la_core.scene import Scene
-from la_core.static_form import coulomb_limits, optimise
-from la_core.stiffness import joint_stiffness
+from la_core.coulomb.plateau import predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.linearised import solve_linearised
+from la_core.limit.static import coulomb_limits, optimise
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
 
 SAME = 1e-5  # of the weight: friction of 1e-6 bears a few times that
 SLIGHT = 1e-6

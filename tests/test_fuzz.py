@@ -12,9 +12,9 @@ import pytest
 from fuzz_readers import READ, REFUSED, Reader
 
 from comparison.shipped import find
-from la_core import case
+from la_core.analysis import stage
 from la_core.errors import SceneError
-from la_core.scene import scene_of_text
+from la_core.scene.scene import scene_of_text
 
 COUNT = 200  # inputs for each reader; `python tests/fuzz_readers.py --count 10000` takes more
 
@@ -76,4 +76,4 @@ def test_a_scene_that_was_no_scene_is_refused(name: str, old: str, new: str, wor
     text = find(name).read_text()
     assert old in text
     with pytest.raises(SceneError, match=words):
-        case.model(scene_of_text(text.replace(old, new, 1), Path("scene.toml"), "scene"))
+        stage.model(scene_of_text(text.replace(old, new, 1), Path("scene.toml"), "scene"))

@@ -10,11 +10,11 @@ import scenes_for_tests as scenes
 from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 
-from la_core import evidence
-from la_core.assembly import Assembly, assemble
-from la_core.exchange import FREE, SUPPORT
-from la_core.limit import Drive, Solution, Status, solve
-from la_core.scene import Scene
+from la_core.exchange.fields import FREE, SUPPORT
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 ROUND_OFF = 1e-7  # relative: solver tolerance 1e-9 on two differently conditioned copies of one problem
 RESIDUAL = 1e-6  # of the mean block weight: what la_core promises of an answer called solved
@@ -438,4 +438,4 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
     assembly = assemble(scene)
     sinking = np.zeros((len(scene.blocks), 6))
     sinking[scene.blocks.free, 2] = -1.0
-    assert evidence.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)
+    assert residuals.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core import evidence
-from la_core.assembly import Assembly, assemble
-from la_core.limit import ACCEPTED, Drive, Solution, Status, solve
-from la_core.linearised import METHODS, solve_linearised
-from la_core.scene import Scene
-from la_core.static_form import normal_and_tangential
+from la_core.limit.associated import ACCEPTED, Drive, Solution, Status, solve
+from la_core.limit.linearised import METHODS, solve_linearised
+from la_core.limit.static import normal_and_tangential
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 SAME = 1e-6  # of the mean block weight, or of the multiplier: the residuals that either solver's answer may have
 SAME_LINEAR = 1e-7  # of the weight: two algorithms on one linear programme
@@ -206,10 +206,10 @@ def test_interior_point_and_simplex_agree(scene: Scene, inscribed: bool) -> None
 def test_inscribed_forces_are_safe_in_the_true_cone(scene: Scene, drive: Drive) -> None:
     assembly = assemble(scene)
     solution = solved(solve_linearised(assembly, drive, 8, inscribed=True))
-    assert evidence.equilibrium_residual(assembly, solution.forces) <= ACCEPTED
-    assert evidence.cone_violation(assembly, solution.forces) <= ROUNDING
-    assert evidence.reaction(assembly, solution.forces) == solution.value
-    assert solution.mechanism_violation == evidence.flow_rule_violation(assembly, solution.twists) > ACCEPTED
+    assert residuals.equilibrium_residual(assembly, solution.forces) <= ACCEPTED
+    assert residuals.cone_violation(assembly, solution.forces) <= ROUNDING
+    assert residuals.reaction(assembly, solution.forces) == solution.value
+    assert solution.mechanism_violation == residuals.flow_rule_violation(assembly, solution.twists) > ACCEPTED
 
 
 @both_drives
@@ -217,10 +217,10 @@ def test_inscribed_forces_are_safe_in_the_true_cone(scene: Scene, drive: Drive) 
 def test_circumscribed_mechanism_is_admissible_and_its_forces_exceed_the_cone_by_the_corners(scene: Scene, drive: Drive) -> None:
     facets, assembly = 8, assemble(scene)
     solution = solved(solve_linearised(assembly, drive, facets, inscribed=False))
-    assert evidence.flow_rule_violation(assembly, solution.twists) <= ACCEPTED
+    assert residuals.flow_rule_violation(assembly, solution.twists) <= ACCEPTED
     power = float(np.sum(assembly.dead_load * solution.twists)) * drive.value
     assert power == pytest.approx(solution.value, abs=SAME * assembly.mean_weight)
-    assert solution.cone_violation == evidence.cone_violation(assembly, solution.forces) > ACCEPTED
+    assert solution.cone_violation == residuals.cone_violation(assembly, solution.forces) > ACCEPTED
     normal, tangential = normal_and_tangential(assembly, solution.forces)
     corner = assembly.points.friction * normal / np.cos(np.pi / facets)
     assert (tangential <= corner + ROUNDING * assembly.mean_weight).all()

@@ -14,12 +14,12 @@ import scenes_for_tests as scenes
 from conftest import CrossChecked
 
 from comparison.cli import main
-from la_core import mesh, mesh_body
-from la_core.assembly import assemble
-from la_core.case import digest
+from la_core.analysis.stage import digest
 from la_core.errors import SceneError
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene, load_scene
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import assemble
+from la_core.scene.generators import mesh, mesh_surface
+from la_core.scene.scene import Scene, load_scene
 
 EXACT = 1e-6  # of the weight: residuals of a solved answer are below this
 SINGLE = 1e-5  # of the weight: what coordinates in single precision change in lengths of a block
@@ -294,13 +294,13 @@ def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
     rim = [(a, b, b + 8, a + 8) for a, b in ((4, 5), (5, 6), (6, 7), (7, 4))]
     faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *rim]
     with pytest.raises(ValueError, match=r"is folded: its faces enclose 0\.00025 of the volume of its convex hull"):
-        mesh_body.convex_shape(mesh_body.surface("cup", np.vstack([CUBE, inner]), faces))
+        mesh_surface.convex_shape(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
 
 
 def test_an_inverted_body_is_the_same_body() -> None:
     """All faces turned inwards is a matter of convention, not a defect."""
-    inward = mesh_body.convex_shape(mesh_body.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
-    outward = mesh_body.convex_shape(mesh_body.surface("b", CUBE, BOX_FACES))
+    inward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
+    outward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, BOX_FACES))
     assert inward.faces == outward.faces
 
 
@@ -427,7 +427,7 @@ def test_size_and_number_of_bodies_are_limited(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_ball_is_no_block(tmp_path: Path) -> None:
-    ring = np.linspace(0.0, 2.0 * np.pi, mesh_body.MOST_CORNERS, endpoint=False)
+    ring = np.linspace(0.0, 2.0 * np.pi, mesh_surface.MOST_CORNERS, endpoint=False)
     front = np.stack([np.cos(ring), 0.0 * ring, np.sin(ring)], axis=1)
     faces = make_rubble_wall.obj({"drum": np.vstack([front, front + np.array([0.0, 1.0, 0.0])])})
     assert "has 2000 corners; simplify it" in refusal(written(tmp_path, "x.obj", faces, fixed=[]))

@@ -6,8 +6,8 @@ import pytest
 from conftest import CrossChecked
 
 from comparison.check_prediction import SIMILAR
-from la_core import mechanism
-from la_core.limit import Drive, Status
+from la_core.limit.associated import Drive, Status
+from la_core.measures import mechanism
 
 CrossCheck = Callable[[str], CrossChecked]
 SETTLING_WEIGHT = 2e-3  # of the reaction: what elastic joints may leave of an exact one

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import Assembly, assemble
-from la_core.coulomb import predict
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene
-from la_core.stiffness import joint_stiffness
+from la_core.coulomb.plateau import predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
 
 EXACT = 1e-6  # of the weight or the multiplier: residuals of a solved answer are below this
 AS_PLANE = 1e-5  # of the weight: what the plane and the solid model of one structure may differ by

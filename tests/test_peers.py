@@ -21,8 +21,8 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, limit_table, number
 from scipy.optimize import linprog
 
-from la_core.assembly import Assembly, assemble
-from la_core.limit import ACCEPTED, Drive, DrivenProblem, Status, solve
+from la_core.limit.associated import ACCEPTED, Drive, DrivenProblem, Status, solve
+from la_core.model.assembly import Assembly, assemble
 
 PAGE = Path(__file__).parent.parent / "comparison" / "gallery" / "peers.md"
 SAME_REACTION = 2.0 * ACCEPTED  # both answers are certified to ACCEPTED of a mean block; two_pads has one block

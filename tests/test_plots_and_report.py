@@ -15,11 +15,11 @@ from comparison.plot_words import ROW, Word, write_words
 from comparison.record import Run
 from comparison.shipped import find
 from comparison.summary import limit_analysis_summary
-from la_core.analysis import LimitAnalysis
-from la_core.case import analyse
-from la_core.limit import Drive
-from la_core.path import Path as FollowedPath
-from la_core.scene import Scene, load_scene
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.limit.associated import Drive
+from la_core.scene.scene import Scene, load_scene
 
 HEAD = """
 title = "{title}"

@@ -19,9 +19,9 @@ import comparison
 import la_core
 from comparison import shipped, workflow
 from comparison.cli import main
-from la_core.case import digest
-from la_core.exchange import ExchangeError
-from la_core.scene import Scene
+from la_core.analysis.stage import digest
+from la_core.exchange.fields import ExchangeError
+from la_core.scene.scene import Scene
 
 ROOT = Path(__file__).parent.parent
 ROUND_OFF = 1e-6  # of the weight: residuals of a solved cone programme

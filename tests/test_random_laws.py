@@ -29,15 +29,15 @@ from own_formulas import (
 )
 from random_scenes import far_away, random_scenes
 
-from la_core.assembly import Assembly, assemble
-from la_core.conic import maximise
-from la_core.coulomb import predict
-from la_core.limit import Drive, Solution, Status, box_limits, scaled_problem, solve
-from la_core.linearised import solve_linearised
-from la_core.scaling import twists_of
-from la_core.scene import Scene
-from la_core.static_form import coulomb_limits, optimise
-from la_core.stiffness import joint_stiffness
+from la_core.coulomb.plateau import predict
+from la_core.limit.associated import Drive, Solution, Status, box_limits, scaled_problem, solve
+from la_core.limit.conic import maximise
+from la_core.limit.linearised import solve_linearised
+from la_core.limit.static import coulomb_limits, optimise
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import joint_stiffness
+from la_core.model.scaling import twists_of
+from la_core.scene.scene import Scene
 
 COULOMB_RESIDUAL = 1e-5  # the same of the Coulomb prediction
 ROUNDING = 1e-9  # of the weight, or as a multiplier: sums of numbers of order one

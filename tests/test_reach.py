@@ -15,15 +15,17 @@ from comparison.check_reach import check_reach
 from comparison.record import Run
 from comparison.tolerances import HISTORY
 from comparison.workflow import read_results, run_scene
-from la_core import evidence, exchange, reach
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse
-from la_core.case_file import read_case, write_case
-from la_core.coulomb import ACCEPTED, predict
+from la_core import exchange
+from la_core.analysis import reach
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.plateau import ACCEPTED, predict
 from la_core.errors import SceneError
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene, load_scene
+from la_core.limit.associated import Drive, Status, solve
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene, load_scene
 from yade_scripts import case as yade_case
 
 SAME = 1e-9  # of the value: one and the same computation
@@ -118,9 +120,9 @@ def test_both_parts_together_are_a_state_of_the_whole_structure() -> None:
     assert part.coulomb is not None
     whole = assemble(scene)
     lifted, _ = reach.lift(whole, part.assembly, part.coulomb.forces)
-    assert evidence.equilibrium_residual(whole, lifted) <= ACCEPTED
-    assert evidence.cone_violation(whole, lifted) <= ACCEPTED
-    assert evidence.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
+    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED
+    assert residuals.cone_violation(whole, lifted) <= ACCEPTED
+    assert residuals.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
 
 
 def test_what_is_set_aside_rests_and_the_support_s_blocks_never_are() -> None:

@@ -23,12 +23,12 @@ from comparison.campaign.command import find as find_campaign
 from comparison.campaign.definition import load as load_campaign
 from comparison.cli import COMMANDS, main
 from comparison.effects_table import effects_summary
-from la_core.assembly import assemble
-from la_core.case import analyse, settled
-from la_core.classic import ClassicParameters, iterate
-from la_core.full_model import full_model
-from la_core.limit import Drive, Status
-from la_core.scene import load_scene
+from la_core.analysis.stage import analyse, settled
+from la_core.limit.associated import Drive, Status
+from la_core.limit.classic_iteration import ClassicParameters, iterate
+from la_core.model.assembly import assemble
+from la_core.scene.full_model import full_model
+from la_core.scene.scene import load_scene
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

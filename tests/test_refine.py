@@ -10,10 +10,10 @@ from conftest import Silent
 from comparison import refine
 from comparison.record import Run, read_run
 from comparison.workflow import read_results, run_scene
-from la_core.analysis import LimitAnalysis
-from la_core.case import analyse
-from la_core.coulomb import STEPS
-from la_core.scene import Scene, load_scene, scene_of_text
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.plateau import STEPS
+from la_core.scene.scene import Scene, load_scene, scene_of_text
 
 WALL = Path(__file__).parent.parent / "comparison" / "campaigns" / "scenes" / "wall_between.toml"
 BLOCKS = 60  # of the wall; three lie in the triangle over the settling zone and come down with it, for no thrust holds them

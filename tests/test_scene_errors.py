@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 import scenes_for_tests as scenes
 
-from la_core.assembly import assemble
 from la_core.errors import SceneError
-from la_core.scene import load_scene
+from la_core.model.assembly import assemble
+from la_core.scene.scene import load_scene
 
 WriteScene = Callable[[str], Path]
 

@@ -17,9 +17,11 @@ import scenes_for_tests as scenes
 
 from comparison.cli import main
 from comparison.shipped import find
-from la_core import exchange, scene, sealed_file
+from la_core import exchange
 from la_core.errors import SceneError, visible
-from la_core.scene import load_scene
+from la_core.exchange import checksummed_file
+from la_core.scene import scene
+from la_core.scene.scene import load_scene
 
 ROOT = Path(__file__).parent.parent
 LISTENS = "0A"  # state of a socket in /proc/net/tcp
@@ -224,7 +226,7 @@ WALL = "origin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 3\ncours
 def test_a_result_s_file_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "file.h5"
     exchange.write(path, FIELDS, {"a/values": np.zeros((3, 3))}, "")
-    monkeypatch.setattr(sealed_file, "LARGEST_FILE", 100)
+    monkeypatch.setattr(checksummed_file, "LARGEST_FILE", 100)
     with pytest.raises(exchange.ExchangeError, match="larger than 100 bytes, so none of this program's"):
         exchange.read(path, FIELDS)
 
@@ -292,7 +294,7 @@ def test_a_sealed_file_of_another_hand_reads_no_other_file_and_fills_no_memory(
     with h5py.File(path, "r+") as file:
         del file["a/values"]
         hand(file, other)
-    sealed_file.write_sealed(path, path.read_bytes())
+    checksummed_file.write_sealed(path, path.read_bytes())
     with pytest.raises(exchange.ExchangeError, match=r"missing|not stored as it is|holds object"):
         exchange.read(path, FIELDS)
 

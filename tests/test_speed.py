@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core import shapes
-from la_core.assembly import assemble
-from la_core.case import analyse
-from la_core.contacts import find_interfaces
-from la_core.limit import Drive, Status, solve
-from la_core.scene import Scene
+from la_core.analysis.stage import analyse
+from la_core.geometry import shapes
+from la_core.geometry.interfaces import find_interfaces
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene
 
 LARGEST_SHARE = 0.1  # of all time, for contacts, assembly, scaling, residuals and all else
 SAME_REACTION = 1e-6  # both models are exact; each is solved to residuals below this

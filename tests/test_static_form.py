@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from la_core import evidence
-from la_core.assembly import Assembly, assemble
-from la_core.limit import ACCEPTED, Drive, Status, solve
-from la_core.scene import Scene
-from la_core.static_form import StaticSolution, consistent_reaction, coulomb_limits, normal_and_tangential, optimise
+from la_core.limit.associated import ACCEPTED, Drive, Status, solve
+from la_core.limit.static import StaticSolution, consistent_reaction, coulomb_limits, normal_and_tangential, optimise
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
 
 SAME = 1e-6  # relative
 
@@ -45,7 +45,7 @@ def assert_dual(assembly: Assembly, drive: Drive) -> None:
     assert static.value == pytest.approx(kinematic.value, rel=SAME, abs=1e-9 * assembly.weight)  # zero where joints hold all
     work = float(np.sum(assembly.dead_load * static.twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     assert work == pytest.approx(static.value, rel=SAME, abs=1e-9 * assembly.weight)
-    assert evidence.flow_rule_violation(assembly, static.twists) < ACCEPTED
+    assert residuals.flow_rule_violation(assembly, static.twists) < ACCEPTED
 
 
 @in_plane_and_3d

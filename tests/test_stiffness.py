@@ -8,13 +8,13 @@ import pytest
 import scenes_for_tests as scenes
 
 from la_core import exchange
-from la_core.assembly import assemble
-from la_core.case import analyse
-from la_core.case_file import read_case, write_case
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.limit import Status
-from la_core.scene import Scene
-from la_core.stiffness import ELASTIC_SHARE, TRAVEL_OVER_INSET, TRAVEL_OVER_SIZE, JointStiffness, joint_stiffness
+from la_core.limit.associated import Status
+from la_core.model.assembly import assemble
+from la_core.model.joints import ELASTIC_SHARE, TRAVEL_OVER_INSET, TRAVEL_OVER_SIZE, JointStiffness, joint_stiffness
+from la_core.scene.scene import Scene
 
 HELD = scenes.box("held", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"), scenes.box("pad", (0.6, 0.0, -0.1), (1.0, 0.2, 0.0), "support")
 MASS = 1000.0  # kg of the block of 1.0 x 0.2 x 0.5 m at 10,000 kg/m3

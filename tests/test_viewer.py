@@ -18,7 +18,7 @@ from comparison import viewer
 from comparison.drawing import size
 from comparison.motion import DRAWN, motions
 from comparison.report import write_report
-from la_core.case import analyse
+from la_core.analysis.stage import analyse
 
 SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
 HOSTILE = "</script><script>alert(1)</script><!-- <b> ]]> {{ 7 * 7 }} \u2028"

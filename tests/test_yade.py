@@ -16,10 +16,10 @@ from conftest import CrossChecked
 
 from comparison import launch, shipped, workflow
 from comparison.cli import main
-from la_core import case, case_file
-from la_core.exchange import RUN_FIELDS, SETTINGS
-from la_core.limit import Drive
-from la_core.scene import load_scene
+from la_core.analysis import case_file, stage
+from la_core.exchange.fields import RUN_FIELDS, SETTINGS
+from la_core.limit.associated import Drive
+from la_core.scene.scene import load_scene
 
 CrossCheck = Callable[[str], CrossChecked]
 
@@ -76,7 +76,7 @@ def test_two_identical_runs_give_identical_bits(yade: launch.Yade, cross_checked
 
 def test_nothing_listens_while_yade_runs(yade: launch.Yade, tmp_path: Path) -> None:
     scene = load_scene(shipped.find("wall_third"))
-    case_file.write_case(tmp_path / "case.h5", scene, case.analyse(scene), "test")
+    case_file.write_case(tmp_path / "case.h5", scene, stage.analyse(scene), "test")
     script = Path(launch.__file__).parent.parent / "yade_scripts" / "run_case.py"
     environment = {**launch.environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(yade.python), str(script), str(tmp_path / "case.h5"), str(tmp_path / "run.h5")]

@@ -16,15 +16,15 @@ from comparison.check_displacement import check_displacement, largest_displaceme
 from comparison.checks import check_run
 from comparison.record import Run, read_run
 from comparison.workflow import run_scene
-from la_core import run_effects
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import Assembly, assemble
-from la_core.case import analyse
-from la_core.case_file import read_case, write_case
-from la_core.effects import Effects
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.scene import Scene
-from la_core.stiffness import joint_stiffness, support_reach
+from la_core.model import dem_effects
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.effects import Effects
+from la_core.model.joints import joint_stiffness, support_reach
+from la_core.scene.scene import Scene
 
 SAME = 1e-7  # relative: one model whose forces are added up in another order; friction's history amplifies round-off
 # Relative: a face as a box and as a polyhedron's triangles rounds differently, which history amplifies; 1/20 of the least uncertainty.
@@ -86,7 +86,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], R
 def decided(scene: Scene) -> tuple[Effects, float]:
     """Effects of the run and the least gap, limit analysis left out."""
     assembly = assemble(scene)
-    settled, gap = run_effects.settle_run(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
+    settled, gap = dem_effects.settle_run(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
     return settled.effects, gap
 
 
@@ -120,7 +120,7 @@ def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements
     """The stop then holds the block by the friction under it, mu W; without it the pad carries the block along for nothing."""
     scene = with_effects(buffer(), displacement="finite")
     _, finite = run_in_yade(scene, tmp_path / "finite")
-    monkeypatch.setattr(run_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)  # past the guard: nothing counts as within reach
+    monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)  # past the guard: nothing counts as within reach
     analysis, small = run_in_yade(with_effects(buffer(), displacement="small"), tmp_path / "small")
     names = analysis.assembly.blocks.names
     block, settled = names.index("block"), small.poses["settlement"][-1]
@@ -135,7 +135,7 @@ def test_a_block_that_runs_into_a_stop_is_held_up_by_it_only_where_displacements
 
 def test_a_small_run_that_went_too_far_is_run_again_with_finite_displacements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Through both methods: the block carried through the stop is noticed, and what was called back is found again by the next call."""
-    monkeypatch.setattr(run_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)
+    monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)
     scene, heard = with_effects(buffer()), []
 
     class Listener:
@@ -192,7 +192,7 @@ def test_finite_displacements_are_always_allowed() -> None:
 
 @pytest.mark.parametrize(("share", "choice"), [(0.99, "finite"), (1.01, "small")])
 def test_the_choice_turns_at_the_reach_of_the_motion(share: float, choice: str) -> None:
-    effects, _ = decided(with_effects(buffer(gap=share * run_effects.GAP_OVER_TRAVEL * TRAVEL)))
+    effects, _ = decided(with_effects(buffer(gap=share * dem_effects.GAP_OVER_TRAVEL * TRAVEL)))
     assert effects.displacement == choice
 
 
@@ -218,7 +218,7 @@ def test_the_least_gap_is_never_more_than_the_distance_of_any_two_blocks(seed: i
     free = [box @ scenes.rotation((0.0, 0.0, 1.0), chance.uniform(0.0, 1.5)).T + (0.5 * k, chance.uniform(0.0, 0.1), 0.0) for k in range(4)]
     parts = [scenes.block(f"block {k}", polyhedron=vertices) for k, vertices in enumerate(free)]
     scene = scenes.build(scenes.box("floor", (-2.0, -2.0, -0.2), (4.0, 2.0, 0.0), "support"), *parts, inset=0.001, plane=False)
-    gap, pair = run_effects.least_gap(assemble(scene), 10.0)
+    gap, pair = dem_effects.least_gap(assemble(scene), 10.0)
     shares = chance.dirichlet(np.full(8, 0.2), 500)
     apart = [np.linalg.norm((shares @ a)[:, None] - (shares @ b)[None], axis=2).min() for k, a in enumerate(free) for b in free[k + 1 :]]
     assert pair is not None and 0.0 < gap <= min(apart)
@@ -271,7 +271,7 @@ def test_a_real_run_with_small_displacements_keeps_within_its_gap(ran: Callable[
     travel = analysis.stiffness.travel * support_reach(analysis.assembly)
     assert check.verdict is Verdict.AGREE
     assert check.yade is not None and check.yade >= run.result["settlement"]  # the springer itself moves so far
-    assert analysis.least_gap == run_effects.GAP_OVER_TRAVEL * travel
+    assert analysis.least_gap == dem_effects.GAP_OVER_TRAVEL * travel
 
 
 # --- recording --------------------------------------------------------------------------------------------------------------------
@@ -304,7 +304,7 @@ def test_a_run_without_a_plateau_keeps_rest_and_the_last_state(tmp_path: Path) -
 def test_what_auto_takes_for_the_size_of_the_states_is_their_size(ran: Callable[..., Ran]) -> None:
     _, run = ran("wall", "small")
     bytes_of_one = sum(run.poses[name][0].nbytes for name in ("displacement", "rotation", "forces"))
-    count = round(run_effects.LARGE_RECORD * 1e6 / bytes_of_one)
+    count = round(dem_effects.LARGE_RECORD * 1e6 / bytes_of_one)
     for poses, choice in ((round(0.99 * count), "states"), (round(1.01 * count), "plateau")):
         effects, _ = decided(with_effects(TEXTS["wall"] + scenes.table("yade", poses=poses) + "\n"))
         assert effects.recording == choice

@@ -10,9 +10,9 @@ import scenes_for_tests as scenes
 from conftest import Silent
 
 from comparison.workflow import run_scene
-from la_core.assembly import assemble
-from la_core.limit import Drive, solve
-from la_core.scene import Scene, load_scene
+from la_core.limit.associated import Drive, solve
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene, load_scene
 
 HALF_PER_CENT = 5e-3  # of the reaction: what both methods promise where its history does not decide
 HISTORY = 1e-2  # of the reaction: what friction's history leaves open where joints slide

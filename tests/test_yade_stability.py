@@ -12,8 +12,8 @@ from conftest import CrossChecked
 
 from comparison import launch
 from comparison.cli import main
-from la_core.accuracy import analyse
-from la_core.case_file import write_case
+from la_core.analysis.accuracy import analyse
+from la_core.analysis.case_file import write_case
 
 CrossCheck = Callable[[str], CrossChecked]
 HOLD = Path(__file__).parent / "yade_hold.py"

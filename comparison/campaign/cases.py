@@ -15,11 +15,10 @@ import tomli_w
 from comparison import shipped
 from comparison.campaign import keys
 from comparison.campaign.definition import Definition, Sweep
-from la_core.case import model
-from la_core.classic import ClassicParameters
-from la_core.compose import override
+from la_core.analysis import model
 from la_core.errors import SceneError, nearest
-from la_core.scene import Scene, load_scene, scene_of_text
+from la_core.limit import ClassicParameters
+from la_core.scene import Scene, load_scene, override, scene_of_text
 
 LONGEST = 120  # characters of a case's name
 _CLASSIC_RULE = "needs relaxation in (0, 1], slope from 0, iterations from 1, and cohesion from 0 and below tolerance"

@@ -12,9 +12,8 @@ import pydantic
 from pydantic import Field, Strict, model_validator
 
 from comparison.campaign import keys
-from la_core.complaint import complaint
 from la_core.errors import SceneError
-from la_core.schema_types import LARGEST_FILE, Name, Table, Text
+from la_core.scene import LARGEST_FILE, Name, Table, Text, complaint
 
 MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]

@@ -16,7 +16,7 @@ from comparison.campaign.job import LOADED, Job, Outcome, digest, stored_outcome
 from comparison.campaign.narration import CampaignNarration
 from comparison.files import alone_in, write_text
 from comparison.provenance import describe
-from la_core.classic import ClassicParameters
+from la_core.limit import ClassicParameters
 
 CASES = "cases"  # folder of the cases' folders
 LOOKS_EVERY = 0.5  # s

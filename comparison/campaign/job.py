@@ -19,11 +19,9 @@ from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.summary import without_undefined
 from comparison.workflow import REPEATED, ROOT, Listener, read_results, run_scene
-from la_core.analysis import LimitAnalysis
-from la_core.assembly import assemble
-from la_core.case import code_digest
-from la_core.classic import ClassicParameters, iterate
-from la_core.limit import Drive, Status
+from la_core.analysis import LimitAnalysis, code_digest
+from la_core.limit import ClassicParameters, Drive, Status, iterate
+from la_core.model import assemble
 from la_core.scene import Scene
 
 OUTCOME = "outcome.json"

@@ -1,8 +1,8 @@
-"""Keys of a campaign: those of its scenes (`la_core.keys`), and those of the classic iteration's parameters."""
+"""Keys of a campaign: those of its scenes (`la_core.scene.key_paths`), and those of the classic iteration's parameters."""
 
 from typing import Any
 
-from la_core.keys import put, steps
+from la_core.scene import put, steps
 
 __all__ = ["CLASSIC", "get", "put", "steps"]
 

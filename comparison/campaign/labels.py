@@ -4,8 +4,8 @@ import hashlib
 
 import numpy as np
 
-from la_core.mechanism import block_speeds
-from la_core.shapes import Blocks
+from la_core.geometry import Blocks
+from la_core.measures import block_speeds
 
 SLOWEST, FASTEST = 0.03, 0.1  # of the fastest block: what is slower is elastic strain, what is faster takes part in the mechanism
 

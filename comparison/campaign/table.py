@@ -20,7 +20,7 @@ import numpy as np
 from comparison.campaign.columns import COSTS, Column, Kind, result_columns
 from comparison.files import write_text
 from la_core import exchange
-from la_core.sealed_file import ExchangeError, write_whole
+from la_core.exchange import ExchangeError, write_whole
 
 STORED = "campaign.json"
 WORDS = ("title", "axes", "labels", "rows", "costs", "provenance")

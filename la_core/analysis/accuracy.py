@@ -1,0 +1,140 @@
+"""Limit analysis to an accuracy asked for: the cheapest settings by a calibrated model, the error that the answer itself tells, and finer
+settings where that misses.
+
+An accuracy is a share of the reaction, or of the multiplier, for sharp arrises. What costs nothing is left at its best: cone programmes
+to looser residuals save less than a tenth of their time (`crosscheck cost`).
+"""
+
+import math
+import re
+import time
+import tomllib
+from dataclasses import replace
+
+from la_core.analysis import stage
+from la_core.analysis.accuracy_record import Attempt, Purchase
+from la_core.analysis.result import LimitAnalysis
+from la_core.coulomb import FIRST_SAGS, STEPS, CoulombSolution, slides_in_mechanism
+from la_core.errors import SceneError
+from la_core.limit import Solution, Status
+from la_core.model import Assembly, support_motion, support_reach
+from la_core.scene import Scene, scene_of_text
+
+ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's history", "dilatancy", "elastic settlement", "duality gap"
+
+INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
+LEAST_INSET = 0.02  # of the scene's
+# Of the answer, over the number of steps: what friction's history owes to it. Of 128 walls (tests/benchmark_friction.py) 127 are within 5 %
+# in 2 steps, and 123 within 1 % in 8. Only what a doubling of the steps changed counts as an estimate.
+HISTORY_OF_STEPS = 0.08
+FEWEST_STEPS, MOST_STEPS = 2, 64
+# Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
+ELASTIC_SHARE = 0.03
+LEAST_SCALE = 0.01  # of the weight, or as a multiplier: what the error of a smaller answer is relative to
+MOST_ATTEMPTS = 6
+_KEY = re.compile(r"^[ \t]*accuracy[ \t]*=.*$", re.MULTILINE)
+
+
+def with_accuracy(scene: Scene, accuracy: float) -> Scene:
+    """The scene with an accuracy asked for, in its text as well; raises SceneError where its text keeps another one."""
+    line, has_one = f"accuracy = {accuracy!r}", "accuracy" in tomllib.loads(scene.text)
+    asking = scene_of_text(_KEY.sub(line, scene.text, count=1) if has_one else f"{line}\n{scene.text}", scene.path, scene.name)
+    if asking.accuracy != accuracy:
+        raise SceneError(f"{scene.path}: accuracy", "cannot be replaced by another one", hint="write it on a line of its own")
+    return asking
+
+
+def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS, first_sags: float = FIRST_SAGS) -> LimitAnalysis:
+    """`case.analyse`; where the scene asks for an accuracy, the best of the attempts at it, with all of them as its `purchase`.
+
+    steps, first_sags: of the prediction, where no accuracy is asked for.
+    """
+    if scene.accuracy is None:
+        return stage.analyse(scene, with_path, slides, steps, first_sags)
+    tried, steps, before, found = scene, _first_steps(scene.accuracy), math.nan, []
+    while True:
+        start = time.perf_counter()
+        analysis = stage.analyse(tried, with_path, slides, steps)
+        found.append((_attempt(analysis, steps, before, start), analysis))
+        attempt, finer = found[-1][0], _finer(scene, analysis, found[-1][0])
+        worse = len(found) > 1 and attempt.error > found[-2][0].error
+        if attempt.keeps(scene.accuracy) or finer is None or worse or len(found) == MOST_ATTEMPTS:
+            found.sort(key=lambda one: -one[0].error if math.isfinite(one[0].error) else -math.inf)  # the best one is the answer
+            return replace(found[-1][1], purchase=Purchase(scene.accuracy, tuple(attempt for attempt, _ in found)))
+        before = answers(analysis)[1].value
+        tried, steps = replace(scene, inset=finer[0]), finer[1]
+
+
+def answers(analysis: LimitAnalysis) -> tuple[Solution | CoulombSolution, Solution | CoulombSolution]:
+    """The sharpest answers of limit analysis, at the shared inset and for sharp arrises."""
+    main = analysis.main
+    return analysis.coulomb or analysis.rounded[main], analysis.coulomb_sharp or analysis.sharp[main]
+
+
+def scale(analysis: LimitAnalysis) -> float:
+    """What errors are relative to: the size of the answer, or a share of the weight (N, N m, or as a multiplier) where it is less."""
+    return max(abs(answers(analysis)[1].value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
+
+
+def _unit(assembly: Assembly, weight: float) -> float:
+    """A weight in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
+    return 1.0 if assembly.has_live_load else weight * support_motion(assembly, 1.0)[0]
+
+
+def has_history(analysis: LimitAnalysis) -> bool:
+    """Whether joints slide, so that the answer depends on the way to it."""
+    return analysis.assembly.effects.friction == "coulomb"
+
+
+def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
+    """Parts of the error that both methods have: of rounded arrises, and of the elastic joints."""
+    (rounded, sharp), stiffness = answers(analysis), analysis.stiffness
+    return {
+        ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
+        ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * support_reach(analysis.assembly)),
+    }
+
+
+def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
+    """What an analysis tells of its own error; undefined without a value. before: the sharp answer of half the steps, NaN for none."""
+    settings, (rounded, sharp) = {"inset": analysis.assembly.inset}, answers(analysis)
+    parts = shared_parts(analysis)
+    if has_history(analysis) and isinstance(sharp, CoulombSolution) and isinstance(rounded, CoulombSolution):
+        settings["steps"] = steps
+        parts[HISTORY] = abs(sharp.value - before) / scale(analysis)
+        parts[DILATANCY] = max(rounded.dilatancy_residual, sharp.dilatancy_residual)
+    else:
+        del parts[ELASTIC]  # the answer knows no stiffness
+        gap = analysis.sharp[analysis.main].duality_gap
+        parts[GAP] = gap * _unit(analysis.assembly, analysis.assembly.mean_weight) / scale(analysis)
+        if slides_in_mechanism(analysis.assembly, analysis.rounded[analysis.main]):
+            parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
+    solved = rounded.status is Status.SOLVED and sharp.status is Status.SOLVED
+    return Attempt(settings, rounded.value, parts if solved else dict.fromkeys(parts, math.nan), time.perf_counter() - start)
+
+
+def _first_steps(accuracy: float) -> int:
+    """Half the steps, a power of two, that the model holds to be enough."""
+    needed = 2 ** math.ceil(math.log2(HISTORY_OF_STEPS / accuracy))
+    return max(FEWEST_STEPS, min(needed, MOST_STEPS) // 2)  # its doubling measures what fewer steps change
+
+
+def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt) -> tuple[float, int] | None:
+    """Inset (m) and steps of the next attempt; None where finer ones would not help, or the structure has no answer."""
+    assert scene.accuracy is not None
+    if analysis.rounded[analysis.main].status is not Status.SOLVED:
+        return None
+    inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))
+    if steps == MOST_STEPS:
+        return None
+    least, asked = LEAST_INSET * (scene.inset or stage.smallest_inset(analysis.assembly)), INSET_SHARE * scene.accuracy
+    rounded = attempt.parts[ROUNDED]
+    is_own = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
+    finer_inset = max(least, _one_digit(inset * asked / rounded)) if rounded > asked and not is_own else inset
+    return None if steps == 0 and finer_inset == inset else (finer_inset, 2 * steps)
+
+
+def _one_digit(value: float) -> float:
+    """A positive number rounded down to its first digit."""
+    unit = 10.0 ** math.floor(math.log10(value))
+    return math.floor(value / unit * (1.0 + 1e-12)) * unit

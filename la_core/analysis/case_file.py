@@ -1,0 +1,136 @@
+"""`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from la_core import exchange
+from la_core.analysis import reach
+from la_core.analysis.accuracy_record import from_text, to_text
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import drives
+from la_core.coulomb import CoulombSolution
+from la_core.coulomb import Path as FollowedPath
+from la_core.limit import Drive, Solution, Status
+from la_core.model import Assembly, Effects, JointStiffness, assemble
+from la_core.scene import Scene
+
+GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
+
+
+def _fields(scene: Scene, has_coulomb: bool, has_path: bool) -> tuple[exchange.Field, ...]:
+    groups = [f"{arrises}/{GROUPS[drive]}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
+    fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
+    if has_coulomb:
+        fields += exchange.coulomb_fields("coulomb") + exchange.coulomb_fields("coulomb_sharp")
+    return fields + exchange.PATH_FIELDS if has_path else fields
+
+
+def _motion(scene: Scene) -> np.ndarray:
+    """The support's unit motion (6,), NaN where no support moves."""
+    return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
+
+
+def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
+    """Write `case.h5`; `inputs` is the digest of what made it."""
+    assembly, purchase = analysis.assembly, analysis.purchase
+    blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
+    values: dict[str, Any] = {
+        "scene/name": scene.name,
+        "scene/title": scene.title,
+        "scene/gravity": scene.gravity,
+        "scene/plane": assembly.effects.plane,
+        "scene/effects": json.dumps(asdict(assembly.effects), sort_keys=True),
+        "scene/displacement": assembly.effects.displacement,
+        "scene/least_gap": analysis.least_gap,
+        "scene/recording": assembly.effects.recording,
+        "scene/inset": assembly.inset,
+        "scene/support_twist": _motion(scene),
+        "scene/settings": json.dumps((purchase.settings if purchase else {}) | scene.yade, sort_keys=True),
+        "scene/accuracy": to_text(purchase),
+        "blocks/name": list(blocks.names),
+        "blocks/aside": assembly.aside,
+        **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
+        **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
+        **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
+        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
+    }
+    for arrises, solutions in (("associated", analysis.rounded), ("associated_sharp", analysis.sharp)):
+        for drive, solution in solutions.items():
+            values |= _below(f"limit_analysis/{arrises}/{GROUPS[drive]}", solution)
+    for group in ("coulomb", "coulomb_sharp"):
+        values |= _below(f"limit_analysis/{group}", getattr(analysis, group))
+    values |= _below("path", analysis.path)
+    exchange.write(path, _fields(scene, analysis.coulomb is not None, analysis.path is not None), values, inputs)
+
+
+def _below(group: str, solution: Any) -> dict[str, Any]:
+    """Every value of a result by its path in the file; nothing for no result."""
+    return {} if solution is None else {f"{group}/{name}": getattr(solution, name) for name in solution.__dataclass_fields__}
+
+
+_BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_start", "face_vertex", "face_start", "face_block")
+_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
+
+
+def read_case(path: Path, scene: Scene) -> LimitAnalysis:
+    """Read the solutions of `case.h5` back; the assembly is built again from the scene, and must be the one in the file.
+
+    Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
+    """
+    has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
+    data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
+    whole = assemble(scene)
+    with exchange.values_of(path):
+        return _analysis(path, scene, whole, data, has_coulomb)
+
+
+def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], has_coulomb: bool) -> LimitAnalysis:
+    """The stored analysis of a whole assembly, which must be that of the file."""
+    if data["blocks/name"] != list(whole.blocks.names):
+        raise exchange.ExchangeError(f"{path}: blocks/name is not that of {scene.path}; run it again")
+    whole = whole.with_inset(scene, float(data["scene/inset"]))
+    assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
+    stored = json.loads(data["scene/effects"])
+    assembly = replace(assembly, effects=Effects(**{**stored, "called_back": tuple(stored["called_back"])}))
+    own = {
+        "contacts/position": assembly.points.position,
+        "contacts/friction": assembly.points.friction,
+        "blocks/role": assembly.blocks.role,
+        "blocks/mass": assembly.blocks.mass,
+        "blocks/centroid": assembly.blocks.centroid,
+        "scene/gravity": scene.gravity,
+        "scene/support_twist": _motion(scene),
+    }
+    for name, value in own.items():
+        if not np.array_equal(value, data[name], equal_nan=True):
+            raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
+
+    def solutions(arrises: str) -> dict[Drive, Solution]:
+        return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
+
+    stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
+    coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb else {}
+    path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
+    rounded, sharp, gap = solutions("associated"), solutions("associated_sharp"), float(data["scene/least_gap"])
+    purchase = from_text(data["scene/accuracy"])
+    return LimitAnalysis(assembly, rounded, sharp, stiffness, gap, path=path_followed, purchase=purchase, **coulomb)
+
+
+def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:
+    """The values of one result, scalars as plain numbers."""
+    values = {name: data[f"{group}/{name}"] for name in kind.__dataclass_fields__}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
+
+
+def _solution(data: dict[str, Any], group: str) -> Solution:
+    values = _values(data, group, Solution)
+    return Solution(**{**values, "status": Status(values["status"]), "falling": tuple(values["falling"])})
+
+
+def _coulomb(data: dict[str, Any], group: str) -> CoulombSolution:
+    values = _values(data, f"limit_analysis/{group}", CoulombSolution)
+    return CoulombSolution(**{**values, "status": Status(values["status"]), "interval": tuple(values["interval"].tolist())})

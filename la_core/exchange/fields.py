@@ -1,0 +1,283 @@
+"""The HDF5 files between the two methods: one schema table writes, reads, checks and documents them.
+
+`case.h5` carries the assembly and its limit analysis to YADE; `run.h5` carries YADE's record back.
+This module runs in both interpreters: standard library, numpy >= 1.24 and h5py >= 3.7 only.
+
+Conventions: SI units, z up. Twist = (vx, vy, vz, wx, wy, wz), wrench likewise (force, moment), about the block's
+centroid unless a field says otherwise. Contact (a, b) has its normal from a to b; the contact force is the force on b,
+compression positive along the normal. An undefined number is NaN, never 0.
+"""
+
+import contextlib
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, read_sealed, write_sealed
+
+FREE, FIXED, SUPPORT = 0, 1, 2
+POSES = 40  # states of a YADE run over its full travel
+TRAVEL_PERIODS = 600.0  # the full travel in YADE takes this many periods of the structure sagging under its weights
+PLATEAU_SHARE = 0.4  # of the travel is covered before a run in YADE may stop
+RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
+
+# Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
+SETTINGS = (
+    "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
+    "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
+    "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
+    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Field:
+    """One dataset: where it lies, what it holds. `shape` names dimensions by letters; equal letters are equal sizes."""
+
+    path: str
+    dtype: str  # "f8", "i8", "u1" or "str"
+    shape: tuple[str | int, ...]
+    unit: str
+    meaning: str
+
+
+# Dimensions: B blocks, V vertices, L face-loop entries, F faces, I interfaces, C contact points.
+CASE_FIELDS = (
+    Field("scene/name", "str", (), "", "scene file's stem"),
+    Field("scene/title", "str", (), "", "title for people"),
+    Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
+    Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
+    Field("scene/effects", "str", (), "", "effects as they were settled, with their reasons, a JSON object"),
+    Field("scene/displacement", "str", (), "", "small: contacts are those listed; finite: new ones are looked for"),
+    Field("scene/least_gap", "f8", (), "m", "blocks without a joint are at least so far apart; NaN where nobody looked"),
+    Field("scene/recording", "str", (), "", "states stored: plateau (at rest and on the plateau) or states (all along)"),
+    Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
+    Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
+    Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),
+    Field("scene/accuracy", "str", (), "", "what was tried for the accuracy asked for, a JSON object; null where none was"),
+    Field("blocks/name", "str", ("B",), "", "unique block names"),
+    Field("blocks/role", "i8", ("B",), "", "0 free, 1 fixed, 2 support"),
+    Field("blocks/aside", "u1", ("B",), "", "1: a free block of the scene, held here, out of the motion's reach"),
+    Field("blocks/mass", "f8", ("B",), "kg", "density times volume"),
+    Field("blocks/centroid", "f8", ("B", 3), "m", "centre of mass"),
+    Field("blocks/inertia", "f8", ("B", 3, 3), "kg m2", "inertia about the centroid, global axes"),
+    Field("blocks/vertices", "f8", ("V", 3), "m", "vertices of all blocks, block after block"),
+    Field("blocks/vertex_start", "i8", ("B1",), "", "block i owns vertices[start[i]:start[i+1]]; B+1 entries"),
+    Field("blocks/face_vertex", "i8", ("L",), "", "face loops: rows of vertices, counter-clockwise from outside"),
+    Field("blocks/face_start", "i8", ("F1",), "", "face j owns face_vertex[start[j]:start[j+1]]; F+1 entries"),
+    Field("blocks/face_block", "i8", ("F",), "", "block that owns the face"),
+    Field("interfaces/block_a", "i8", ("I",), "", "lower block index"),
+    Field("interfaces/block_b", "i8", ("I",), "", "higher block index"),
+    Field("interfaces/normal", "f8", ("I", 3), "-", "unit normal from a to b"),
+    Field("interfaces/area", "f8", ("I",), "m2", "area of the overlap, not inset"),
+    Field("contacts/interface", "i8", ("C",), "", "interface of the contact point"),
+    Field("contacts/position", "f8", ("C", 3), "m", "contact point, inset"),
+    Field("contacts/friction", "f8", ("C",), "-", "friction coefficient tan(phi)"),
+    Field("joints/normal_stiffness", "f8", (), "N/m", "stiffness of one contact point along its normal"),
+    Field("joints/shear_stiffness", "f8", (), "N/m", "stiffness of one contact point across its normal"),
+    Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
+    Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
+)
+
+_SOLUTION = (
+    ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
+    ("value", "f8", (), "N, N m or -", "reaction for a settlement, multiplier for a live load"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("forces", "f8", ("C", 3), "N", "contact force on b, global axes; NaN where there is none"),
+    ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
+    ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
+    ("mechanism_violation", "f8", (), "-", "largest violation of the flow rule over the largest speed of a block"),
+    ("duality_gap", "f8", (), "-", "value from forces less value from work, over the mean free-block weight"),
+    ("seconds", "f8", (), "s", "solver time"),
+    ("iterations", "i8", (), "", "solver iterations"),
+    ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
+)
+
+
+_COULOMB = (
+    ("status", "str", (), "", "solved, inaccurate, failed, or why the associated answer has no value"),
+    ("value", "f8", (), "N, N m or -", "reaction or multiplier with friction that does not dilate"),
+    ("interval", "f8", (2,), "N, N m or -", "least and greatest value that the mechanism allows"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("forces", "f8", ("C", 3), "N", "contact force on b on the plateau, global axes; NaN where there is none"),
+    ("at_rest", "f8", (), "N, N m or -", "value before the support moves"),
+    ("drift", "f8", (), "-", "relative change of the value over the last step"),
+    ("dilatancy_residual", "f8", (), "-", "work of spurious dilation over the work of the settling weights"),
+    ("strain_residual", "f8", (), "-", "work of spurious dilation over the elastic energy of the joints"),
+    ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
+    ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
+    ("seconds", "f8", (), "s", "solver time"),
+    ("iterations", "i8", (), "", "associated programmes solved"),
+    ("steps", "i8", (), "", "steps from rest to the plateau, as asked for"),
+)
+
+# Dimension P of a path: rest, then one entry an increment.
+PATH_FIELDS = (
+    Field("path/settlement", "f8", ("P",), "m or rad", "motion of the support, or mean displacement along the live load"),
+    Field("path/value", "f8", ("P",), "N, N m or -", "reaction or multiplier"),
+    Field("path/strain_residual", "f8", ("P",), "-", "work of spurious dilation over the elastic energy of the joints"),
+    Field("path/converged", "u1", ("P",), "", "1: the increment converged"),
+    Field("path/solves", "i8", ("P",), "", "associated programmes solved"),
+    Field("path/seconds", "f8", (), "s", "solver time of all"),
+)
+
+
+def solution_fields(group: str) -> tuple[Field, ...]:
+    """Fields of one associated solution below `limit_analysis/<group>`; its contact points may be its own."""
+    return _below(group, _SOLUTION)
+
+
+def coulomb_fields(group: str) -> tuple[Field, ...]:
+    """Fields of one Coulomb solution below `limit_analysis/<group>`; its contact points may be its own."""
+    return _below(group, _COULOMB)
+
+
+def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, str], ...]) -> tuple[Field, ...]:
+    own = {"C": f"C of {group}", "K": f"K of {group}"}
+    return tuple(
+        Field(f"limit_analysis/{group}/{name}", dtype, tuple(own.get(str(n), n) for n in shape), unit, meaning)
+        for name, dtype, shape, unit, meaning in rows
+    )
+
+
+# Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
+RUN_FIELDS = (
+    Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
+    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, extrapolated to zero settlement"),
+    Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
+    Field("result/settlement", "f8", (), "m or rad", "support motion reached, read from the support's pose"),
+    Field("result/asked_settlement", "f8", (), "m or rad", "support motion imposed until the stop: integral of its speed"),
+    Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
+    Field("result/slope", "f8", (), "N/m", "slope of the fitted line"),
+    Field("result/kinetic_ratio", "f8", (), "-", "largest kinetic energy on the plateau over the weights' work there"),
+    Field("result/steps", "i8", (), "", "time steps taken"),
+    Field("result/seconds", "f8", (), "s", "wall time inside YADE"),
+    Field("result/version", "str", (), "", "YADE version"),
+    Field("result/message", "str", (), "", "one sentence on how the run ended"),
+    Field("settings/json", "str", (), "", "all settings as used, a JSON object"),
+    Field("record/stage", "i8", ("T",), "", "0 gravity, 1 settlement"),
+    Field("record/time", "f8", ("T",), "s", "model time"),
+    Field("record/settlement", "f8", ("T",), "m or rad", "support motion so far"),
+    Field("record/reaction", "f8", ("T",), "N or N m", "minus support twist . wrench of the support on the structure"),
+    Field("record/support_wrench", "f8", ("T", 6), "N, N m", "force and moment (about the origin) of supports on the structure"),
+    Field("record/kinetic_energy", "f8", ("T",), "J", "kinetic energy of the free blocks"),
+    Field("record/unbalanced", "f8", ("T",), "-", "largest unbalanced force over the mean free-block weight"),
+    Field("poses/settlement", "f8", ("P",), "m or rad", "support motion of each stored state; the first is rest under gravity"),
+    Field("poses/displacement", "f8", ("P", "B", 3), "m", "displacement of the centroid from the case's geometry"),
+    Field("poses/rotation", "f8", ("P", "B", 3), "rad", "rotation vector from the case's geometry"),
+    Field("poses/forces", "f8", ("P", "C", 3), "N", "contact force on b at the case's contact points, global axes"),
+    Field("extra_contacts/blocks", "i8", ("E", 2), "", "block pairs that touched in YADE at a point the case does not list"),
+    Field("extra_contacts/position", "f8", ("E", 3), "m", "where they touched first"),
+)
+
+
+def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
+    """Write `values` (one per field path); `inputs` is the digest of what made them. The file is whole or what was there before."""
+    missing = [field.path for field in fields if field.path not in values]
+    if missing:
+        raise ExchangeError(f"{path}: not written: no value for {', '.join(missing)}")
+    content = io.BytesIO()
+    with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
+        file.attrs["version"] = VERSION
+        file.attrs["inputs"] = np.bytes_(inputs.encode())
+        for field in fields:
+            dataset = file.create_dataset(field.path, data=_stored(field, values[field.path]))
+            dataset.attrs["unit"] = field.unit
+            dataset.attrs["meaning"] = field.meaning
+    write_sealed(path, content.getvalue())
+
+
+def _stored(field: Field, value: Any) -> np.ndarray:
+    """A value as it lies in the file; texts as UTF-8 of fixed length, for a damaged heap of texts can catch HDF5 in an endless loop."""
+    if field.dtype != "str":
+        return np.asarray(value, dtype=field.dtype)
+    texts = np.char.encode(np.asarray(value, dtype=str), "utf-8")
+    return texts.astype(h5py.string_dtype("utf-8", max(1, texts.dtype.itemsize)))
+
+
+def inputs_digest(path: Path) -> str:
+    """Digest of the inputs that made `path`, or "" when there is no whole file of this version."""
+    try:
+        with _opened(path) as file:
+            return bytes(file.attrs["inputs"]).decode()
+    except ExchangeError:
+        return ""
+
+
+def holds(path: Path, group: str) -> bool:
+    """Whether the file can be read and has this group."""
+    try:
+        with _opened(path) as file:
+            return group in file
+    except ExchangeError:
+        return False
+
+
+def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
+    """Read and check every field: present, of its kind, of its shape. Strings come as `str`, arrays as numpy."""
+    with _opened(path) as file:
+        sizes: dict[str, int] = {}
+        return {field.path: _checked(path, file, field, sizes) for field in fields}
+
+
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """The HDF5 file of a content whose seal holds; whatever HDF5 stumbles over in it is an ExchangeError."""
+    content = read_sealed(path)
+    try:
+        with h5py.File(h5py.h5f.open_file_image(content)) as file:
+            yield file
+    except ExchangeError:
+        raise
+    except Exception as error:
+        raise ExchangeError(f"{path}: not HDF5 as this program writes it ({type(error).__name__}: {error}); run it again") from error
+
+
+@contextlib.contextmanager
+def values_of(path: Path) -> Iterator[None]:
+    """Whatever Python stumbles over in the values of a file is an ExchangeError."""
+    try:
+        yield
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
+        raise ExchangeError(f"{path}: a value is none that this program writes ({type(error).__name__}: {error}); run it again") from error
+
+
+def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
+    dataset = _own_dataset(file, field.path)
+    if dataset is None:
+        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
+    if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
+        raise ExchangeError(f"{path}: {field.path} is not stored as it is, in one piece in this file; run it again")
+    text_type = h5py.check_string_dtype(dataset.dtype)
+    is_text = text_type is not None and text_type.length is not None
+    if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
+        raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}")
+    expected = tuple(n if isinstance(n, int) else sizes.setdefault(n, size) for n, size in zip(field.shape, dataset.shape, strict=False))
+    if dataset.ndim != len(field.shape) or dataset.shape != expected:
+        raise ExchangeError(f"{path}: {field.path} has shape {dataset.shape}, the schema says {field.shape} = {expected}")
+    if is_text:
+        text = dataset.asstr()[()]
+        return text if field.shape == () else [str(item) for item in text]
+    return dataset[()]
+
+
+def _own_dataset(file: Any, path: str) -> Any:
+    """The dataset at a path, None where there is none; links are not followed, for they may lead to other files."""
+    place = file
+    for step in path.split("/"):
+        if not isinstance(place, h5py.Group) or not isinstance(place.get(step, getlink=True), h5py.HardLink):
+            return None
+        place = place[step]
+    return place if isinstance(place, h5py.Dataset) else None
+
+
+def schema_table(fields: tuple[Field, ...]) -> str:
+    """The schema as a Markdown table, for the documentation."""
+    rows = ["| path | type | shape | unit | meaning |", "|---|---|---|---|---|"]
+    rows += [f"| {f.path} | {f.dtype} | {' x '.join(map(str, f.shape)) or 'scalar'} | {f.unit} | {f.meaning} |" for f in fields]
+    return "\n".join(rows)

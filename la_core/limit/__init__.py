@@ -1,0 +1,31 @@
+"""Associated limit analysis and its relatives; the only room that talks to the conic solver."""
+
+from la_core.limit import section_forces
+from la_core.limit.associated import ACCEPTED, Drive, Solution, Status, box_limits, scaled_problem, solve
+from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, iterate
+from la_core.limit.conic import Answer, Outcome, Programme, maximise, optimum
+from la_core.limit.linearised import solve_linearised
+from la_core.limit.plane_in_space import residual_in_space
+from la_core.limit.static import consistent_reaction
+
+__all__ = [
+    "ACCEPTED",
+    "Answer",
+    "ClassicParameters",
+    "ClassicSolution",
+    "Drive",
+    "Outcome",
+    "Programme",
+    "Solution",
+    "Status",
+    "box_limits",
+    "consistent_reaction",
+    "iterate",
+    "maximise",
+    "optimum",
+    "residual_in_space",
+    "scaled_problem",
+    "section_forces",
+    "solve",
+    "solve_linearised",
+]

@@ -1,0 +1,201 @@
+"""Static form of limit analysis under any friction limits |t| <= intercept + slope n: contact forces are the unknowns.
+
+The kinematic form of `la_core.limit` is smaller and serves Coulomb's cone; the limits here may change with every solve and need
+be no cone. With f the forces, r the work of f on the support's unit motion, w the weights and l the live load,
+    settlement:  least (support yields) or greatest (support pushes back) r . f   subject to   equilibrium(f) + w = 0
+    live load:   greatest lambda                                                  subject to   equilibrium(f) + w + lambda l = 0
+and n >= 0, |t| <= intercept + slope n at every contact point (Portioli & Cascini 2016, doi 10.1016/j.engstruct.2016.02.002).
+The multipliers of equilibrium are the twists of the mechanism; its flow is normal to the limits that were given.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from la_core.limit.associated import ACCEPTED, SMOOTH, Drive, Status
+from la_core.limit.conic import Answer, Cones, Outcome, maximise
+from la_core.measures import block_speeds, residuals
+from la_core.model import Assembly, columns, global_forces, scaled_load, support_motion, twists_of
+
+USABLE = 1e-3  # an answer with a larger residual is no answer: the solver broke off, as it may where hardly any equilibrium exists
+_WITHOUT_VALUE = {Outcome.EMPTY: Status.INFEASIBLE, Outcome.RAY: Status.UNBOUNDED}
+
+
+@dataclass(frozen=True)
+class StaticSolution:
+    """Answer of one static programme with its recomputed residuals. Undefined numbers are NaN.
+
+    value: reaction in N (N m for a rotation) or multiplier. forces (C, 3): contact forces on b in N, global axes.
+    twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load.
+    equilibrium_residual, limit_violation (tension, or |t| beyond its limit) and duality_gap (between the value and the bound that
+    the mechanism gives) are relative to the mean free-block weight, flow_violation to the fastest block. seconds: in the solver.
+    """
+
+    status: Status
+    value: float
+    forces: np.ndarray
+    twists: np.ndarray
+    equilibrium_residual: float
+    limit_violation: float
+    flow_violation: float
+    duality_gap: float
+    seconds: float
+    iterations: int
+
+
+def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.ndarray) -> StaticSolution:
+    """Least or greatest reaction, or greatest multiplier, under |t| <= intercept (C,) in N + slope (C,) n.
+
+    An infinite intercept limits no tangential force. INFEASIBLE: no equilibrium within these limits.
+    """
+    kinematics = assembly.kinematic_matrix(assembly.length)
+    speed, driven = support_motion(assembly, drive.value)
+    equilibrium, load = _equilibrium(assembly, kinematics)
+    limits, limits_offset, cones = _limits(assembly, intercept / assembly.weight, slope)
+    power = -(kinematics @ columns(assembly, driven))
+    unit = _units(assembly, intercept, slope)
+    equilibrium, limits, power = equilibrium @ sparse.diags(unit), limits @ sparse.diags(unit), unit * power
+    if drive is Drive.LIVE:
+        live = scaled_load(assembly, assembly.live_load)
+        equilibrium = sparse.hstack([equilibrium, sparse.csr_matrix(live).T]).tocsr()
+        limits.resize(limits.shape[0], limits.shape[1] + 1)
+        power, speed = np.append(np.zeros_like(power), 1.0), 1.0 / assembly.weight
+    count = len(load)
+    cones = Cones(cones.equalities + count, cones.inequalities, cones.second_order)
+    answer = maximise(power, sparse.vstack([equilibrium, limits]).tocsr(), np.concatenate([load, limits_offset]), cones)
+    if answer.outcome in _WITHOUT_VALUE:
+        return _without_value(assembly, _WITHOUT_VALUE[answer.outcome], answer)
+    if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
+        return _without_value(assembly, Status.FAILED, answer)
+    forces = global_forces(assembly, unit * answer.x[: len(unit)])
+    twists = (twists_of(assembly, -answer.multipliers[:count]) + driven) * speed
+    with np.errstate(over="ignore", invalid="ignore"):  # where the solver broke off, numbers may be anything
+        return _with_evidence(assembly, drive, forces, twists, (intercept, slope), answer)
+
+
+def coulomb_limits(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
+    """Intercept and slope (C,) of Coulomb's cone; nothing limits t where sliding is excluded."""
+    count = len(assembly.points)
+    if assembly.effects.sliding_excluded:
+        return np.full(count, np.inf), np.zeros(count)
+    return np.zeros(count), assembly.points.friction
+
+
+def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> StaticSolution:
+    """Least reaction with |t| <= mu N for given normal forces N (C,) in N, such as those of a discrete-element run.
+
+    Friction of fixed strength obeys normality without dilating, so a quasi-static run whose joints slide as Coulomb says meets it.
+    """
+    no_sliding, _ = coulomb_limits(assembly)
+    strength = assembly.points.friction * np.maximum(normal_forces, 0.0)
+    return optimise(assembly, Drive.YIELDING, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
+
+
+def normal_and_tangential(assembly: Assembly, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Normal component (C,) and size of the tangential part (C,) of vectors (C, 3) at the contact points."""
+    normal = np.sum(vectors * assembly.normal, axis=1)
+    return normal, np.linalg.norm(vectors - normal[:, None] * assembly.normal, axis=1)
+
+
+def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:
+    """Rows that sum local contact forces on each free block, and its weight; forces over the weight, moments also over the length."""
+    freedoms = kinematics.shape[1] // len(assembly.blocks)
+    return kinematics[:, np.repeat(assembly.blocks.free, freedoms)].T.tocsr(), scaled_load(assembly, assembly.dead_load)
+
+
+def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
+    """Rows and offset of the limits on local forces: t = 0 where friction is none, n >= 0, then |t| <= intercept + slope n."""
+    width = 2 if assembly.effects.plane else 3
+    pick = sparse.identity(len(assembly.points) * width, format="csr")
+    normal = np.arange(len(assembly.points)) * width
+    smooth = (intercept == 0.0) & (np.abs(slope) <= SMOOTH)
+    rough = np.flatnonzero(~smooth & np.isfinite(intercept))
+    pressed = pick[normal[(intercept > 0.0) | (slope <= SMOOTH)]]  # elsewhere the friction limit implies n >= 0
+    tangents = [pick[normal[rough] + k] for k in range(1, width)]
+    strength, fixed = sparse.diags(slope[rough]) @ pick[normal[rough]], intercept[rough]
+    frictionless = sparse.vstack([pick[normal[smooth] + k] for k in range(1, width)])
+    if assembly.effects.plane:
+        rows = [strength - tangents[0], strength + tangents[0]]
+        offset = np.concatenate([fixed, fixed])
+        cones = Cones(frictionless.shape[0], pressed.shape[0] + 2 * len(rough), 0)
+    else:
+        order = np.arange(3 * len(rough)).reshape(3, -1).T.ravel()
+        rows = [sparse.vstack([strength, *tangents]).tocsr()[order]]
+        offset = np.stack([fixed, np.zeros_like(fixed), np.zeros_like(fixed)], axis=1).ravel()
+        cones = Cones(frictionless.shape[0], pressed.shape[0], len(rough))
+    above = np.zeros(frictionless.shape[0] + pressed.shape[0])
+    return sparse.vstack([frictionless, pressed, *rows]).tocsr(), np.concatenate([above, offset]), cones
+
+
+def _units(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Units (n,) of the local forces: friction that only a small slope limits is counted in shares of its limit."""
+    units = np.ones((len(assembly.points), 2 if assembly.effects.plane else 3))
+    small = (intercept == 0.0) & (slope > SMOOTH)
+    units[small, 1:] = np.minimum(slope[small], 1.0)[:, None]
+    return units.ravel()
+
+
+def _without_value(assembly: Assembly, status: Status, answer: Answer) -> StaticSolution:
+    nan = float("nan")
+    forces, twists = np.full((len(assembly.points), 3), nan), np.full((len(assembly.blocks), 6), nan)
+    return StaticSolution(status, nan, forces, twists, nan, nan, nan, nan, answer.seconds, answer.iterations)
+
+
+def _with_evidence(
+    assembly: Assembly,
+    drive: Drive,
+    forces: np.ndarray,
+    twists: np.ndarray,
+    limits: tuple[np.ndarray, np.ndarray],
+    answer: Answer,
+) -> StaticSolution:
+    """Solution with residuals recomputed from its forces and twists; one above ACCEPTED makes it inaccurate, above USABLE failed."""
+    live = drive is Drive.LIVE
+    value = residuals.multiplier(assembly, forces) if live else residuals.reaction(assembly, forces)
+    unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
+    recomputed = {
+        "equilibrium_residual": residuals.equilibrium_residual(assembly, forces, value if live else 0.0),
+        "limit_violation": _limit_violation(assembly, forces, limits) / assembly.mean_weight,
+        "flow_violation": _flow_violation(assembly, twists, limits),
+        "duality_gap": abs(value - _value_of_mechanism(assembly, drive, forces, twists, limits)) / (1.0 if live else unit),
+    }
+    worst = np.max(list(recomputed.values()))
+    if not worst <= USABLE:
+        return _without_value(assembly, Status.FAILED, answer)
+    status = Status.SOLVED if worst <= ACCEPTED else Status.INACCURATE
+    return StaticSolution(status, value, forces, twists, seconds=answer.seconds, iterations=answer.iterations, **recomputed)
+
+
+def _limit_violation(assembly: Assembly, forces: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
+    """Largest tension or excess of |t| over intercept + slope n, N."""
+    normal, tangential = normal_and_tangential(assembly, forces)
+    return float(max(0.0, -normal.min(), (tangential - limits[0] - limits[1] * normal).max()))
+
+
+def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
+    """Largest violation of u_n >= slope |u_t|, over the fastest block's speed, where the limits allow any pressure.
+
+    Where they fall with n they bound the pressure, and any motion is admissible at a price.
+    """
+    parting, sliding = normal_and_tangential(assembly, assembly.relative_velocity(twists))
+    unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
+    held = np.where(unlimited, sliding, (slope * sliding - parting) / np.hypot(1.0, slope))
+    violation = np.where((limits[1] < 0.0) & ~unlimited, 0.0, np.maximum(held, -parting))
+    fastest = block_speeds(assembly.blocks, twists).max()
+    return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
+
+
+def _value_of_mechanism(
+    assembly: Assembly, drive: Drive, forces: np.ndarray, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]
+) -> float:
+    """Bound of the value by virtual power: of the weights and of the forces within the limits that resist the mechanism least.
+
+    Those are n = 0, |t| = intercept, or where the limit falls with n also the largest n, but no larger than any in the state.
+    """
+    parting, sliding = normal_and_tangential(assembly, assembly.relative_velocity(twists))
+    intercept, slope = np.where(np.isinf(limits[0]), 0.0, limits[0]), limits[1]
+    most = np.divide(intercept, -slope, out=np.zeros_like(slope), where=slope < 0.0).clip(max=np.abs(forces).max())
+    pressed = most * parting - (intercept + slope * most) * sliding
+    power = float(np.sum(assembly.dead_load * twists) + np.minimum(-intercept * sliding, pressed).sum())
+    return power if drive is Drive.YIELDING else -power

@@ -1,0 +1,16 @@
+"""What forces and twists prove: residuals, measures of the mechanism, dissipation."""
+
+from la_core.measures import mechanism, residuals
+from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
+from la_core.measures.mechanism import MOVING_SHARE, block_speeds
+
+__all__ = [
+    "MOVING_SHARE",
+    "ContactState",
+    "MechanismMeasures",
+    "block_speeds",
+    "contact_states",
+    "measure",
+    "mechanism",
+    "residuals",
+]

@@ -1,0 +1,68 @@
+"""Measures of a mechanism: which blocks move, where joints slide, how alike two mechanisms are."""
+
+import numpy as np
+
+from la_core.geometry import Blocks
+from la_core.model import Assembly
+
+MOVING_SHARE = 0.05  # of the fastest block's speed: blocks below this stand still; elastic strain is far below it
+
+
+def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Velocity (N, 3) of the material points at `position` (N, 3) of the blocks `block` (N,), for twists (B, 6)."""
+    return twists[block, :3] + np.cross(twists[block, 3:], position - blocks.centroid[block])
+
+
+def contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parting speed (C,), positive where a joint opens, and sliding speed (C,) at each contact point."""
+    velocity, normal = assembly.relative_velocity(twists), assembly.normal
+    parting = np.sum(velocity * normal, axis=1)
+    return parting, np.linalg.norm(velocity - parting[:, None] * normal, axis=1)
+
+
+def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
+    """Largest speed (B,) over the vertices of each block, for twists (B, 6) about the centroids; in the twists' unit."""
+    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    velocity = point_velocity(blocks, twists, blocks.vertices, owner)
+    return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
+
+
+def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
+    """Mask (B,) of the free blocks that take part in a mechanism."""
+    speed = np.where(blocks.free, block_speeds(blocks, twists), 0.0)
+    return blocks.free & (speed > MOVING_SHARE * speed.max())
+
+
+def moving_mass_share(assembly: Assembly, twists: np.ndarray) -> float:
+    """Mass of the moving blocks over that of all free blocks of the scene."""
+    return float(assembly.blocks.mass[moving(assembly.blocks, twists)].sum() / assembly.movable_mass)
+
+
+def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
+    """Mass-weighted assurance (a'Mb)^2 / ((a'Ma)(b'Mb)) of two mechanisms (B, 6), M = diag(m, m, m, I), free blocks only.
+
+    1 for mechanisms that differ by a factor, 0 for orthogonal ones, NaN when one of them is at rest.
+    """
+    free = blocks.free
+    mass, inertia = blocks.mass[free], blocks.inertia[free]
+
+    def product(a: np.ndarray, b: np.ndarray) -> float:
+        translation = np.sum(mass[:, None] * a[free, :3] * b[free, :3])
+        rotation = np.einsum("bi,bij,bj->", a[free, 3:], inertia, b[free, 3:])
+        return float(translation + rotation)
+
+    norms = product(first, first) * product(second, second)
+    return product(first, second) ** 2 / norms if norms > 0.0 else float("nan")
+
+
+def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
+    """Power sum of mu n |u_t| over the contact points, relative to the power the weights exchange, sum of |w . v|.
+
+    Zero when no loaded joint slides: then the flow rule's dilatancy plays no part and the associated answer is Coulomb's too.
+    """
+    _, sliding = contact_speeds(assembly, twists)
+    compression = np.maximum(np.sum(forces * assembly.normal, axis=1), 0.0)
+    exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
+    if exchanged == 0.0:
+        return 0.0
+    return float(np.sum(assembly.points.friction * compression * sliding) / exchanged)

@@ -1,0 +1,55 @@
+"""What a pair of contact forces and mechanism proves: every residual recomputed from the answer, never the solver's word."""
+
+import numpy as np
+
+from la_core.measures.mechanism import block_speeds, contact_speeds
+from la_core.model import PLANE_FREEDOMS, Assembly, per_length
+
+
+def reaction(assembly: Assembly, forces: np.ndarray) -> float:
+    """Reaction (N or N m): minus unit support motion times the wrench of the support on the structure."""
+    return float(np.sum(assembly.support_twist * assembly.contact_wrenches(forces)))
+
+
+def multiplier(assembly: Assembly, forces: np.ndarray) -> float:
+    """Multiplier that balances contact forces and dead load best, in the least-squares sense."""
+    free = assembly.blocks.free
+    unbalanced = (assembly.contact_wrenches(forces) + assembly.dead_load)[free]
+    live = assembly.live_load[free]
+    return float(-np.sum(unbalanced * live) / np.sum(live * live))
+
+
+def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: float = 0.0) -> float:
+    """Largest unbalanced force, or moment over the mean block size, on a free block over the mean free-block weight."""
+    wrenches = assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load
+    unbalanced = per_length(wrenches[assembly.blocks.free], assembly.length)
+    kept = unbalanced[:, PLANE_FREEDOMS] if assembly.effects.plane else unbalanced
+    return float(np.abs(kept).max() / assembly.mean_weight)
+
+
+def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
+    """Largest tension or excess of |t| over mu n, over the mean free-block weight; sliding limits no force where it is excluded."""
+    normal = np.sum(forces * assembly.normal, axis=1)
+    tangential = np.linalg.norm(forces - normal[:, None] * assembly.normal, axis=1)
+    excess = np.zeros(1) if assembly.effects.sliding_excluded else tangential - assembly.points.friction * normal
+    return float(max(0.0, -normal.min(), excess.max()) / assembly.mean_weight)
+
+
+def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
+    """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over the largest speed of a block.
+
+    Not over the largest relative velocity: that is zero where blocks ride along with their support.
+    """
+    (normal, tangential), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
+    if assembly.effects.sliding_excluded:
+        violation = np.maximum(tangential, -normal)
+    else:
+        excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
+        violation = np.maximum(excess, -normal)  # a large mu must not hide that blocks penetrate
+    return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
+
+
+def penetration(assembly: Assembly, twists: np.ndarray) -> float:
+    """Largest speed at which blocks of a mechanism penetrate each other over the largest speed of a block."""
+    (normal, _), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
+    return float(max(0.0, -normal.min()) / fastest) if fastest > 0.0 else 0.0

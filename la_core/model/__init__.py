@@ -1,0 +1,26 @@
+"""The mechanical model of a scene: assembly, scaling, elastic joints, and which effects it calls for."""
+
+from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length
+from la_core.model.contact_grid import with_grid
+from la_core.model.dem_effects import settle_run
+from la_core.model.effects import Effects
+from la_core.model.joints import JointStiffness, joint_stiffness, support_reach
+from la_core.model.scaling import columns, global_forces, scaled_load, support_motion, twists_of
+
+__all__ = [
+    "PLANE_FREEDOMS",
+    "Assembly",
+    "Effects",
+    "JointStiffness",
+    "assemble",
+    "columns",
+    "global_forces",
+    "joint_stiffness",
+    "per_length",
+    "scaled_load",
+    "settle_run",
+    "support_motion",
+    "support_reach",
+    "twists_of",
+    "with_grid",
+]

@@ -1,0 +1,152 @@
+"""The mechanical model: weights, support motion and the matrix from block twists to relative velocities at contact points."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from la_core.errors import SceneError
+from la_core.exchange import SUPPORT
+from la_core.geometry import Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes
+from la_core.model.effects import Effects, decide
+from la_core.scene import Scene
+
+PLANE_FREEDOMS = (0, 2, 4)  # vx, vz, wy of a block that moves in the xz plane
+
+
+def per_length(wrenches: np.ndarray, length: float) -> np.ndarray:
+    """Wrenches (N, 6) with moments divided by `length` (m), so that all six are forces; likewise rotations to radians."""
+    return wrenches / np.array([1.0, 1.0, 1.0, length, length, length])
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Blocks, interfaces and contact points of a scene, its dead load and its driving motion or load.
+
+    inset: of the contact points, m. dead_load, live_load (B, 6): wrenches about the centroids, N and N m; live_load is per unit
+    multiplier and zero for a settlement. support_twist (B, 6): unit motion of each support block about its centroid, else zero.
+    aside (B,): free blocks of the scene that are held at rest here, out of the motion's reach (`la_core.analysis.reach`).
+    """
+
+    blocks: Blocks
+    interfaces: Interfaces
+    points: ContactPoints
+    effects: Effects
+    inset: float
+    dead_load: np.ndarray
+    live_load: np.ndarray
+    support_twist: np.ndarray
+    aside: np.ndarray
+
+    @property
+    def weight(self) -> float:
+        """Weight of the free blocks, N."""
+        return float(np.linalg.norm(self.dead_load[self.blocks.free, :3], axis=1).sum())
+
+    @property
+    def mean_weight(self) -> float:
+        """Mean weight of a free block, N: what residuals are relative to."""
+        return self.weight / int(self.blocks.free.sum())
+
+    @property
+    def length(self) -> float:
+        """Mean size of a free block, m: what moments are scaled by."""
+        return float(np.linalg.norm(self.blocks.high - self.blocks.low, axis=1)[self.blocks.free].mean() / np.sqrt(3.0))
+
+    @property
+    def movable_mass(self) -> float:
+        """Mass of all free blocks of the scene, kg, also of those set aside: what shares of the mass are relative to."""
+        return float(self.blocks.mass[self.blocks.free | self.aside].sum())
+
+    @property
+    def has_live_load(self) -> bool:
+        """Whether the assembly is driven by a live load instead of a support."""
+        return bool(np.any(self.live_load))
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Unit normal (C, 3) at each contact point, from block a to block b."""
+        return self.interfaces.normal[self.points.interface]
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Local axes (C, 3, 3) at each contact point: rows normal, first tangent, second tangent."""
+        first, second = plane_axes(self.interfaces.normal)
+        return np.stack([self.interfaces.normal, first, second], axis=1)[self.points.interface]
+
+    @property
+    def contact_blocks(self) -> tuple[np.ndarray, np.ndarray]:
+        """Blocks a and b (C,) of each contact point."""
+        return self.interfaces.block_a[self.points.interface], self.interfaces.block_b[self.points.interface]
+
+    def relative_velocity(self, twists: np.ndarray) -> np.ndarray:
+        """Velocity (C, 3) of block b relative to a at each contact point, global axes, for block twists (B, 6)."""
+        velocity = np.zeros_like(self.points.position)
+        for block, sign in zip(self.contact_blocks, (-1.0, 1.0), strict=True):
+            arm = self.points.position - self.blocks.centroid[block]
+            velocity += sign * (twists[block, :3] + np.cross(twists[block, 3:], arm))
+        return velocity
+
+    def contact_wrenches(self, forces: np.ndarray) -> np.ndarray:
+        """Sum (B, 6) of contact forces (C, 3; on b, global axes) on each block, moments about its centroid."""
+        wrenches = np.zeros((len(self.blocks), 6))
+        for block, sign in zip(self.contact_blocks, (-1.0, 1.0), strict=True):
+            arm = self.points.position - self.blocks.centroid[block]
+            np.add.at(wrenches, block, sign * np.concatenate([forces, np.cross(arm, forces)], axis=1))
+        return wrenches
+
+    def kinematic_matrix(self, length: float) -> sparse.csr_matrix:
+        """Matrix from twists of all blocks to local relative velocities; rotations are measured as `length` times radians.
+
+        Rows: per contact point normal and tangents (2 rows in a plane scene, 3 else). Columns: per block vx, vz, wy or six.
+        """
+        plane = self.effects.plane
+        freedoms = np.array(PLANE_FREEDOMS if plane else range(6))
+        axes = self.axes[:, : 2 if plane else 3]
+        count, rows = axes.shape[:2]
+        row = np.arange(count * rows).reshape(count, rows, 1)
+        values, columns = [], []
+        for block, sign in zip(self.contact_blocks, (-1.0, 1.0), strict=True):
+            arm = np.broadcast_to((self.points.position - self.blocks.centroid[block])[:, None, :], axes.shape)
+            values.append(sign * np.concatenate([axes, np.cross(arm, axes) / length], axis=2)[..., freedoms])
+            columns.append(np.broadcast_to(block[:, None, None] * len(freedoms) + np.arange(len(freedoms)), values[-1].shape))
+        place = np.broadcast_to(row, values[0].shape)
+        entries = (np.concatenate(values, axis=None), (np.concatenate([place, place], axis=None), np.concatenate(columns, axis=None)))
+        return sparse.csr_matrix(entries, shape=(count * rows, len(self.blocks) * len(freedoms)))
+
+    def with_inset(self, scene: Scene, inset: float) -> "Assembly":
+        """The same assembly with its contact points drawn in by `inset` (m) instead."""
+        points = contact_points(self.blocks, self.interfaces, scene.friction, inset, self.effects.plane)
+        return replace(self, points=points, inset=inset)
+
+
+def assemble(scene: Scene) -> Assembly:
+    """Find the interfaces of a scene and build its mechanical model, contact points at the scene's inset."""
+    try:
+        return _assemble(scene)
+    except SceneError as error:
+        raise SceneError(str(scene.path), str(error)) from error
+
+
+def _assemble(scene: Scene) -> Assembly:
+    blocks = scene.blocks
+    effects = decide(scene)
+    interfaces = find_interfaces(blocks)
+    points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
+    dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
+    dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
+    if scene.live is not None:
+        live_load[:, :3] = np.linalg.norm(dead_load[:, :3], axis=1)[:, None] * scene.live
+    if scene.support_twist is not None:
+        support = blocks.role == SUPPORT
+        _refuse_idle_support(support, interfaces)
+        velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
+        support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
+        support_twist[support, 3:] = spin
+    aside = np.zeros(len(blocks), dtype=bool)
+    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside)
+
+
+def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:
+    if not (support[interfaces.block_a] | support[interfaces.block_b]).any():
+        raise SceneError("settlement", "no support block touches a free block, so its motion changes nothing")

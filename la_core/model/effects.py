@@ -1,0 +1,120 @@
+"""Which effects a scene calls for, each with its reason."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from la_core.errors import SceneError
+from la_core.scene import Scene
+
+FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in the plane
+
+
+@dataclass(frozen=True)
+class Effects:
+    """What is modelled, and why: reasons by effect.
+
+    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides"; sliding_excluded: by Heyman's law, asked for,
+    and not only absent from the answer. elasticity: of the joints in limit analysis, "none", "plateau" (in steps to the plateau) or
+    "path" (the whole curve). reach: only the blocks that the support's motion can touch. displacement: of YADE's contacts, "small"
+    (those listed) or "finite" (new ones are looked for). recording: of YADE's states, "plateau" (at rest and on the plateau) or
+    "states" (all along). called_back: effects that were left out, and turned back on after a run in YADE.
+    """
+
+    plane: bool
+    friction: str
+    elasticity: str
+    reach: bool
+    displacement: str
+    recording: str
+    reasons: dict[str, str]
+    sliding_excluded: bool = False
+    called_back: tuple[str, ...] = ()
+
+    def settled(self, effect: str, choice: bool | str, reason: str) -> "Effects":
+        """The same with one effect settled otherwise, for a reason."""
+        return replace(self, **{effect: choice, "reasons": self.reasons | {effect: reason}})  # type: ignore[arg-type]
+
+
+def decide(scene: Scene) -> Effects:
+    """Decide what the scene alone decides; friction "auto" counts as Coulomb's until `la_core.coulomb` has looked for a sliding joint.
+
+    Raises SceneError for what a scene asks for and does not allow.
+    """
+    plane, why_plane = _decide_plane(scene)
+    if scene.effects.reach is True and scene.live is not None:
+        raise SceneError("effects.reach", "a live load acts on every block", value=True, hint='leave it out or say "auto"')
+    friction, elasticity = scene.effects.friction, scene.effects.elasticity
+    if elasticity == "auto":
+        elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
+    elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
+        raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
+    asked = "asked for in the scene"
+    reasons = {
+        "plane": why_plane,
+        "friction": asked if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
+        "elasticity": asked if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
+    }
+    return Effects(
+        plane,
+        "coulomb" if friction == "auto" else friction,
+        elasticity,
+        reach=False,  # until its answer is proven, see `la_core.analysis.reach`
+        displacement="finite",
+        recording="states",
+        reasons=reasons,
+        sliding_excluded=friction == "none-slides",
+    )
+
+
+_DEFAULT = "joints may slide, and real friction does not dilate"
+_WHY_ELASTIC = {
+    "none": "bounds do not depend on the joints' strain",
+    "plateau": "friction without dilatancy follows the joints' strain from rest to the plateau",
+    "path": "a [path] is asked for",
+}
+
+
+def _decide_plane(scene: Scene) -> tuple[bool, str]:
+    """Whether the model is plane, and why."""
+    obstacle = _obstacle_to_plane(scene)
+    asked = scene.effects.plane
+    if asked is True and obstacle:
+        raise SceneError("effects.plane", obstacle, value=True, hint='leave it out or say "auto"')
+    plane = not obstacle if asked == "auto" else bool(asked)
+    low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
+    fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
+    return plane, obstacle or (fits if plane else f"asked for in the scene, although {fits}")
+
+
+def _obstacle_to_elasticity(scene: Scene) -> str | None:
+    """Why the elasticity asked for does not go with the friction asked for, None where it does."""
+    friction, elasticity = scene.effects.friction, scene.effects.elasticity
+    if elasticity == "none" and friction == "coulomb":
+        return "friction without dilatancy follows the joints' strain, and without strain its answer is not unique"
+    if elasticity == "none" and scene.path_asked:
+        return "a [path] is a path of strain"
+    if elasticity != "none" and friction in ("associated", "none-slides"):
+        return f'friction = "{friction}" yields bounds, which do not depend on the joints\' strain'
+    return None
+
+
+def _obstacle_to_plane(scene: Scene) -> str:
+    """Why the scene is not plane, or "" when it is."""
+    blocks = scene.blocks
+    low, high = blocks.low[:, 1], blocks.high[:, 1]
+    depth = high.max() - low.min()
+    for outlier in np.flatnonzero((low - low.min() > FLAT * depth) | (high.max() - high > FLAT * depth)):
+        return f'block "{blocks.names[outlier]}" does not span the whole depth, y = {low.min():.6g} to {high.max():.6g} m'
+    for outlier in np.flatnonzero(np.minimum(np.abs(blocks.face_normal[:, 1]), 1.0 - np.abs(blocks.face_normal[:, 1])) > FLAT):
+        return f'block "{blocks.names[blocks.face_block[outlier]]}" is not a prism along y'
+    if abs(scene.gravity[1]) > FLAT * np.linalg.norm(scene.gravity):
+        return "gravity has a component along y"
+    if scene.live is not None and abs(scene.live[1]) > FLAT:
+        return "the live load has a component along y"
+    if scene.support_twist is not None:
+        velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
+        out_of_plane = np.hypot(spin[0], spin[2]) if np.any(spin) else abs(velocity[1])
+        if out_of_plane > FLAT:
+            return "the support does not move in the xz plane"
+    return ""

@@ -1,0 +1,43 @@
+"""Between the model in SI units and programmes in numbers of order one: lengths over the mean block size, forces over the weight."""
+
+import numpy as np
+
+from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
+
+
+def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
+    """Speed of the fastest support point per unit motion (1, or m for a turning support), and the supports' twists (B, 6) over it.
+
+    sign: 1 where the support yields, -1 where it pushes back, 0 where it rests.
+    """
+    if sign == 0.0:
+        return 1.0, np.zeros((len(assembly.blocks), 6))
+    speed = float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
+    return speed, sign * assembly.support_twist / speed
+
+
+def columns(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
+    """Twists (B, 6) as the vector that the scaled kinematic matrix acts on: rotations times the length, plane freedoms picked."""
+    scaled = twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3])
+    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
+
+
+def scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
+    """Wrenches (B, 6) of the free blocks as powers per scaled column: forces over the weight, moments over weight and length."""
+    scaled = per_length(wrenches[assembly.blocks.free], assembly.length) / assembly.weight
+    return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
+
+
+def twists_of(assembly: Assembly, x: np.ndarray) -> np.ndarray:
+    """Twists (B, 6) from the scaled columns of the free blocks; the others rest."""
+    count = int(assembly.blocks.free.sum())
+    free, twists = np.zeros((count, 6)), np.zeros((len(assembly.blocks), 6))
+    free[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)
+    twists[assembly.blocks.free] = per_length(free, assembly.length)
+    return twists
+
+
+def global_forces(assembly: Assembly, local: np.ndarray) -> np.ndarray:
+    """Contact forces (C, 3) in N along the global axes, from scaled local components (normal, tangents), flat or (C, 2 or 3)."""
+    shaped = local.reshape(len(assembly.points), -1) * assembly.weight
+    return np.einsum("ck,ckj->cj", shaped, assembly.axes[:, : shaped.shape[1]])

@@ -1,0 +1,38 @@
+"""What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
+
+from la_core.scene.full_model import full_model
+from la_core.scene.key_paths import put, steps
+from la_core.scene.scene import Scene, load_scene, scene_of_text
+from la_core.scene.schema.mesh import FOLDER_FORMATS
+from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, Path
+from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text
+from la_core.scene.shipped import FOLDER, find, load, names
+from la_core.scene.validation import complaint
+from la_core.scene.variants import build, override, variant
+
+__all__ = [
+    "FOLDER",
+    "FOLDER_FORMATS",
+    "LARGEST_FILE",
+    "LEAST_ACCURACY",
+    "MOST_ACCURACY",
+    "Expected",
+    "Name",
+    "Path",
+    "Positive",
+    "Scene",
+    "Table",
+    "Text",
+    "build",
+    "complaint",
+    "find",
+    "full_model",
+    "load",
+    "load_scene",
+    "names",
+    "override",
+    "put",
+    "scene_of_text",
+    "steps",
+    "variant",
+]

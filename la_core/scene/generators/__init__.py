@@ -1,0 +1,1 @@
+"""Generators: tables of a scene file that expand to blocks."""

@@ -1,0 +1,127 @@
+"""Walls that meet at right angles and interlock: whole buildings, and L, T and cross junctions."""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.errors import SceneError
+from la_core.geometry import Shape, box
+from la_core.scene.generators.courses import ON_LINE, Face, Piece, Span
+from la_core.scene.generators.wall import NamedShape, piece_shape
+from la_core.scene.schema.masonry import SIDES, Building
+
+
+@dataclass(frozen=True)
+class Line:
+    """One wall in plan: the axis it runs along (0 for x, 1 for y), its low and high corner (m), and where other walls cross it."""
+
+    side: str
+    axis: int
+    low: tuple[float, float]
+    high: tuple[float, float]
+    nodes: tuple[Span, ...] = ()
+
+    @property
+    def span(self) -> Span:
+        """From where to where it runs, m in plan."""
+        return self.low[self.axis], self.high[self.axis]
+
+
+def building_blocks(building: Building) -> Iterator[NamedShape]:
+    """Blocks wall by wall, course by course; then the strips of the foundation.
+
+    Raises SceneError for openings that do not fit and for a settling region that cuts a strip lengthwise or holds none.
+    """
+    length, thickness, height = building.block
+    lines = _lines(building)
+    for line in lines:
+        face = Face(f'building "{building.name}": {line.side}', line.span[1] - line.span[0], height, building.courses, length)
+        openings = [opening for opening in building.opening if opening.side == line.side]
+        for course in range(building.courses):
+            through = (line.axis == 0) == (course % 2 == 0)
+            added = sum(f.mass for f in building.floor if f.course == course + 1 and line.side in (f.sides or (line.side,)))
+            pieces = face.pieces(course, 0.0 if through else length / 2.0, () if through else line.nodes, openings)
+            for number, piece in enumerate(pieces, 1):
+                shape = _placed(building, line, piece, course)
+                name = f"{building.name} {line.side} {course + 1}.{number}"
+                yield NamedShape(name, "free", building.density, shape, added_density=added / (thickness * height))
+    if building.foundation:
+        yield from _foundation(building, lines)
+
+
+def _lines(building: Building) -> list[Line]:
+    """The walls of a plan, each with the stretches (along itself, m) where walls of the other direction cross it."""
+    x, y = building.size
+    t = building.block[1]
+    middle_x, middle_y = (x - t) / 2.0, (y - t) / 2.0
+    corners = {
+        "south": ((0.0, 0.0), (x, t)), "north": ((0.0, y - t), (x, y)), "west": ((0.0, 0.0), (t, y)), "east": ((x - t, 0.0), (x, y)),
+        "stem": ((middle_x, 0.0), (middle_x + t, y)), "along x": ((0.0, middle_y), (x, middle_y + t)),
+        "along y": ((middle_x, 0.0), (middle_x + t, y)),
+    }  # fmt: skip
+    walls = [Line(side, "xy".index(axis), *corners[side]) for side, axis in SIDES[building.plan].items()]
+    lines = []
+    for wall in walls:
+        crossing = [other for other in walls if other.axis != wall.axis]
+        start = wall.span[0]
+        nodes = sorted((other.low[wall.axis] - start, other.high[wall.axis] - start) for other in crossing)
+        lines.append(Line(wall.side, wall.axis, wall.low, wall.high, tuple(nodes)))
+    return lines
+
+
+def _placed(building: Building, line: Line, piece: Piece, course: int) -> Shape:
+    """A piece of a course in space; walls along y are those along x turned by a quarter about z."""
+    thickness, height = building.block[1:]
+    flat = piece_shape(piece, 0.0, (0.0, thickness), (course * height, (course + 1) * height))
+    across, along, up = flat.vertices[:, 1], flat.vertices[:, 0], flat.vertices[:, 2]
+    plan = np.stack([along, across] if line.axis == 0 else [thickness - across, along], axis=1)
+    return Shape(np.column_stack([plan + line.low, up]) + building.origin, flat.faces)
+
+
+def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
+    """Strips under the walls: those along x run through, those along y lie between them."""
+    assert building.foundation is not None  # the caller asks only where there is one
+    settles = False
+    for line in lines:
+        start, total = line.span[0], line.span[1] - line.span[0]
+        cuts = sorted({0.0, total, *(end for node in (line.nodes if line.axis else ()) for end in node)})
+        taken = {node for node in line.nodes if line.axis}
+        for low, high in itertools.pairwise(cuts):
+            if (low, high) in taken or high - low <= ON_LINE * building.block[0]:
+                continue
+            for number, (part, role) in enumerate(_parts(building, line, (start + low, start + high)), 1):
+                settles |= role == "support"
+                yield NamedShape(f"{building.name} foundation {line.side} {low:g}.{number}", role, None, _strip(building, line, part))
+    if not settles:
+        region = building.foundation.settling
+        where = f'building "{building.name}": foundation.settling'
+        raise SceneError(where, "holds no part of a foundation, so nothing settles", value=(region.from_, region.to))
+
+
+def _parts(building: Building, line: Line, stretch: Span) -> list[tuple[Span, str]]:
+    """A stretch of a strip cut where the settling region begins and ends."""
+    assert building.foundation is not None
+    region, across = building.foundation.settling, 1 - line.axis
+    near = ON_LINE * building.block[0]
+    low, high = region.from_[line.axis], region.to[line.axis]
+    beside = region.to[across] <= line.low[across] + near or region.from_[across] >= line.high[across] - near
+    if beside or high <= stretch[0] + near or low >= stretch[1] - near:
+        return [(stretch, "fixed")]
+    if region.from_[across] > line.low[across] + near or region.to[across] < line.high[across] - near:
+        where = f'building "{building.name}": foundation.settling'
+        rule = f"must hold the strip under the {line.side} wall over its whole breadth, {line.low[across]:g} to {line.high[across]:g} m"
+        raise SceneError(where, rule, value=(region.from_, region.to))
+    edges = [stretch[0], *(edge for edge in (low, high) if stretch[0] + near < edge < stretch[1] - near), stretch[1]]
+    middles = [(a + b) / 2.0 for a, b in itertools.pairwise(edges)]
+    roles = ["support" if low <= middle <= high else "fixed" for middle in middles]
+    return list(zip(itertools.pairwise(edges), roles, strict=True))
+
+
+def _strip(building: Building, line: Line, part: Span) -> Shape:
+    assert building.foundation is not None
+    low, high = list(line.low), list(line.high)
+    low[line.axis], high[line.axis] = part
+    corners = np.array([[*low, -building.foundation.height], [*high, 0.0]]) + building.origin
+    return box(*corners.tolist())

@@ -1,0 +1,130 @@
+"""Imported bodies: a `[[mesh]]` table becomes the same blocks a user could have typed."""
+
+import importlib.util
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from la_core.errors import SceneError, nearest
+from la_core.scene.generators.mesh_formats import surfaces
+from la_core.scene.generators.mesh_surface import Surface, convex_shape
+from la_core.scene.generators.wall import NamedShape
+from la_core.scene.schema.mesh import FOLDER_FORMATS, FORMATS, Mesh
+from la_core.scene.schema.types import LARGEST_FILE, LONGEST_NAME, MOST_BLOCKS
+
+INSTALL = 'install the extra "mesh": pip install --editable ".[mesh]" in the project\'s folder, or pip install trimesh'
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A file that a scene was built from: its path relative to the scene's folder, its content, whether it is one of a folder's."""
+
+    path: PurePosixPath
+    content: bytes
+    of_folder: bool
+
+
+def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
+    """The file of a mesh table, or all files of its folder in the order of their names; `folder` is the scene's.
+
+    Raises SceneError for what is missing, cannot be read, is too large, or leads out of the scene's folder by a link.
+    """
+    root = folder.resolve()
+    path = root / mesh.file
+    try:
+        if not path.resolve().is_relative_to(root):
+            raise SceneError(_where(mesh), "is a link that leads out of the scene's folder", hint="put a copy of the mesh there")
+        if not path.is_dir():
+            if path.suffix.lower() not in FORMATS or (path.exists() and not path.is_file()):
+                raise SceneError(_where(mesh), "neither a mesh file nor a folder of them")
+            return [MeshFile(PurePosixPath(mesh.file), _content(mesh, path, LARGEST_FILE), of_folder=False)]
+        members = sorted(member for member in path.iterdir() if member.suffix.lower() in FOLDER_FORMATS)
+        if not members:
+            raise SceneError(_where(mesh), f"a folder without {' or '.join(FOLDER_FORMATS)} files")
+        if any(not (member.is_file() and member.resolve().is_relative_to(root)) for member in members):
+            raise SceneError(_where(mesh), "holds something that is no file, or a link that leads out of the scene's folder")
+        left, files = LARGEST_FILE, []
+        for member in members:
+            files.append(MeshFile(PurePosixPath(mesh.file) / member.name, _content(mesh, member, left), of_folder=True))
+            left -= len(files[-1].content)
+    except (OSError, ValueError) as error:  # a ValueError is Python's for a name that no file can have
+        reason = getattr(error, "strerror", None) or error
+        raise SceneError(_where(mesh), f"cannot be read: {reason}", hint="the path is relative to the scene file") from error
+    return files
+
+
+def _content(mesh: Mesh, path: Path, largest: int) -> bytes:
+    with path.open("rb") as file:
+        content = file.read(largest + 1)
+    if len(content) > largest:
+        raise SceneError(
+            _where(mesh), f"larger than {LARGEST_FILE} bytes in all", hint="write fewer bodies, or coarser ones, or binary files"
+        )
+    return content
+
+
+def mesh_blocks(mesh: Mesh, files: list[MeshFile]) -> list[NamedShape]:
+    """Blocks of a mesh table from its files' contents, in their order; raises SceneError naming file, body and defect."""
+    bodies = [(file, surface) for file in files for surface in _surfaces(mesh, file)]
+    if not bodies:
+        raise SceneError(_where(mesh), "holds no body with faces")
+    if len(bodies) > MOST_BLOCKS:
+        raise SceneError(_where(mesh), f"holds {len(bodies)} bodies; at most {MOST_BLOCKS} are taken")
+    roles = _roles(mesh, [surface for _, surface in bodies])
+    return list(_shapes(mesh, bodies, roles))
+
+
+def _surfaces(mesh: Mesh, file: MeshFile) -> list[Surface]:
+    suffix = file.path.suffix.lower()
+    if suffix in FOLDER_FORMATS and importlib.util.find_spec("trimesh") is None:
+        raise SceneError(_where(mesh), f"{suffix} files are read by trimesh, which is not installed", hint=INSTALL)
+    try:
+        return surfaces(suffix, file.content, file.path.stem)
+    except ValueError as error:
+        raise SceneError(f'mesh "{file.path}"', str(error)) from error
+
+
+def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]) -> Iterator[NamedShape]:
+    turn = np.eye(3) if mesh.turn is None else _rotation(mesh)
+    for (file, surface), role in zip(bodies, roles, strict=True):
+        where, name = f'mesh "{file.path}": body "{surface.name}"', f"{mesh.name} {surface.name}".strip()
+        if not 0 < len(name) <= LONGEST_NAME or not name.isprintable():
+            raise SceneError(where, f"a body's name must be printable text of at most {LONGEST_NAME} characters")
+        placed = replace(surface, vertices=mesh.scale * surface.vertices @ turn.T + np.array(mesh.shift))
+        try:
+            yield NamedShape(name, role, mesh.density, convex_shape(placed))
+        except ValueError as error:
+            raise SceneError(where, str(error)) from error
+
+
+def _rotation(mesh: Mesh) -> np.ndarray:
+    assert mesh.turn is not None  # the caller sees to it
+    axis = np.array(mesh.turn.axis) / np.abs(mesh.turn.axis).max()
+    return Rotation.from_rotvec(mesh.turn.degrees * axis / np.linalg.norm(axis), degrees=True).as_matrix()
+
+
+def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:
+    """Role of every body by the patterns; a body that the file itself calls held is fixed unless it is to be a support."""
+    names = [body.name for body in bodies]
+    matched = {"fixed": [False] * len(names), "support": [False] * len(names)}
+    for role, patterns in (("fixed", mesh.fixed), ("support", mesh.support)):
+        for pattern in patterns:
+            hits = [fnmatchcase(name, pattern) for name in names]
+            if not any(hits):
+                raise SceneError(
+                    f"{_where(mesh)}: {role}", "no body's name fits", value=pattern, hint=nearest(pattern, names[:20], "names")
+                )
+            matched[role] = [old or hit for old, hit in zip(matched[role], hits, strict=True)]
+    both = [name for name, *hits in zip(names, *matched.values(), strict=True) if all(hits)]
+    if both:
+        raise SceneError(f'{_where(mesh)}: body "{both[0]}"', "fits a pattern of `fixed` and one of `support`; it can have one role")
+    rows = zip(bodies, matched["fixed"], matched["support"], strict=True)
+    return ["support" if support else "fixed" if fixed or body.held else "free" for body, fixed, support in rows]
+
+
+def _where(mesh: Mesh) -> str:
+    return f'mesh "{mesh.file}"'

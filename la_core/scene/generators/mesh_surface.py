@@ -1,0 +1,114 @@
+"""A closed surface as read from a file, and whether it bounds one convex body."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.spatial
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from la_core.geometry import FACE_FLATNESS, Shape, polyhedron
+from la_core.scene.schema.types import LARGEST
+
+WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
+MOST_CORNERS = 1000  # of one body: beyond this a scan or an ornament, not a block with plane joints
+FOLDED = 1e-2  # of the hull's volume: what a surface that lies on its hull may lack of it
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One body of a file: its name there, vertices (n, 3) in the file's unit, faces as loops, whether the file says it is held."""
+
+    name: str
+    vertices: np.ndarray
+    faces: tuple[tuple[int, ...], ...]
+    held: bool = False
+
+
+def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], held: bool = False) -> Surface:
+    """The surface that `faces` make of the vertices (n, 3) they use."""
+    if not faces:
+        return Surface(name, np.zeros((0, 3)), (), held)
+    used, numbers = np.unique(np.concatenate([np.array(face, dtype=int) for face in faces]), return_inverse=True)
+    loops = np.split(numbers, np.cumsum([len(face) for face in faces])[:-1])
+    return Surface(name, vertices[used], tuple(tuple(loop.tolist()) for loop in loops), held)
+
+
+def convex_shape(body: Surface) -> Shape:
+    """The surface as a convex shape with plane faces.
+
+    Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
+    """
+    if not body.faces:
+        raise ValueError("is empty: it has no faces")
+    if not np.all(np.abs(body.vertices) <= LARGEST):  # also false for NaN
+        raise ValueError(f"has a coordinate that is not a number or beyond {LARGEST:g} m")
+    vertices, triangles, faces = _welded(body)
+    if not faces:
+        raise ValueError("is degenerate: every face has shrunk to a line or a point")
+    _refuse_unpaired_edges(faces)
+    try:
+        shape = polyhedron(vertices.tolist())
+    except ValueError as error:
+        raise ValueError("is degenerate: it has no volume") from error
+    _refuse_dents(vertices, triangles, faces)
+    return shape
+
+
+def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """Vertices with near ones merged, triangles (T, 3), and faces without the corners that repeat the one before."""
+    points, number = np.unique(body.vertices, axis=0, return_inverse=True)
+    if len(points) > MOST_CORNERS:
+        raise ValueError(f"has {len(points)} corners; simplify it to the plane faces of a block, with at most {MOST_CORNERS} corners")
+    near = scipy.spatial.cKDTree(points).query_pairs(WELD * np.ptp(points, axis=0).max(), output_type="ndarray")
+    group = _groups(near, len(points)) if len(near) else np.arange(len(points))
+    first = np.unique(group, return_index=True)[1]
+    loops = [group[number.ravel()[list(face)]] for face in body.faces]
+    faces = [loop[loop != np.roll(loop, 1)] for loop in loops]
+    faces = [face for face in faces if len(face) >= 3]
+    fans = [(face[0], second, third) for face in faces for second, third in pairwise(face[1:])]
+    return points[first], np.array(fans, dtype=int).reshape(-1, 3), faces
+
+
+def _groups(pairs: np.ndarray, count: int) -> np.ndarray:
+    """Group (count,) of things that hang together by pairs (P, 2)."""
+    graph = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
+    """A closed oriented surface passes along every edge twice, once each way; one shell hangs together by its edges."""
+    owner = np.repeat(np.arange(len(faces)), [len(face) for face in faces])
+    ends = np.stack([np.concatenate(faces), np.concatenate([np.roll(face, -1) for face in faces])], axis=1)
+    _, edge, uses = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
+    edge = edge.ravel()
+    if np.any(uses == 1):
+        raise ValueError(f"is open: {np.sum(uses == 1)} of its {len(uses)} edges lack a partner")
+    if np.any(uses > 2):
+        raise ValueError(f"is not the surface of one body: {np.sum(uses > 2)} of its {len(uses)} edges belong to more than two faces")
+    forward = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
+    if np.any(forward != 0.0):
+        raise ValueError(f"has inconsistent normals: {np.sum(forward != 0.0)} of its {len(uses)} edges run the same way in both faces")
+    neighbours = owner[np.argsort(edge)].reshape(-1, 2)
+    shells = _groups(neighbours, len(faces)).max() + 1
+    if shells > 1:
+        raise ValueError(f"consists of {shells} separate shells; give every body its own object, group or file")
+
+
+def _refuse_dents(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray]) -> None:
+    """On a convex surface all vertices, edges and triangles lie on the convex hull, and it encloses the hull's volume."""
+    centre, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
+    points = (vertices - centre) / size
+    hull = scipy.spatial.ConvexHull(points)
+    edges = np.concatenate([points[face] + points[np.roll(face, -1)] for face in faces]) / 2.0
+    corners = points[triangles]
+    on_surface = np.concatenate([points, edges, corners.mean(axis=1)])
+    depth = -np.max(on_surface @ hull.equations[:, :3].T + hull.equations[:, 3], axis=1)
+    if depth.max() > FACE_FLATNESS:
+        where = ", ".join(f"{x:.4g}" for x in centre + size * on_surface[np.argmax(depth)])
+        raise ValueError(f"is not convex: its deepest dent, near ({where}), lies {size * depth.max():.3g} m below its convex hull")
+    volume = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0
+    if abs(volume - hull.volume) > FOLDED * hull.volume:
+        raise ValueError(f"is folded: its faces enclose {volume / hull.volume:.3g} of the volume of its convex hull")

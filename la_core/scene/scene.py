@@ -1,0 +1,230 @@
+"""From a TOML file to a `Scene`: every complaint about a scene is made here, before anything is solved."""
+
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pydantic
+
+from la_core.errors import SceneError, nearest, visible
+from la_core.exchange import FREE, SETTINGS
+from la_core.geometry import shapes
+from la_core.scene.generators import arches, building, dome, wall
+from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
+from la_core.scene.generators.wall import NamedShape
+from la_core.scene.schema import scene_file
+from la_core.scene.schema.types import LARGEST_FILE, MOST_BLOCKS, Vector
+from la_core.scene.validation import complaint
+from la_core.text_table import Tabled, number
+
+
+@dataclass(frozen=True, repr=False)
+class Scene(Tabled):
+    """A validated scene: blocks as arrays, joint law, motion or load, what is expected of it. SI units, z up.
+
+    support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
+    live (3,): unit direction of a load proportional to weight, None for a settlement.
+    meshes: the files of its [[mesh]] tables as they were read. accuracy: share of the answer, None where none is asked for.
+    """
+
+    name: str
+    path: Path
+    text: str
+    title: str
+    source: str
+    gravity: np.ndarray
+    friction: float
+    inset: float
+    blocks: shapes.Blocks
+    support_twist: np.ndarray | None
+    live: np.ndarray | None
+    effects: scene_file.Effects
+    path_asked: scene_file.Path | None
+    expected: scene_file.Expected | None
+    yade: dict[str, Any]
+    meshes: tuple[MeshFile, ...] = ()
+    accuracy: float | None = None
+
+    @property
+    def weight(self) -> float:
+        """Weight of the free blocks, N."""
+        return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
+
+    @property
+    def is_rotation(self) -> bool:
+        """Whether the support turns, so that the reaction is a moment."""
+        return self.support_twist is not None and bool(np.any(self.support_twist[3:]))
+
+    @property
+    def settlement_unit(self) -> str:
+        """Unit of a thousandth of the support's motion: "mm" or "mrad"."""
+        return "mrad" if self.is_rotation else "mm"
+
+    @property
+    def quantity(self) -> str:
+        """What limit analysis yields here: "reaction" or "multiplier"."""
+        return "reaction" if self.live is None else "multiplier"
+
+    @property
+    def unit(self) -> str:
+        """Unit of that quantity."""
+        return "" if self.live is not None else "N m" if self.is_rotation else "N"
+
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in shapes.ROLES.items()]
+        values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
+        return self.title, (self.name, "", "unit"), [*counts, *((name, number(value), unit) for name, value, unit in values)]
+
+
+def load_scene(path: Path, name: str = "") -> Scene:
+    """Read, validate and expand a scene file; raises SceneError for anything a user must mend.
+
+    `name` replaces the file's stem as the scene's name, for copies.
+    """
+    return scene_of_text(_read(path), path, name or path.stem)
+
+
+def scene_of_text(text: str, path: Path, name: str) -> Scene:
+    """The same from a scene's text; its meshes are looked for beside `path`, which errors name."""
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # a ValueError besides TOML's own is Python's for a number of too many digits
+        raise SceneError(str(path), f"not valid TOML: {error}") from error
+    try:
+        return _build(path, name, text, _validate(data))
+    except SceneError as error:
+        raise SceneError(str(path), str(error)) from error
+
+
+def _read(path: Path) -> str:
+    try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise SceneError(str(path), "neither a file nor a folder, so it might never end")
+        if path.stat().st_size > LARGEST_FILE:
+            raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
+        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
+    except OSError as error:
+        raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
+    except UnicodeDecodeError as error:
+        raise SceneError(str(path), f"not UTF-8 text (byte {error.start})") from error
+
+
+def _validate(data: dict[str, Any]) -> scene_file.SceneFile:
+    try:
+        return scene_file.SceneFile.model_validate(data)
+    except pydantic.ValidationError as error:
+        raise complaint(error, data, scene_file.SceneFile) from error
+
+
+def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scene:
+    if not name.isprintable():
+        raise SceneError(f'the name "{visible(name)}"', "must be printable text, for a folder of results has it", hint="rename the file")
+    imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
+    every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
+    named = list(islice(every, MOST_BLOCKS + 1))
+    if len(named) > MOST_BLOCKS:
+        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="take larger ones or fewer")
+    _require_sense(named, file)
+    shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
+    blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
+    return Scene(
+        name=name,
+        path=path,
+        text=text,
+        title=file.title or name,
+        source=file.source,
+        gravity=np.array(file.gravity),
+        friction=file.joint.friction,
+        inset=file.joint.inset,
+        blocks=blocks,
+        support_twist=_support_twist(file.settlement),
+        live=_unit(file.live.direction) if file.live else None,
+        effects=file.effects,
+        path_asked=file.path,
+        expected=file.expected,
+        yade=file.yade,
+        meshes=tuple(one for _, files in imported for one in files),
+        accuracy=file.accuracy,
+    )
+
+
+def _named_shapes(file: scene_file.SceneFile) -> Iterator[NamedShape]:
+    for block in file.block:
+        try:
+            yield NamedShape(block.name, block.role, block.density, _shape(block))
+        except ValueError as error:
+            raise SceneError(f'block "{block.name}"', str(error)) from error
+    for kind, blocks_of in _GENERATORS.items():
+        for table in getattr(file, kind):
+            try:
+                yield from blocks_of(table)
+            except ValueError as error:
+                raise SceneError(f'{kind} "{table.name}"', str(error)) from error
+
+
+_GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
+    "wall": wall.wall_blocks,
+    "building": building.building_blocks,
+    "arch": arches.arch_blocks,
+    "vault": arches.vault_blocks,
+    "dome": dome.dome_blocks,
+}
+
+
+def _shape(block: scene_file.Block) -> shapes.Shape:
+    if block.box:
+        return shapes.box(block.box.from_, block.box.to)
+    if block.prism:
+        return shapes.prism(block.prism.profile, block.prism.y)
+    assert block.polyhedron is not None  # the schema demands exactly one shape
+    return shapes.polyhedron(block.polyhedron.vertices)
+
+
+def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
+    twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
+    if twice:
+        raise SceneError(f'block "{twice[0]}"', "the name is used twice; every block needs its own")
+    roles = {n.role for n in named}
+    if "free" not in roles:
+        raise SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"')
+    if file.settlement and "support" not in roles:
+        raise SceneError("settlement", "no block has the role of support", hint='give a [[block]] role = "support"')
+    if file.live and "support" in roles:
+        raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
+    if file.expected and (file.expected.multiplier is None) != (file.live is None):
+        wanted = "multiplier" if file.live else "reaction_over_weight"
+        raise SceneError("expected", f"a [{'live' if file.live else 'settlement'}] scene expects a `{wanted}`")
+    for name in file.yade:
+        if name not in SETTINGS:
+            raise SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS))
+
+
+def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float]:
+    """Density of every block; a held block may do without (NaN), a free one may not."""
+    stone = file.stone.density if file.stone else None
+    densities = [n.density if n.density is not None else stone for n in named]
+    for n, density in zip(named, densities, strict=True):
+        if density is None and shapes.ROLES[n.role] == FREE:
+            raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
+    return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]
+
+
+def _unit(vector: Vector) -> np.ndarray:
+    """Unit vector; scaled by the largest entry first, so that tiny and huge entries do not under- or overflow."""
+    scaled = np.array(vector) / np.abs(vector).max()
+    return scaled / np.linalg.norm(scaled)
+
+
+def _support_twist(settlement: scene_file.Settlement | None) -> np.ndarray | None:
+    if settlement is None:
+        return None
+    if settlement.direction is not None:
+        return np.concatenate([_unit(settlement.direction), np.zeros(3)])
+    assert settlement.axis is not None and settlement.point is not None  # the schema demands both
+    axis = _unit(settlement.axis)
+    return np.concatenate([np.cross(np.array(settlement.point), axis), axis])

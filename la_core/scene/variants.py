@@ -1,0 +1,102 @@
+"""Scenes made in code: from tables with the keys of a scene file, or from another scene with some of its keys changed.
+
+Both write the scene as TOML and read it like a file, so that one schema speaks about all scenes and results can be stored and cached.
+"""
+
+import copy
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pydantic
+import tomli_w
+
+from la_core.errors import SceneError
+from la_core.scene import key_paths
+from la_core.scene.scene import Scene, scene_of_text
+from la_core.scene.schema.scene_file import SceneFile
+from la_core.scene.validation import complaint
+
+KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
+LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
+LONGEST_TITLE = 120  # characters of a title made so
+
+
+def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = ".") -> Scene:
+    """A scene from tables with the keys of a scene file; raises SceneError as for a file.
+
+    tables: as `tomllib` would read them, arrays (NumPy's, too) and tuples for lists. name: of the scene and of its folder of results.
+    folder: what the files of [[mesh]] tables are relative to.
+
+    >>> import la_core
+    >>> pad = {"name": "pad", "role": "support", "box": {"from": [0, 0, -1], "to": [1, 1, 0]}}
+    >>> block = {"name": "block", "density": 2000, "box": {"from": [0, 0, 0], "to": [1, 1, 1]}}
+    >>> motion = {"direction": [0, 0, -1]}
+    >>> la_core.build({"joint": {"friction": 0.6}, "block": [pad, block], "settlement": motion}).weight
+    19620.0
+    """
+    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
+
+
+def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
+    """The scene with some keys changed; raises SceneError for a key that leads nowhere and for what the schema refuses.
+
+    changes: new values by dotted key, such as "joint.friction" or "wall[0].courses"; None takes a key or a table away. What the
+    original scene expects is left out unless it is changed, too. name: made from the changes where none is given, as is the title.
+
+    >>> import la_core
+    >>> smooth = la_core.variant(la_core.load("wall_third"), {"joint.friction": 0.4})
+    >>> smooth.name, smooth.friction
+    ('wall_third,joint.friction=0.4', 0.4)
+    """
+    tables, made = tomllib.loads(scene.text), ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
+    name = name or made[:LONGEST_NAME]
+    plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}
+    override(tables, plain, scene.path.parent / f"{name}.toml")
+    if "title" not in changes:
+        tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
+    return build(tables, name, scene.path.parent)
+
+
+def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:
+    """Set several keys of a scene's tables, which lie at `path`; returns all tables with the schema's defaults.
+
+    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless it changes, too.
+    """
+    before = _whole(tables, path)
+    for key, value in changes.items():
+        key_paths.put(tables, key, copy.deepcopy(value))
+    whole = _whole(tables, path)
+    is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    if is_another and whole["expected"] == before["expected"] is not None:
+        del tables["expected"]
+        whole["expected"] = None
+    return whole
+
+
+def _whole(tables: dict[str, Any], path: Path) -> dict[str, Any]:
+    try:
+        return SceneFile.model_validate(tables).model_dump(by_alias=True, mode="json")
+    except pydantic.ValidationError as error:
+        raise SceneError(str(path), str(complaint(error, tables, SceneFile))) from error
+
+
+def _name_of(key: str, value: Any) -> str:
+    """A change in one word that can be part of a folder's name."""
+    return re.sub(r"[^\w.+=-]", "", f"{key}={value}")
+
+
+def _plain(value: Any, key: str) -> Any:
+    """A value in the types of TOML; raises SceneError for one that has none."""
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist(), key)
+    if isinstance(value, Mapping):
+        return {str(name): _plain(item, f"{key}.{name}".removeprefix(".")) for name, item in value.items()}
+    if isinstance(value, str | bool | int | float):
+        return value
+    if isinstance(value, Sequence):
+        return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value, 1)]
+    raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint="leave out a key that has no value")
