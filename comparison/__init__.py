@@ -7,11 +7,11 @@ are stable; type checkers read them in `__init__.pyi`.
 from importlib import import_module as _load
 
 _HOMES = {
-    "Check": "check",
+    "Check": "judge",
     "Picture": "result",
     "Result": "result",
-    "Run": "record",
-    "Verdict": "check",
+    "Run": "yade",
+    "Verdict": "judge",
     "draw": "result",
     "read": "result",
     "run": "result",

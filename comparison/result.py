@@ -9,18 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.text import Text
 
-from comparison import plots, tables
-from comparison.arguments import FIGURE_FORMATS
-from comparison.check import Check, Verdict
-from comparison.figures import figures
-from comparison.files import refuse_name
-from comparison.narration import Narration
+from comparison.figures import figures, structure
+from comparison.judge import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
+from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.record import Run
 from comparison.report import write_report
-from comparison.workflow import read_results, report_again, run_scene
+from comparison.run_folder import FIGURE_FORMATS, refuse_name
+from comparison.workflow import report_again, run_scene
+from comparison.yade import Run, read_results
 from la_core.analysis import Answer, settled
 from la_core.errors import SceneError, nearest
 from la_core.scene import Scene, load
@@ -40,11 +37,11 @@ class Picture:
         """
         if Path(path).suffix not in FIGURE_FORMATS:
             raise SceneError(str(path), f"a figure's name ends in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
-        plots.save(self.figure, Path(path))
+        structure.save(self.figure, Path(path))
         return self
 
     def _repr_png_(self) -> bytes:
-        return plots.rendered(self.figure, ".png")
+        return structure.rendered(self.figure, ".png")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,9 +87,9 @@ class Result(Tabled):
         return write_report(self.folder.parent, [result.summary for result in (self, *others)], describe())
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        *cells, own_seconds, yade_seconds = tables.verdict_cells(self.summary)
-        mark = Text.from_markup(tables.MARKS[self.summary["verdict"]]).plain
-        return tables.VERDICT_TITLE, tables.VERDICT_HEADINGS, [[*cells, mark, own_seconds, yade_seconds]]
+        *cells, own_seconds, yade_seconds = verdict_cells(self.summary)
+        mark = SYMBOLS[self.summary["verdict"]]
+        return VERDICT_TITLE, VERDICT_HEADINGS, [[*cells, mark, own_seconds, yade_seconds]]
 
     def __repr__(self) -> str:
         return "\n".join([super().__repr__(), *([self.reason] if self.reason else [])])
@@ -147,7 +144,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     name: of the figure. run: YADE's, to be drawn beside the answer.
     """
     if isinstance(what, Scene):
-        return Picture(plots.assembly_figure(what, settled(what)))
+        return Picture(structure.assembly_figure(what, settled(what)))
     drawings = figures(what.scene, what.analysis, run)
     chosen = name or "mechanisms"
     if chosen not in drawings:

@@ -14,13 +14,13 @@ from typing import Any
 from rich.console import Console
 from scenes_for_tests import shipped
 
-from comparison import workflow
-from comparison.bought import percent
-from comparison.narration import Narration
+from comparison.judge.requested_accuracy import percent
+from comparison.numbers import DASH
+from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.report_numbers import DASH
-from comparison.tables import number
+from comparison.workflow import one_scene
 from la_core.analysis.accuracy import with_accuracy
+from la_core.text_table import number
 
 ACCURACIES = (0.05, 0.01, 0.002)
 SCENES = (
@@ -35,7 +35,7 @@ HEAD = ("scene", "asked", "limit analysis: error", "estimated", "s", "YADE: erro
 def measured(name: str, accuracy: float, folder: Path, narration: Narration) -> list[str]:
     """Cells of one row."""
     scene = with_accuracy(shipped(name), accuracy)
-    summary = workflow.run_scene(scene, folder / f"{name}-{accuracy}", narration, with_yade=True)
+    summary = one_scene.run_scene(scene, folder / f"{name}-{accuracy}", narration, with_yade=True)
     expected, bought, yade = scene.expected, summary["accuracy"], summary["yade"] or {}
     exact = None
     if expected is not None and (expected.kind not in COARSE or expected.tolerance <= FIVE_DIGITS):
@@ -55,7 +55,7 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    workflow._figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         rows = [measured(name, accuracy, Path(folder), narration) for name in options.scenes for accuracy in ACCURACIES]
     facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")

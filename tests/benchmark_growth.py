@@ -25,7 +25,9 @@ import growth_report as report
 import scenes_for_tests as scenes
 from process_memory import peak_memory
 
-from comparison import launch, plots, provenance
+from comparison import provenance
+from comparison.figures import structure
+from comparison.yade import process
 from la_core.analysis import stage
 from la_core.analysis.case_file import write_case
 from la_core.coulomb import elastic_joints, interval, plateau
@@ -195,7 +197,7 @@ def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict
 
 def write(measured: list[dict[str, Any]], folder: Path) -> None:
     """All three files."""
-    made = provenance.describe() | {"YADE": launch.find_yade().version}
+    made = provenance.describe() | {"YADE": process.find_yade().version}
     machine = f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
     (folder / "growth.md").write_text(markdown(measured, machine))
     series = by_series(measured)
@@ -206,7 +208,7 @@ def write(measured: list[dict[str, Any]], folder: Path) -> None:
         "CPU time of a step of YADE (ms)": ("step", steps),
         "peak memory above that of the libraries (MiB)": ("memory", answers),
     }
-    plots.save(report.growth_figure(panels), folder / "growth.png")
+    structure.save(report.growth_figure(panels), folder / "growth.png")
 
 
 def main() -> None:

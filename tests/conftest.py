@@ -15,12 +15,13 @@ from faulty_runs import Fake
 from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
 
-from comparison import shipped, workflow
-from comparison.cli import main
-from comparison.record import Run, read_run
-from comparison.workflow import run_scene
+from comparison.cli.commands import main
+from comparison.workflow import one_scene
+from comparison.workflow.one_scene import run_scene
+from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import read_case
 from la_core.analysis.result import LimitAnalysis
+from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 
 every_shipped_scene = pytest.mark.parametrize(
@@ -132,7 +133,7 @@ def copy(undisturbed: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """One empty figure in the place of four, for tests that are not about drawing."""
-    monkeypatch.setattr(workflow, "_figures", lambda scene, analysis, run: {"assembly": Figure})
+    monkeypatch.setattr(one_scene, "_figures", lambda scene, analysis, run: {"assembly": Figure})
 
 
 @pytest.fixture(autouse=True)

@@ -14,13 +14,13 @@ from typing import Any
 
 import comparison
 import la_core
-from comparison.arguments import parser
 from comparison.campaign.columns import COSTS, result_columns
 from comparison.campaign.definition import CampaignFile
-from comparison.cli import COMMANDS, main
-from comparison.configuration import Settings
-from comparison.ending import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
-from comparison.files import WRITTEN
+from comparison.cli.arguments import parser
+from comparison.cli.commands import COMMANDS, main
+from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
+from comparison.run_folder import WRITTEN
+from comparison.settings import Settings
 from la_core import exchange
 from la_core.scene.schema.scene_file import SceneFile
 

@@ -20,9 +20,8 @@ from pathlib import Path, PurePosixPath
 import test_mesh as meshes
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 
-from comparison.launch import find_yade, run_yade
-from comparison.record import read_run
-from comparison.shipped import find
+from comparison.yade.process import find_yade, run_yade
+from comparison.yade.run_record import read_run
 from la_core.analysis import case_file, stage
 from la_core.errors import SceneError
 from la_core.exchange.checksummed_file import write_sealed
@@ -30,6 +29,7 @@ from la_core.exchange.fields import ExchangeError
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks
 from la_core.scene.scene import load_scene, scene_of_text
 from la_core.scene.schema.mesh import Mesh
+from la_core.scene.shipped import find
 
 SECONDS = 5.0  # of the processor, for one input
 PATIENCE = 120.0  # s, for one that waits

@@ -9,9 +9,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from comparison.drawing import FAINT, INK, method_colour
-from comparison.plot_cost import MARKERS
-from comparison.tables import number
+from comparison.figures.canvas import FAINT, INK, method_colour
+from comparison.studies.figure_of_cost import MARKERS
+from la_core.text_table import number
 
 LARGER = 0.1  # of the largest size: sizes from there on are fitted
 FEWEST = 3  # sizes of a fit: a line through two has no error

@@ -17,13 +17,14 @@ from hard_cases import FALLS, REFUSED, HardCase, catalogue
 from own_formulas import OtherSolvers, ask_other_solvers, drives
 from rich.console import Console
 
-from comparison import workflow
-from comparison.narration import Narration
+from comparison.judge.verdict_table import with_uncertainty
+from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.tables import number, over_weight, with_uncertainty
+from comparison.workflow import one_scene
 from la_core.analysis.answer_values import EVIDENCE
 from la_core.errors import SceneError
 from la_core.model.assembly import assemble
+from la_core.text_table import number, over_weight
 
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
@@ -76,7 +77,7 @@ def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool 
         scene = scenes.load(case.text, name="case")
         assembly = assemble(scene)
         others = tuple(ask_other_solvers(assembly, drive) for drive in drives(assembly))
-        return Outcome(case, workflow.run_scene(scene, folder, narration, with_yade and case.yade, time_limit=LONGEST), others=others)
+        return Outcome(case, one_scene.run_scene(scene, folder, narration, with_yade and case.yade, time_limit=LONGEST), others=others)
     except SceneError as error:
         words = str(error).split("/case.toml: ", 1)[-1]
         return Outcome(case, None, words)
@@ -131,7 +132,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    workflow._figures = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
+    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
     cases = [case for case in catalogue() if not options.names or any(name in case.name for name in options.names)]
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         outcomes = [outcome(case, Path(folder) / str(k), narration, not (options.quick and case.long)) for k, case in enumerate(cases)]

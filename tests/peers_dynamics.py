@@ -20,10 +20,10 @@ from pathlib import Path
 import numpy as np
 from peers_scenes import SCENES
 
-from comparison.cost_methods import coulomb, shared_inset
-from comparison.cost_yade import run_once
-from comparison.launch import find_yade
-from comparison.record import read_run
+from comparison.studies.cost_limit_analysis import coulomb, shared_inset
+from comparison.studies.cost_yade import run_once
+from comparison.yade.process import find_yade
+from comparison.yade.run_record import read_run
 from la_core.exchange.fields import SUPPORT
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene

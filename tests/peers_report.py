@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from peers_dynamics import Run
 from peers_table import LEAST_ERROR, Row, limit_table, markdown, number, power, summary_table
 
-from comparison.launch import YadeMissingError, find_yade
 from comparison.provenance import describe
+from comparison.yade.process import YadeMissingError, find_yade
 from la_core.limit.associated import ACCEPTED
 
 PACKAGES = ("ecos", "scs", "qoco", "piqp", "compas_cra", "compas_lmgc90")

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison import bought, buying, workflow
-from comparison.check import Verdict
-from comparison.cli import main
-from comparison.record import Run
+from comparison.cli.commands import main
+from comparison.judge import requested_accuracy
+from comparison.judge.check import Verdict
+from comparison.workflow import one_scene
+from comparison.yade import accuracy_settings
+from comparison.yade.run_record import Run
 from la_core.analysis.accuracy import MOST_STEPS, analyse, answers, with_accuracy
 from la_core.analysis.accuracy_record import Attempt, Purchase, from_text, to_text
 from la_core.analysis.result import LimitAnalysis
@@ -58,7 +60,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workflow, "_figures", lambda *results: {})  # they would take most of the time
+    monkeypatch.setattr(one_scene, "_figures", lambda *results: {})  # they would take most of the time
     names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
     assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
     for name in names:
@@ -99,7 +101,7 @@ def test_a_structure_that_cannot_stand_has_no_error_to_judge() -> None:
     scene = with_accuracy(overhang(), 0.01)
     analysis = analyse(scene)
     assert analysis.purchase is not None and math.isnan(analysis.purchase.limit_analysis[-1].error)
-    assert not list(bought.check_accuracy(scene, analysis, None))
+    assert not list(requested_accuracy.check_accuracy(scene, analysis, None))
 
 
 def overhang() -> Scene:
@@ -109,7 +111,7 @@ def overhang() -> Scene:
 
 def made_up(name: str = "wall_third", accuracy: float = 0.01) -> tuple[Scene, LimitAnalysis]:
     scene = with_accuracy(scenes.shipped(name), accuracy)
-    return scene, buying.first_settings(scene, analyse(scene))
+    return scene, accuracy_settings.first_settings(scene, analyse(scene))
 
 
 def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
@@ -130,22 +132,22 @@ def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
 
 def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
     scene, analysis = made_up()
-    assert buying.again(scene, analysis, run_of(analysis), LIMIT) is None
-    slower = buying.again(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
+    assert accuracy_settings.again(scene, analysis, run_of(analysis), LIMIT) is None
+    slower = accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
     assert slower is not None and slower.purchase is not None and analysis.purchase is not None
     assert slower.purchase.settings["travel_periods"] >= 2.0 * analysis.purchase.settings["travel_periods"]
-    second = buying.attempt_of(scene, slower, run_of(slower, change=0.004))
+    second = accuracy_settings.attempt_of(scene, slower, run_of(slower, change=0.004))
     assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
-    assert buying.again(scene, slower, run_of(slower, change=0.004), LIMIT) is None
+    assert accuracy_settings.again(scene, slower, run_of(slower, change=0.004), LIMIT) is None
 
 
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
     scene, analysis = made_up()
-    slower = buying.again(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
+    slower = accuracy_settings.again(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
     assert slower is not None and slower.purchase is not None
     assert slower.purchase.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
-    assert buying.again(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
-    undefined = buying.attempt_of(scene, slower, run_of(slower, status="no plateau"))
+    assert accuracy_settings.again(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
+    undefined = accuracy_settings.attempt_of(scene, slower, run_of(slower, status="no plateau"))
     assert math.isnan(undefined.error) and not undefined.keeps(1.0)
 
 
@@ -153,10 +155,10 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
     scene, analysis = made_up()
     tried = 0
     while analysis is not None:
-        last, analysis = analysis, buying.again(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
+        last, analysis = analysis, accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
         tried += 1
-    assert tried == buying.MOST_ATTEMPTS
-    checks = {check.name: check for check in bought.check_accuracy(scene, last, run_of(last, uncertainty=0.5))}
+    assert tried == accuracy_settings.MOST_ATTEMPTS
+    checks = {check.name: check for check in requested_accuracy.check_accuracy(scene, last, run_of(last, uncertainty=0.5))}
     check = checks["accuracy of YADE"]
     assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50 %" in check.reason
     assert checks["accuracy of limit analysis"].verdict is Verdict.AGREE
@@ -165,22 +167,22 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
 @pytest.mark.parametrize("own", [{"speed": 1e-3}, {"travel_periods": 75.0}])
 def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str, float]) -> None:
     scene = replace(with_accuracy(scenes.shipped("wall_third"), 0.01), yade=own)
-    analysis = buying.first_settings(scene, analyse(scene))
+    analysis = accuracy_settings.first_settings(scene, analyse(scene))
     assert analysis.purchase is not None and "travel_periods" not in analysis.purchase.settings
     fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
-    assert buying.attempt_of(scene, analysis, fast).parts["friction's history"] > 0.02
-    assert buying.again(scene, analysis, fast, LIMIT) is None
-    (_, check) = bought.check_accuracy(scene, analysis, fast)
+    assert accuracy_settings.attempt_of(scene, analysis, fast).parts["friction's history"] > 0.02
+    assert accuracy_settings.again(scene, analysis, fast, LIMIT) is None
+    (_, check) = requested_accuracy.check_accuracy(scene, analysis, fast)
     assert check.verdict is Verdict.INCONCLUSIVE
 
 
 def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
     text = scenes.shipped("wall_low_friction").text
     scene = with_accuracy(scenes.load(f'{text}\n[effects]\nfriction = "associated"\n', "bound"), 0.01)
-    analysis = buying.first_settings(scene, analyse(scene))
+    analysis = accuracy_settings.first_settings(scene, analyse(scene))
     assert analysis.purchase is not None and analysis.purchase.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
-    assert "friction's history" in buying.attempt_of(scene, analysis, run_of(analysis)).parts
-    (check,) = bought.check_accuracy(scene, analysis, None)
+    assert "friction's history" in accuracy_settings.attempt_of(scene, analysis, run_of(analysis)).parts
+    (check,) = requested_accuracy.check_accuracy(scene, analysis, None)
     assert check.verdict is Verdict.INCONCLUSIVE  # a bound of what slides is no prediction
 
 
@@ -188,23 +190,25 @@ def test_a_run_at_another_inset_is_another_run() -> None:
     coarse, fine = (made_up("two_pads", accuracy)[1] for accuracy in (0.05, 0.002))
     assert coarse.purchase is not None
     alike = replace(fine, purchase=coarse.purchase)
-    assert workflow._run_inputs("scene", coarse) != workflow._run_inputs("scene", alike)
+    assert one_scene._run_inputs("scene", coarse) != one_scene._run_inputs("scene", alike)
 
 
 def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
     scene, analysis = made_up()
     run = run_of(analysis)
-    again = buying.first_settings(scene, buying.after(analysis, run, analyse(scene)))
+    again = accuracy_settings.first_settings(scene, accuracy_settings.after(analysis, run, analyse(scene)))
     assert again.purchase is not None and analysis.purchase is not None
     assert len(again.purchase.limit_analysis) == 2 * len(analysis.purchase.limit_analysis)
     assert [one.seconds for one in again.purchase.yade] == [1.0] and again.purchase.settings == analysis.purchase.settings
-    fresh = buying.attempt_of(scene, again, run_of(again, change=0.1))
-    assert fresh.parts["friction's history"] == pytest.approx(buying.attempt_of(scene, analysis, run).parts["friction's history"])
+    fresh = accuracy_settings.attempt_of(scene, again, run_of(again, change=0.1))
+    assert fresh.parts["friction's history"] == pytest.approx(
+        accuracy_settings.attempt_of(scene, analysis, run).parts["friction's history"]
+    )
 
 
 def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
     scene, analysis = made_up()
-    assert buying.again(scene, analysis, run_of(analysis, uncertainty=0.02), limit=1.5) is None
+    assert accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.02), limit=1.5) is None
 
 
 def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
@@ -216,8 +220,8 @@ def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
     }  # fmt: skip
     still = replace(run, result=run.result | {"kinetic_ratio": math.nan, "plateau_start": 1e-4}, record=record)
     expected = 1e-6 / (answers(analysis)[1].value * 1e-4)
-    inertia = buying.attempt_of(scene, analysis, still).parts["inertia"]
-    assert inertia == pytest.approx(buying.INERTIA_OF_SPEED * math.sqrt(expected))
+    inertia = accuracy_settings.attempt_of(scene, analysis, still).parts["inertia"]
+    assert inertia == pytest.approx(accuracy_settings.INERTIA_OF_SPEED * math.sqrt(expected))
 
 
 def test_finer_steps_that_make_it_worse_are_not_the_answer() -> None:

@@ -14,11 +14,11 @@ from conftest import CrossChecked
 from PIL import Image
 from scenes_for_tests import SHIPPED
 
-from comparison import plot_animation
-from comparison.cli import main
-from comparison.files import ANIMATION
-from comparison.plot_animation import SECONDS, Story
-from comparison.report import write_report
+from comparison.cli.commands import main
+from comparison.figures import animation
+from comparison.figures.animation import SECONDS, Story
+from comparison.report.report import write_report
+from comparison.run_folder import ANIMATION
 
 FPS = 2
 HOSTILE = "$\\\\frac$ {x} %d <b> [red] _^"
@@ -62,7 +62,7 @@ def test_the_curve_begins_at_rest_and_is_whole_in_the_last_frame(cross_checked: 
     assert 1 <= rest < half < whole == len(at)
     assert drawn[2][0] * story.scales.settlement == pytest.approx(at)
     assert drawn[2][1] * story.scales.reaction == pytest.approx(reaction)
-    assert np.all(at[:half] <= 0.5**plot_animation.SLOW * found.run.poses["settlement"][-1])
+    assert np.all(at[:half] <= 0.5**animation.SLOW * found.run.poses["settlement"][-1])
     assert story.tip.get_xdata()[-1] == drawn[2][0][-1]
     assert "mm" in story.reading.get_text() and "YADE's R" in story.reading.get_text()
 
@@ -170,7 +170,7 @@ def test_an_mp4_has_its_frames(animated: Path, tmp_path: Path) -> None:
     path = tmp_path / "a.mp4"
     assert main(["animate", str(animated), "-o", str(path), "--fps", "5", "-q"]) == 0
     report = subprocess.run(["ffmpeg", "-i", str(path), "-f", "null", os.devnull], capture_output=True, text=True, check=True).stderr
-    assert f"frame= {round((SECONDS + plot_animation.HOLD) * 5 + 1):4d}" in report
+    assert f"frame= {round((SECONDS + animation.HOLD) * 5 + 1):4d}" in report
 
 
 @pytest.mark.usefixtures("plain_figures")

@@ -20,21 +20,22 @@ from faulty_runs import INTERRUPTED
 
 from comparison.campaign import columns, job, table
 from comparison.campaign.cases import LONGEST, axes, expand
-from comparison.campaign.command import find as find_campaign
 from comparison.campaign.definition import MOST_CASES, load
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
-from comparison.campaign.labels import mechanism_label
-from comparison.cli import main
-from comparison.files import FolderInUseError, alone_in
-from comparison.sensitivity import study
-from comparison.shipped import find
-from comparison.workflow import read_results
+from comparison.campaign.mechanism_labels import mechanism_label
+from comparison.cli.commands import main
+from comparison.cli.study_verbs.campaign import find as find_campaign
+from comparison.errors import FolderInUseError
+from comparison.run_folder import alone_in
+from comparison.studies.sensitivity import study
+from comparison.workflow.one_scene import read_results
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.exchange.fields import ExchangeError
 from la_core.limit.classic_iteration import ClassicParameters
 from la_core.model.assembly import assemble
 from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
 
 ROUND_OFF = 1e-7  # of a speed: residuals of accepted mechanisms are below it
 
@@ -340,7 +341,7 @@ def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_c
 ) -> None:
     out = tmp_path / "out"
     text = sweep('vary = { "effects.elasticity" = ["auto", "none"] }', "wall_low_friction")  # only the answer tells that joints slide
-    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline())
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
     assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
     said = capsys.readouterr()
     assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
@@ -404,7 +405,7 @@ def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain
     [(["agree"], 0), (["agree", None], 0), (["agree", "inconclusive"], 4), (["inconclusive", "disagree"], 1), (["disagree", "failed"], 3)],
 )
 def test_the_gravest_case_decides_the_exit_code(verdicts: list[str | None], code: int, tmp_path: Path) -> None:
-    from comparison.campaign.command import exit_code
+    from comparison.cli.study_verbs.campaign import exit_code
 
     rows = [{"state": "failed", "verdict": None} if verdict == "failed" else {"state": "done", "verdict": verdict} for verdict in verdicts]
     assert exit_code(table.CampaignTable("", {}, rows, [], {}, tmp_path)) == code
@@ -413,7 +414,7 @@ def test_the_gravest_case_decides_the_exit_code(verdicts: list[str | None], code
 def test_the_command_prints_its_table_or_one_json_object_and_nothing_else(
     tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline())
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
     command = ["campaign", str(written(tmp_path, QUICK)), "-o", str(tmp_path / "out")]
     assert main([*command, "--json", "-q"]) == 0
     said = capsys.readouterr()
@@ -462,7 +463,7 @@ def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
         if len(begun(out)) == 2:
             os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline(end))
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline(end))
     elsewhere: list[int] = []
     before = signal.signal(signal.SIGTERM, lambda number, frame: elsewhere.append(number))
     try:
@@ -482,8 +483,8 @@ def test_the_report_is_written_while_the_folder_is_held(tmp_path: Path, plain_fi
         concluded.append(len(found.rows))
 
     concluded: list[int] = []
-    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Inline())
-    monkeypatch.setattr("comparison.campaign.command.write_campaign_report", conclude)
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.write_campaign_report", conclude)
     assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(tmp_path / "out"), "-q"]) == 0
     assert concluded == [4]
 

@@ -15,10 +15,10 @@ from campaigns_for_tests import QUICK, Inline, begun, campaign, finished, run
 from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, one_message, processes_about, unfinished, wait_for
 from test_security import listening, tree
 
-from comparison.campaign.dask import Dask
 from comparison.campaign.job import LOADED, Job
-from comparison.campaign.local import ATTEMPTS, Local
-from comparison.cli import main
+from comparison.campaign.workers.dask import Dask
+from comparison.campaign.workers.local import ATTEMPTS, Local
+from comparison.cli.commands import main
 
 WORKERS = 4
 FEW = """
@@ -167,7 +167,7 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
 def test_a_scheduler_that_is_not_there_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("comparison.campaign.dask.PATIENCE", 0.5)
+    monkeypatch.setattr("comparison.campaign.workers.dask.PATIENCE", 0.5)
     path = tmp_path / "campaign.toml"
     path.write_text(QUICK, encoding="utf-8")
     for address in ("tcp://127.0.0.1:9", "nonsense://x"):

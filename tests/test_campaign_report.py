@@ -13,20 +13,22 @@ from urllib.parse import unquote
 
 import pytest
 
-from comparison.campaign import plot_lines, plot_maps, report_rows
-from comparison.campaign.changes import changes, letters
 from comparison.campaign.columns import COSTS, METHODS, result_columns
-from comparison.campaign.compare import Change, Comparison, compare
-from comparison.campaign.compare_report import stored_comparison
-from comparison.campaign.matrix import panels
-from comparison.campaign.outcomes import bounds, deviation, worst_first
-from comparison.campaign.report import stored_report, write_campaign_report
-from comparison.campaign.sweeps import lines, sweeps
+from comparison.campaign.figures import lines as plot_lines
+from comparison.campaign.figures import maps
+from comparison.campaign.mechanism_changes import changes, letters
+from comparison.campaign.parameter_labels import label, quantity
+from comparison.campaign.report import rows as report_rows
+from comparison.campaign.report.compare import Change, Comparison, compare
+from comparison.campaign.report.compare_report import stored_comparison
+from comparison.campaign.report.report import stored_report, write_campaign_report
+from comparison.campaign.report.verdict_matrix import panels
+from comparison.campaign.row_groups import lines, sweeps
+from comparison.campaign.row_values import bounds, deviation, worst_first
 from comparison.campaign.table import CampaignTable, write
-from comparison.campaign.words import label, quantity
-from comparison.cli import main
-from comparison.drawing import LIMIT_ANALYSIS, YADE
-from comparison.ending import TOOL
+from comparison.cli.commands import main
+from comparison.cli.exit_codes import TOOL
+from comparison.figures.canvas import LIMIT_ANALYSIS, YADE
 from la_core.exchange.fields import SETTINGS
 
 ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
@@ -256,7 +258,7 @@ def test_maps_of_cases_without_yade_have_no_place_for_it(shape: str, tmp_path: P
     table = campaign(tmp_path, shape)
     none = {name: None for name in result_columns([]) if name.startswith("yade")}
     without = replace(table, rows=[row | none for row in table.rows])
-    ((with_yade, _),), ((alone, _),) = (plot_maps.map_figures(sweeps(one)) for one in (table, without))
+    ((with_yade, _),), ((alone, _),) = (maps.map_figures(sweeps(one)) for one in (table, without))
 
     def shown(figure: Any) -> str:
         return " ".join(text.get_text() for axes in figure.axes for text in (axes.title, *axes.get_yticklabels()))
@@ -376,14 +378,14 @@ def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_rea
 def test_where_the_law_of_friction_is_associated_its_mechanism_is_the_one_compared(tmp_path: Path) -> None:
     table = campaign(tmp_path, "choices")
     table = changed(table, 1, coulomb=None, coulomb_status=None, coulomb_mechanism=None, associated_mechanism="own", yade_mechanism="own")
-    ((figure, _),) = plot_maps.map_figures(sweeps(table))
+    ((figure, _),) = maps.map_figures(sweeps(table))
     assert [text.get_text() for text in figure.axes[0].texts] == ["A", "B", "A", "B"]
 
 
 def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path) -> None:
     table = changed(campaign(tmp_path, "two axes"), 3, yade_mechanism="12-high")
-    ((figure, _),) = plot_maps.map_figures(sweeps(table))
-    marked = [[text for text in axes.texts if plot_maps.APART in text.get_text()] for axes in figure.axes]
+    ((figure, _),) = maps.map_figures(sweeps(table))
+    marked = [[text for text in axes.texts if maps.APART in text.get_text()] for axes in figure.axes]
     assert [len(texts) for texts in marked] == [1, 1]
     assert marked[0][0].get_position() == marked[1][0].get_position()
     assert [texts[0].get_text()[0] for texts in marked] == ["A", "B"]
@@ -392,9 +394,9 @@ def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path)
 def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp_path: Path) -> None:
     none = dict.fromkeys(f"{method}_mechanism" for method in METHODS)
     table = changed(campaign(tmp_path, "two axes"), 0, **none, associated_status="infeasible", yade_status="collapsed")
-    ((figure, _),) = plot_maps.map_figures(sweeps(table))
+    ((figure, _),) = maps.map_figures(sweeps(table))
     for axes in figure.axes:
-        assert [text.get_text() for text in axes.texts].count(plot_maps.FALLS) == 1
+        assert [text.get_text() for text in axes.texts].count(maps.FALLS) == 1
 
 
 def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:

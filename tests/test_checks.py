@@ -7,17 +7,18 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison import check_prediction, check_sections, checks, tolerances
-from comparison.check import Check, Verdict, overall
-from comparison.checks import check_expected, check_run
-from comparison.record import Run
-from comparison.shipped import find
+from comparison.judge import prediction as check_prediction
+from comparison.judge import run_checks, sections, tolerances
+from comparison.judge.check import Check, Verdict, overall
+from comparison.judge.run_checks import check_expected, check_run
+from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Drive, Status, solve
 from la_core.measures import mechanism
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene, load_scene
+from la_core.scene.shipped import find
 
 TRAVEL = 1e-3  # m
 
@@ -225,9 +226,9 @@ def test_the_gravest_check_decides_and_gives_the_reason() -> None:
 def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
         tolerances: ("REACTION", "HISTORY", "REACH", "LEAST_REACTION", "UNBALANCED", "BROAD"),
-        checks: ("SETTLEMENT",),
+        run_checks: ("SETTLEMENT",),
         check_prediction: ("SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE", "DOUBTFUL"),
-        check_sections: ("SECTION", "ALONG"),
+        sections: ("SECTION", "ALONG"),
     }
     for module, names in rooms.items():
         assert all(0.0 < getattr(module, name) <= 0.05 for name in names)

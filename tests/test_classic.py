@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison.plot_sensitivity import sensitivity_figure
-from comparison.plots import save
-from comparison.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
+from comparison.figures.structure import save
+from comparison.studies.figure_of_sensitivity import sensitivity_figure
+from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
 from la_core.limit.associated import Drive, Status, solve
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, iterate
 from la_core.model.assembly import Assembly, assemble

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from conftest import every_shipped_scene
 
-from comparison import shipped
-from comparison.cli import main
+from comparison.cli.commands import main
+from la_core.scene import shipped
 
 SOLVED_KEYS = {
     "status", "reaction", "reaction_max", "reaction_sharp", "equilibrium_residual", "cone_violation", "duality_gap", "seconds"

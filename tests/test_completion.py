@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from comparison import completion, shipped
-from comparison.arguments import SHELLS, parser
-from comparison.cli import COMMANDS, main
-from comparison.tutorial import NAMES
+from comparison.campaign.definition import shipped_campaigns
+from comparison.cli.arguments import SHELLS, parser
+from comparison.cli.commands import COMMANDS, main
+from comparison.cli.help_verbs import completion
+from comparison.cli.help_verbs.tutorial import NAMES
+from la_core.scene import shipped
 
 BASH = shutil.which("bash")
 IN_BASH = """
@@ -70,7 +72,7 @@ def test_options_folders_figures_and_shells_are_offered_where_they_belong(offere
 
 
 def test_campaigns_tutorials_animations_and_pages_are_offered_where_they_belong(offered) -> None:
-    assert offered("campaign", "") == sorted([*shipped.campaigns(), "mine.toml", "results"])
+    assert offered("campaign", "") == sorted([*shipped_campaigns(), "mine.toml", "results"])
     assert offered("campaign", "seed") == ["seed_paper"]
     assert offered("compare", "") == offered("compare", "results", "") == ["results"]
     assert offered("compare", "results", "results", "-o", "mi") == ["mine.html"]
@@ -91,7 +93,7 @@ def test_every_shell_s_script_knows_all_commands_and_scenes_and_is_its_language(
     shell: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = script(shell, capsys)
-    assert all(name in text for name in (*COMMANDS, *shipped.names(), *shipped.campaigns(), *NAMES))
+    assert all(name in text for name in (*COMMANDS, *shipped.names(), *shipped_campaigns(), *NAMES))
     assert main(["completion", shell, "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {"shell": shell, "script": text.removesuffix("\n")}
     if (found := shutil.which(shell)) is not None:

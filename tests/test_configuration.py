@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from campaigns_for_tests import Inline
 
-from comparison import configuration
+from comparison import settings
 from comparison.campaign.job import Job
-from comparison.cli import main
-from comparison.configuration import MOST_WORKERS, Settings
-from comparison.ending import TOOL, USAGE
-from comparison.launch import Yade, find_yade
+from comparison.cli.commands import main
+from comparison.cli.exit_codes import TOOL, USAGE
+from comparison.settings import MOST_WORKERS, Settings
+from comparison.yade.process import Yade, find_yade
 from la_core.errors import SceneError
 
 SOLVE = ["solve", "two_pads", "-q"]
@@ -48,20 +48,20 @@ def ran_into() -> str:
 
 
 def test_without_a_configuration_the_defaults_hold() -> None:
-    found = configuration.load()
+    found = settings.load_settings()
     assert found.settings == Settings() and not found.sources
     assert ran_into() == "crosscheck-results"
 
 
 def test_what_is_nearer_to_the_command_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Command line before environment before the folder's file before the user's before the default; each says where it is from."""
-    nearer = [configuration.load()]
+    nearer = [settings.load_settings()]
     user = user_says('output = "by-user"\ntime_limit = 5')
-    nearer.append(configuration.load())
+    nearer.append(settings.load_settings())
     folder_says('output = "by-folder"')
-    nearer.append(configuration.load())
+    nearer.append(settings.load_settings())
     monkeypatch.setenv("CROSSCHECK_OUTPUT", "by-environment")
-    nearer.append(configuration.load())
+    nearer.append(settings.load_settings())
     assert [str(one.settings.output) for one in nearer] == ["crosscheck-results", "by-user", "by-folder", "by-environment"]
     assert [one.source("output") for one in nearer] == ["default", str(user), "crosscheck.toml", "CROSSCHECK_OUTPUT"]
     assert [one.settings.time_limit for one in nearer] == [None, 5.0, 5.0, 5.0]  # a setting is taken by itself, not with its file
@@ -92,7 +92,7 @@ def test_a_time_limit_reaches_the_cases_of_a_campaign(monkeypatch: pytest.Monkey
         limits.append(time_limit)
         raise SceneError("here", "is enough")
 
-    monkeypatch.setattr("comparison.campaign.command.Local", lambda workers, yade: Engine())
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Engine())
     monkeypatch.setattr("comparison.campaign.job.run_scene", hears)
     Path("one.toml").write_text('[[sweep]]\nscene = "two_pads"')
     assert main(["campaign", "one.toml", "-q"]) == TOOL
@@ -117,13 +117,13 @@ def test_the_command_line_and_the_configuration_take_equally_many_workers(worker
 def test_an_empty_variable_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in Settings.model_fields:
         monkeypatch.setenv(f"CROSSCHECK_{name.upper()}", "")
-    assert configuration.load().settings == Settings()
+    assert settings.load_settings().settings == Settings()
 
 
 def test_a_home_is_written_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     user_says('output = "~/results"')
-    assert configuration.load().settings.output == tmp_path / "results"
+    assert settings.load_settings().settings.output == tmp_path / "results"
 
 
 def test_a_home_for_configurations_must_be_a_whole_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_a_home_for_configurations_must_be_a_whole_path(monkeypatch: pytest.Monk
     monkeypatch.setenv("HOME", str(tmp_path))
     for variable in ("relative", ""):
         monkeypatch.setenv("XDG_CONFIG_HOME", variable)
-        assert configuration.load().files[0] == tmp_path / ".config" / "crosscheck" / "config.toml"
+        assert settings.load_settings().files[0] == tmp_path / ".config" / "crosscheck" / "config.toml"
 
 
 WRONG = {
@@ -193,7 +193,7 @@ def test_a_configuration_that_might_never_end_is_not_waited_for(capsys: pytest.C
     assert main(SOLVE) == USAGE
     assert "not a file" in capsys.readouterr().err
     Path("crosscheck.toml").unlink()
-    folder_says("# " + "x" * configuration.LARGEST_FILE)
+    folder_says("# " + "x" * settings.LARGEST_FILE)
     assert main(SOLVE) == USAGE
     assert "larger than" in capsys.readouterr().err
     Path("crosscheck.toml").write_bytes(b"output = '\xff'")
@@ -214,7 +214,7 @@ def test_yade_is_looked_for_where_the_user_s_file_says(capsys: pytest.CaptureFix
 
 
 def test_the_doctor_says_what_holds_and_from_where(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("comparison.doctor.find_yade", lambda: Yade(Path("python"), Path("modules"), "2023.02a"))
+    monkeypatch.setattr("comparison.cli.help_verbs.doctor.find_yade", lambda: Yade(Path("python"), Path("modules"), "2023.02a"))
     path = user_says("workers = 2")
     monkeypatch.setenv("CROSSCHECK_TIME_LIMIT", "60")
     monkeypatch.setenv("CROSSCHECK_OUTPT", "results")

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison import cost, launch
-from comparison.cli import main
-from comparison.cost import Ladder, Rung, climb, prediction_inset
-from comparison.cost_methods import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
-from comparison.cost_yade import yade_methods
+from comparison.cli.commands import main
+from comparison.studies import cost
+from comparison.studies.cost import Ladder, Rung, climb, prediction_inset
+from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
+from comparison.studies.cost_yade import yade_methods
+from comparison.yade import process
 from la_core.limit.associated import Drive, Status, solve
 from la_core.model.assembly import assemble
 from la_core.model.contact_grid import with_grid
@@ -95,7 +96,7 @@ def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
     """Rounded arrises cost what limit analysis says they do, and YADE no more."""
     scene = scenes.shipped("two_pads")
     wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
-    methods = [m for m in yade_methods(scene, launch.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
+    methods = [m for m in yade_methods(scene, process.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
     cone = [m for m in limit_analysis_methods(scene, 0.0) if m.family == "cone programme"]
     found = {one.setting: one for one in climb(scene, [*cone, *methods], lambda number, words: None).rungs if one.family == "YADE"}
     assert found["derived settings"].error == pytest.approx(0.01, rel=ROUNDING)

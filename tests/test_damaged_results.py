@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from faulty_runs import INTERRUPTED, TOOL, answer, one_message
 
-from comparison.cli import main
-from comparison.shipped import find
-from comparison.workflow import read_results
+from comparison.cli.commands import main
+from comparison.workflow.one_scene import read_results
 from la_core.exchange.checksummed_file import VERSION
 from la_core.exchange.fields import ExchangeError
+from la_core.scene.shipped import find
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "cut short": lambda content: content[: len(content) // 2],

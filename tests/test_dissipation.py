@@ -9,12 +9,13 @@ import scenes_for_tests as scenes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from comparison import plots, shipped
-from comparison.plot_dissipation import POWER, dissipation_figure
+from comparison.figures import structure
+from comparison.figures.dissipation import POWER, dissipation_figure
 from la_core.limit.associated import Drive, Solution, Status, solve
 from la_core.measures import dissipation, mechanism
 from la_core.measures.dissipation import ContactState, MechanismMeasures, measure, participation_index
 from la_core.model.assembly import Assembly, assemble
+from la_core.scene import shipped
 from la_core.scene.scene import Scene
 
 SOLVER = 1e-6  # relative: what la_core promises of an answer called solved
@@ -246,7 +247,7 @@ def figure_of(scene: Scene, title: str = "Costs $5 and $\\badmacro") -> tuple[Fi
 @pytest.mark.parametrize("kind", FIGURES)
 def test_every_kind_of_mechanism_is_drawn_with_all_its_words_inside(kind: str, tmp_path: Path) -> None:
     figure, measures = figure_of(FIGURES[kind]())
-    plots.save(figure, tmp_path / "figure.png")
+    structure.save(figure, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 5000
     axes = figure.axes[0]
     summary = next(text for text in axes.texts if text.get_text().startswith(("friction", "no mechanism")))
@@ -279,5 +280,5 @@ def test_more_power_is_darker_in_greyscale_too() -> None:
 
 def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     for name in ("first.png", "second.png"):
-        plots.save(figure_of(wall())[0], tmp_path / name)
+        structure.save(figure_of(wall())[0], tmp_path / name)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()

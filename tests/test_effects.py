@@ -7,9 +7,10 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import every_shipped_scene
 
-from comparison import check_plane, check_prediction, turn_back, workflow
-from comparison.check import Check, Verdict
-from comparison.effects_table import EFFECTS, effects_summary
+from comparison.judge import check_plane, prediction
+from comparison.judge.check import Check, Verdict
+from comparison.judge.effects_table import EFFECTS, effects_summary
+from comparison.workflow import one_scene, restored_effects
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse, settled
@@ -115,8 +116,8 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     """A YADE run whose joints slide where limit analysis found none that does: limit analysis is done again in full."""
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
-    monkeypatch.setattr(turn_back, "slides_unforeseen", lambda analysis, run: analysis.assembly.effects.friction == "none-slides")
-    monkeypatch.setattr(workflow, "_yade", lambda *_: (found.run, dict(found.run.result)))
+    monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda analysis, run: analysis.assembly.effects.friction == "none-slides")
+    monkeypatch.setattr(one_scene, "_yade", lambda *_: (found.run, dict(found.run.result)))
     heard: list[str] = []
 
     class Listener:
@@ -126,7 +127,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
         def progress(self, scene: str, report: dict) -> None:
             pass
 
-    summary = workflow.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
+    summary = one_scene.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
     assert any("done again with what was left out (friction: joints slide" in one for one in heard)
     assert summary["effects"]["friction"] == "coulomb"
     assert summary["effects"]["reasons"]["friction"] == "joints slide in YADE's mechanism"
@@ -138,10 +139,10 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     found = cross_checked("wall_third")
     assembly = found.analysis.assembly
     wrong = dataclasses.replace(found.analysis, assembly=without_friction(assembly))
-    assert check_prediction.slides_unforeseen(wrong, found.run)
-    assert "ask for effects.friction" in check_prediction.predicted(wrong, found.run).obstacle
+    assert prediction.slides_unforeseen(wrong, found.run)
+    assert "ask for effects.friction" in prediction.predicted(wrong, found.run).obstacle
     arch_run = cross_checked("arch_spreading")
-    assert not check_prediction.slides_unforeseen(arch_run.analysis, arch_run.run)
+    assert not prediction.slides_unforeseen(arch_run.analysis, arch_run.run)
 
 
 def without_friction(assembly: Assembly) -> Assembly:
@@ -161,19 +162,19 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
         return guard
 
     reach, displacement = complain("reach", True), complain("displacement", "small")
-    monkeypatch.setattr(turn_back, "check_reach", lambda scene, analysis, run: reach(analysis))
-    monkeypatch.setattr(turn_back, "check_displacement", lambda analysis, run: displacement(analysis))
+    monkeypatch.setattr(restored_effects, "check_reach", lambda scene, analysis, run: reach(analysis))
+    monkeypatch.setattr(restored_effects, "check_displacement", lambda analysis, run: displacement(analysis))
     assembly = found.analysis.assembly
     reduced = dataclasses.replace(assembly, effects=assembly.effects.settled("reach", True, "made up"))
     first = dataclasses.replace(found.analysis, assembly=reduced)
     assert first.assembly.effects.displacement == "small"
-    asked = turn_back.needed(found.scene, first, found.run)
+    asked = restored_effects.needed(found.scene, first, found.run)
     assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
-    again = turn_back.analyse_with(found.scene, asked)
+    again = restored_effects.analyse_with(found.scene, asked)
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
-    assert turn_back.called_back(again) == asked
+    assert restored_effects.called_back(again) == asked
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]
-    assert not turn_back.needed(found.scene, again, found.run)
+    assert not restored_effects.needed(found.scene, again, found.run)
 
 
 # --- joints that cannot slide ----------------------------------------------------------------------------------------------------

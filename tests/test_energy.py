@@ -8,10 +8,10 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import CrossChecked
 
-from comparison.check import Verdict
-from comparison.energy import DRIFT, audit, check_energy
-from comparison.record import Run
-from comparison.report_costs import energies
+from comparison.judge.check import Verdict
+from comparison.judge.energy import DRIFT, audit, check_energy
+from comparison.report.details import energies
+from comparison.yade.run_record import Run
 from la_core.exchange.fields import SUPPORT
 from la_core.model.assembly import Assembly, assemble
 

@@ -14,10 +14,10 @@ from conftest import CrossChecked
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from comparison.cli import main
-from comparison.export import export
-from comparison.record import Run
-from comparison.vtu import VERTEX, Grid, write_grid
+from comparison.cli.commands import main
+from comparison.report.paraview import export
+from comparison.report.vtk_xml import VERTEX, Grid, write_grid
+from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.exchange.fields import FREE

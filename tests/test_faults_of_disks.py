@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
-from comparison import launch
-from comparison.cli import main
+from comparison.cli.commands import main
+from comparison.yade import process as launch
 
 
 def failing_writes(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Iterator[int]:

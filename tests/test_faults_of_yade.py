@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from faulty_runs import RUN_SECONDS, TOOL, Fake, answer, one_message, unfinished
 
-from comparison import launch
-from comparison.cli import main
-from comparison.configuration import SYSTEM_PYTHON
+from comparison.cli.commands import main
+from comparison.settings import SYSTEM_PYTHON
+from comparison.yade import process
 
 DEATHS = {
     "killed": ("kill -KILL $$", "SIGKILL"),
@@ -53,7 +53,7 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
 def test_a_yade_that_hangs_is_ended_from_outside(
     fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(launch, "GRACE", 0.2)
+    monkeypatch.setattr(process, "GRACE", 0.2)
     fake_python("exec sleep 600")
     assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "--time-limit", "0.3"]) == TOOL
     assert "SIGKILL, 0.2 s after its limit of 0.3 s" in capsys.readouterr().err
@@ -133,7 +133,7 @@ def killed_at(moment: float, out: Path, monkeypatch: pytest.MonkeyPatch) -> int:
                 timer.start()
 
     with monkeypatch.context() as patch:
-        patch.setattr(launch.subprocess, "Popen", Killed)
+        patch.setattr(process.subprocess, "Popen", Killed)
         return main(["run", "two_pads", "-o", str(out), "-q"])
 
 

@@ -11,10 +11,10 @@ import fuzz_readers
 import pytest
 from fuzz_readers import READ, REFUSED, Reader
 
-from comparison.shipped import find
 from la_core.analysis import stage
 from la_core.errors import SceneError
 from la_core.scene.scene import scene_of_text
+from la_core.scene.shipped import find
 
 COUNT = 200  # inputs for each reader; `python tests/fuzz_readers.py --count 10000` takes more
 

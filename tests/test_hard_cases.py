@@ -7,7 +7,7 @@ from conftest import Silent
 from hard_cases import FALLS, QUICK, REFUSED, HardCase, catalogue
 from hard_cases_table import Outcome, outcome, row
 
-from comparison import workflow
+from comparison.workflow import one_scene
 
 CASES = list(catalogue())
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
@@ -15,7 +15,7 @@ RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promis
 
 @pytest.fixture(autouse=True)
 def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workflow, "_figures", lambda *results: {})
+    monkeypatch.setattr(one_scene, "_figures", lambda *results: {})
 
 
 def of(cases: list[HardCase]) -> pytest.MarkDecorator:

@@ -1,4 +1,4 @@
-"""Who may know whom: rules about imports, read from the sources."""
+"""Who may know whom: the rooms of the house in order, and rules about imports, read from the sources."""
 
 import ast
 import subprocess
@@ -9,32 +9,69 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-ROOMS = ("la_core", "yade_scripts", "comparison")
-FILES = [path for room in ROOMS for path in sorted((ROOT / room).rglob("*.py"))]
+PACKAGES = ("la_core", "yade_scripts", "comparison")
+FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py")) if path.parent.name != "tutorials"]
 STANDARD = sys.stdlib_module_names
+MOST_LINES, MOST_MODULES = 300, 12  # of a module; of a room, its sentence aside
+
+# Every room may import the rooms before it, and modules of its own. A name in parentheses is a module on a package's own floor.
+ROOMS = (
+    "la_core.errors", "la_core.text_table", "la_core.exchange", "la_core.geometry", "la_core.scene", "la_core.model", "la_core.measures",
+    "la_core.limit", "la_core.coulomb", "la_core.analysis",
+    "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
+    "comparison.progress", "comparison.yade", "comparison.judge", "comparison.figures", "comparison.report", "comparison.workflow",
+    "comparison.studies", "comparison.campaign", "comparison.result", "comparison.cli", "comparison.__main__",
+)  # fmt: skip
+INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
+    "la_core.scene": ("schema", "generators", ""),
+    "comparison.campaign": ("", "workers", "figures", "report"),
+    "comparison.cli": ("", "help_verbs", "scene_verbs", "study_verbs", "commands"),
+}
+DRAW = ("comparison/figures/", "comparison/studies/figure_of_", "comparison/campaign/figures/")  # who may know matplotlib
+PRINT = ("comparison/cli/", "yade_scripts/run_case.py")
 
 every_file = pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 
 
-def room(path: Path) -> str:
-    return path.relative_to(ROOT).parts[0]
+def name_of(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def is_module(name: str) -> bool:
+    place = ROOT.joinpath(*name.split("."))
+    return place.with_suffix(".py").exists() or (place / "__init__.py").exists()
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Every module a file imports, wherever in it the import stands, as a dotted name."""
+    """Every module a file imports, wherever in it the import stands, as a dotted name; of a face, the face."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             assert node.module is not None
-            # `from la_core import exchange` names a module, `from la_core.exchange import read` a name in one.
-            is_package = (ROOT / node.module.replace(".", "/") / "__init__.py").exists()
-            yield from (f"{node.module}.{alias.name}" if is_package else node.module for alias in node.names)
+            for alias in node.names:  # `from la_core.limit import conic` names a module, `from la_core.limit import solve` a name
+                yield f"{node.module}.{alias.name}" if is_module(f"{node.module}.{alias.name}") else node.module
 
 
 def package(module: str) -> str:
     return module.split(".", maxsplit=1)[0]
+
+
+def room(module: str) -> str | None:
+    """The room that a module of the house is in; None for one that is in no room."""
+    parts = module.split(".")
+    return next((name for name in (".".join(parts[:2]), module) if name in ROOMS), None)
+
+
+def own(path: Path) -> list[str]:
+    """The modules of the house that a file imports."""
+    return [module for module in imported(path) if package(module) in PACKAGES]
+
+
+def inner_room(module: str, outer: str) -> str:
+    inside = module.removeprefix(outer).strip(".").split(".")[0]
+    return inside if inside in INNER[outer] else ""
 
 
 def is_called(name: str, path: Path) -> bool:
@@ -43,18 +80,72 @@ def is_called(name: str, path: Path) -> bool:
 
 
 def test_there_is_something_to_hold_the_rules_against() -> None:
-    assert {room(path) for path in FILES} == set(ROOMS)
-    limit = set(imported(ROOT / "la_core" / "limit.py"))
-    assert {"numpy", "la_core.measures.residuals", "la_core.limit.conic"} <= limit
+    assert {package(name_of(path)) for path in FILES} == set(PACKAGES)
+    assert {"numpy", "la_core.measures.residuals", "la_core.limit.conic"} <= set(imported(ROOT / "la_core" / "limit" / "associated.py"))
+    assert room("la_core.limit.conic") == "la_core.limit" and room("comparison.errors") == "comparison.errors"
+    assert room("la_core.attic.trunk") is None
+
+
+def test_every_module_is_in_a_room_and_every_room_has_one() -> None:
+    names = [name_of(path) for path in FILES if package(name_of(path)) != "yade_scripts"]
+    rooms = {name: room(name) for name in names if name not in PACKAGES}
+    assert not [name for name, place in rooms.items() if place is None]
+    assert set(rooms.values()) == set(ROOMS)
 
 
 @every_file
-def test_rooms_know_only_whom_they_may(path) -> None:
+def test_every_import_points_to_an_earlier_room(path: Path) -> None:
+    here = room(name_of(path))
+    if here is None:
+        return
+    for module in own(path):
+        there = room(module)
+        assert there is not None, f"{module} is no room's"
+        assert ROOMS.index(there) <= ROOMS.index(here), f"{here} may not know {there}"
+        if there == here and here in INNER and name_of(path) != here:  # a face shows all of its room
+            order = INNER[here]
+            assert order.index(inner_room(module, here)) <= order.index(inner_room(name_of(path), here))
+
+
+@every_file
+def test_rooms_are_entered_by_their_faces(path: Path) -> None:
+    """What other rooms use of a room stands in its `__all__`; a module that is not there is its own affair."""
+    here = room(name_of(path))
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module is not None and (there := room(node.module)) not in (None, here):
+            assert node.module == there, f"{node.module}: take it from {there}"
+            face = ROOT.joinpath(*node.module.split(".")) / "__init__.py"
+            if face.exists():
+                assert {alias.name for alias in node.names} <= face_of(face), there
+
+
+def face_of(path: Path) -> set[str]:
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "__all__":
+            return set(ast.literal_eval(node.value))
+    return set()
+
+
+@pytest.mark.parametrize("place", sorted({path.parent for path in FILES}), ids=lambda place: str(place.relative_to(ROOT)))
+def test_every_room_has_a_sentence_and_few_modules(place: Path) -> None:
+    sentence = ast.get_docstring(ast.parse((place / "__init__.py").read_text(encoding="utf-8")))
+    assert sentence and sentence[0].isupper() and sentence.endswith(".")
+    assert len([path for path in place.glob("*.py") if path.name != "__init__.py"]) <= MOST_MODULES
+
+
+@every_file
+def test_no_module_is_long(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+@every_file
+def test_packages_know_only_whom_they_may(path: Path) -> None:
     modules = set(imported(path))
     packages = {package(module) for module in modules}
-    if room(path) == "la_core":
+    here = package(name_of(path))
+    if here == "la_core":
         assert not packages & {"comparison", "yade_scripts", "yade", "minieigen"}
-    elif room(path) == "yade_scripts":
+    elif here == "yade_scripts":
         foreign = packages - STANDARD - {"numpy", "h5py", "yade", "minieigen", "la_core", "yade_scripts"}
         assert not foreign
         assert {module for module in modules if package(module) == "la_core"} <= {"la_core.exchange"}
@@ -63,20 +154,20 @@ def test_rooms_know_only_whom_they_may(path) -> None:
 
 
 @every_file
-def test_one_module_talks_to_the_solver(path) -> None:
+def test_one_module_talks_to_the_solver(path: Path) -> None:
     assert ("clarabel" in set(map(package, imported(path)))) == (path == ROOT / "la_core" / "limit" / "conic.py")
 
 
 @every_file
-def test_only_plots_draw(path) -> None:
+def test_only_figures_draw(path: Path) -> None:
     if "matplotlib" in set(map(package, imported(path))):
-        assert room(path) == "comparison" and (path.stem.startswith("plot") or path.stem == "drawing")
+        assert path.relative_to(ROOT).as_posix().startswith(DRAW)
 
 
 @every_file
-def test_only_entry_points_print(path) -> None:
-    if is_called("print", path) and path.parent.name != "tutorials":  # those are scripts
-        assert path.relative_to(ROOT).as_posix() in ("comparison/cli.py", "yade_scripts/run_case.py")
+def test_only_entry_points_print(path: Path) -> None:
+    if is_called("print", path):
+        assert path.relative_to(ROOT).as_posix().startswith(PRINT)
 
 
 @pytest.mark.parametrize("name", ["la_core", "comparison"])
@@ -85,19 +176,28 @@ def test_a_package_loads_nothing_before_it_is_asked_for(name: str) -> None:
     assert list(imported(ROOT / name / "__init__.py")) == ["importlib"]
 
 
+def loaded_by(statement: str) -> set[str]:
+    """Packages that a process has loaded after a statement."""
+    program = f"import sys; {statement}; print(*{{name.split('.')[0] for name in sys.modules}})"
+    return set(subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split())
+
+
 def test_exchange_runs_in_both_interpreters() -> None:
-    modules = set(imported(ROOT / "la_core" / "exchange.py"))
-    assert {package(module) for module in modules - {"la_core.exchange.checksummed_file"}} <= STANDARD | {"numpy", "h5py"}
-    assert set(imported(ROOT / "la_core" / "sealed_file.py")) <= STANDARD
+    modules = {module for path in (ROOT / "la_core" / "exchange").glob("*.py") for module in imported(path)}
+    assert {package(module) for module in modules} <= STANDARD | {"numpy", "h5py", "la_core"}
+    assert {module for module in modules if package(module) == "la_core"} <= {name for name in modules if room(name) == "la_core.exchange"}
 
 
 def test_loading_exchange_loads_nothing_it_need_not() -> None:
-    program = "import sys, la_core.exchange; print(*{name.split('.')[0] for name in sys.modules})"
-    loaded = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    loaded = loaded_by("import la_core.exchange")
     assert "h5py" in loaded
-    assert not set(loaded) & {"clarabel", "scipy", "shapely", "pydantic", "matplotlib", "rich", "jinja2"}
+    assert not loaded & {"clarabel", "scipy", "shapely", "pydantic", "matplotlib", "rich", "jinja2"}
+
+
+def test_the_command_line_does_not_wait_for_what_draws() -> None:
+    assert not loaded_by("from comparison.cli import main") & {"matplotlib", "jinja2", "distributed", "vtk"}
 
 
 def test_top_level_is_as_the_owner_fixed_it() -> None:
     shown = {path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".") and any(path.glob("*.py"))}
-    assert shown == {*ROOMS, "tests"}
+    assert shown == {*PACKAGES, "tests"}

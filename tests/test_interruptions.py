@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from faulty_runs import INTERRUPTED, ROOT, RUN_SECONDS, TOOL, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
-from comparison.cli import main
-from comparison.files import LOCK, WRITTEN, alone_in
+from comparison.cli.commands import main
+from comparison.run_folder import LOCK, WRITTEN, alone_in
 
 
 def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0) -> tuple[int, str]:

@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 import pytest
 
-from comparison.arguments import parser
-from comparison.cli import COMMANDS, main
-from comparison.ending import AGREE, USAGE
+from comparison.cli.arguments import parser
+from comparison.cli.commands import COMMANDS, main
+from comparison.cli.exit_codes import AGREE, USAGE
 
 VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
 OUTPUTS = {"FIG": "figure.png", "PAGE": "page.html", "MOVIE": "movie.gif"}

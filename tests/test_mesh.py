@@ -13,7 +13,7 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import CrossChecked
 
-from comparison.cli import main
+from comparison.cli.commands import main
 from la_core.analysis.stage import digest
 from la_core.errors import SceneError
 from la_core.limit.associated import Drive, Status, solve

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 from conftest import CrossChecked
 
-from comparison.check_prediction import SIMILAR
+from comparison.judge.prediction import SIMILAR
 from la_core.limit.associated import Drive, Status
 from la_core.measures import mechanism
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from faulty_runs import TOOL
 
-from comparison import launch
-from comparison.cli import main
+from comparison.cli.commands import main
+from comparison.yade import process
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def altered_yade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..
         (modules / "yade").mkdir(parents=True)
         (modules / "yade" / "__init__.py").write_text(f"""
 import sys
-sys.path[:] = [{str(launch.find_yade().modules)!r}, *(path for path in sys.path if path != {str(modules)!r})]
+sys.path[:] = [{str(process.find_yade().modules)!r}, *(path for path in sys.path if path != {str(modules)!r})]
 del sys.modules["yade"]
 import yade, yade.config
 yade.config.version = {version!r}

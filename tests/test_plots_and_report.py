@@ -10,16 +10,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from comparison import drawing, plot_reaction, plots, report
-from comparison.plot_words import ROW, Word, write_words
-from comparison.record import Run
-from comparison.shipped import find
-from comparison.summary import limit_analysis_summary
+from comparison.figures import canvas as drawing
+from comparison.figures import reaction as plot_reaction
+from comparison.figures import structure
+from comparison.figures.line_labels import ROW, Word, write_words
+from comparison.judge.summary import limit_analysis_summary
+from comparison.report import report
+from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import Path as FollowedPath
 from la_core.limit.associated import Drive
 from la_core.scene.scene import Scene, load_scene
+from la_core.scene.shipped import find
 
 HEAD = """
 title = "{title}"
@@ -95,12 +98,12 @@ def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
     run = synthetic_run(analysis) if np.isfinite(solution.value) and scene.live is None else None
     mechanisms = {"limit analysis (associated)": solution.twists, "YADE": run.mechanism() if run else np.full_like(solution.twists, np.nan)}
     figures = {
-        "assembly": plots.assembly_figure(scene, analysis.assembly),
-        "mechanisms": plots.mechanism_figure(analysis.assembly, mechanisms, scene.title, solution.falling),
-        "reaction": plots.reaction_figure(scene, analysis, run),
+        "assembly": structure.assembly_figure(scene, analysis.assembly),
+        "mechanisms": structure.mechanism_figure(analysis.assembly, mechanisms, scene.title, solution.falling),
+        "reaction": structure.reaction_figure(scene, analysis, run),
     }
     for name, figure in figures.items():
-        plots.save(figure, tmp_path / f"{name}.png")
+        structure.save(figure, tmp_path / f"{name}.png")
         assert (tmp_path / f"{name}.png").stat().st_size > 5000
 
 
@@ -108,7 +111,7 @@ def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["solid"])
     analysis = analyse(scene)
     for path in (tmp_path / "first.png", tmp_path / "second.png"):
-        plots.save(plots.reaction_figure(scene, analysis, synthetic_run(analysis)), path)
+        structure.save(structure.reaction_figure(scene, analysis, synthetic_run(analysis)), path)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
 
 
@@ -116,30 +119,30 @@ def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: 
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
     twists = analysis.rounded[Drive.YIELDING].twists
-    figure = plots.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
+    figure = structure.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
     drawn = [float(word) for word in re.findall(r"([0-9.]+) mm", figure.get_suptitle())]
     # The block turns about (0.4, 0) by 1/0.6 of the settlement at x = 1; its upper right corner is the fastest, by hypot(0.6, 0.5)/0.6.
-    assert drawn == [pytest.approx(1e3 * plots.DRAWN * drawing.size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
+    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
 
 
 def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
     assembly = analysis.assembly
-    opens, slides = plots.contact_motion(assembly, analysis.rounded[Drive.YIELDING].twists)
+    opens, slides = structure.contact_motion(assembly, analysis.rounded[Drive.YIELDING].twists)
     # The block turns about the fixed pad's right end and stays on the settling pad at its right end: the other two points open.
     where = assembly.points.position[:, 0]
     assert [round(float(x), 1) for x in np.sort(where[opens])] == [0.0, 0.5]
     assert not slides[opens].any()
     shear = np.zeros((len(assembly.blocks), 6))
     shear[assembly.blocks.free, 0] = 1.0
-    opens, slides = plots.contact_motion(assembly, shear)
+    opens, slides = structure.contact_motion(assembly, shear)
     assert slides.all()
     assert not opens.any()
 
 
 def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
     analysis = analyse(scene_of(tmp_path, SCENES["solid"]))
-    canvas = drawing.canvases(plots.Figure(), analysis.assembly, 1)[0]
+    canvas = drawing.canvases(structure.Figure(), analysis.assembly, 1)[0]
     # Seen from above, the block hides its pads, although its centroid is not nearer than the right pad's.
     assert list(canvas.order).index(2) == 2
 
@@ -169,7 +172,7 @@ role = "support"
 box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 """
     analysis = analyse(scene_of(tmp_path, wall + DOWN + "[effects]\nplane = false\n"))
-    canvas = drawing.canvases(plots.Figure(), analysis.assembly, 1)[0]
+    canvas = drawing.canvases(structure.Figure(), analysis.assembly, 1)[0]
     assert list(canvas.seen(np.array([[1.0, 0.001, 1.0], [1.0, 0.5, 1.0], [2.499, 0.5, 1.0], [1.0, 0.999, 1.0]]))) == [
         True,
         False,
@@ -181,7 +184,7 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
-    whole, close = plots.reaction_figure(scene, analysis, synthetic_run(analysis)).axes
+    whole, close = structure.reaction_figure(scene, analysis, synthetic_run(analysis)).axes
     greatest, least = (analysis.rounded[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
     assert close.get_ylim()[1] < greatest
     assert "lies above" in close.get_title(loc="right")
@@ -193,7 +196,7 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
     run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
-    (axes,) = plots.reaction_figure(scene, analysis, run).axes
+    (axes,) = structure.reaction_figure(scene, analysis, run).axes
     assert "no plateau" in axes.get_title(loc="left")
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
@@ -222,8 +225,8 @@ def labels_of(axes: Any) -> dict[str, Any]:
 def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), share)
-    figure = plots.reaction_figure(scene, analysis, synthetic_run(analysis))
-    plots.save(figure, tmp_path / "reaction.png")
+    figure = structure.reaction_figure(scene, analysis, synthetic_run(analysis))
+    structure.save(figure, tmp_path / "reaction.png")
     least = analysis.rounded[Drive.YIELDING].value
     for axes in figure.axes:
         band = labels_of(axes).get(plot_reaction.HISTORY)
@@ -237,7 +240,7 @@ def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[floa
 def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    figure = plots.reaction_figure(scene, analysis, synthetic_run(analysis))
+    figure = structure.reaction_figure(scene, analysis, synthetic_run(analysis))
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     beside = {
@@ -258,7 +261,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
 def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
-    figure = plots.reaction_figure(scene, analysis, None)
+    figure = structure.reaction_figure(scene, analysis, None)
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any("associated, and Coulomb prediction" in word for word in words)
     assert not any(word.startswith("Coulomb prediction") for word in words)
@@ -270,8 +273,8 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
     missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = plots.reaction_figure(scene, replace(analysis, **missing), None)
-    plots.save(figure, tmp_path / "reaction.png")
+    figure = structure.reaction_figure(scene, replace(analysis, **missing), None)
+    structure.save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:
         assert (plot_reaction.COULOMB in labels_of(axes)) == ("coulomb" in known)
@@ -285,12 +288,12 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
 def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 5.0))
-    close = plots.reaction_figure(scene, analysis, synthetic_run(analysis)).axes[1]
+    close = structure.reaction_figure(scene, analysis, synthetic_run(analysis)).axes[1]
     assert close.get_ylim()[1] < 1.5 * analysis.rounded[Drive.YIELDING].value
 
 
 def test_words_keep_off_lines_and_each_other() -> None:
-    axes = plots.Figure().subplots()
+    axes = structure.Figure().subplots()
     axes.set_ylim(0.0, 1.0)
 
     def word(low: float, high: float, name: str) -> Word:
@@ -304,7 +307,7 @@ def test_words_keep_off_lines_and_each_other() -> None:
     assert at["three"] == 0.5
     assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
     # The words of the upper line stand below it, for above is no room, and there those of the lower line may not be.
-    axes = plots.Figure().subplots()
+    axes = structure.Figure().subplots()
     upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
     assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
     assert [text.get_va() for text in axes.texts] == ["top", "top"]

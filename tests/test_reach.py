@@ -9,12 +9,12 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import Silent
 
-from comparison import shipped
-from comparison.check import Verdict
-from comparison.check_reach import check_reach
-from comparison.record import Run
-from comparison.tolerances import HISTORY
-from comparison.workflow import read_results, run_scene
+from comparison.judge.check import Verdict
+from comparison.judge.reduced_model import check_reach
+from comparison.judge.tolerances import HISTORY
+from comparison.workflow.one_scene import run_scene
+from comparison.yade import read_results
+from comparison.yade.run_record import Run
 from la_core import exchange
 from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
@@ -25,6 +25,7 @@ from la_core.errors import SceneError
 from la_core.limit.associated import Drive, Status, solve
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
+from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 from yade_scripts import case as yade_case
 

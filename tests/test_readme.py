@@ -16,17 +16,18 @@ from conftest import CrossChecked, every_shipped_scene
 from growth_report import fit
 from scenes_for_tests import load
 
-from comparison import shipped, tables
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.command import find as find_campaign
 from comparison.campaign.definition import load as load_campaign
-from comparison.cli import COMMANDS, main
-from comparison.effects_table import effects_summary
+from comparison.cli.commands import COMMANDS, main
+from comparison.cli.study_verbs.campaign import find as find_campaign
+from comparison.judge.effects_table import effects_summary
+from la_core import text_table
 from la_core.analysis.stage import analyse, settled
 from la_core.limit.associated import Drive, Status
 from la_core.limit.classic_iteration import ClassicParameters, iterate
 from la_core.model.assembly import assemble
+from la_core.scene import shipped
 from la_core.scene.full_model import full_model
 from la_core.scene.scene import load_scene
 
@@ -121,9 +122,9 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
     analysis = analyse(scene)
     least, predicted, interval, greatest, sharp, *_ = _results()[name]
     unit = 1.0 if scene.live is not None else scene.weight
-    assert least == _shown(tables.over_weight(analysis.rounded[analysis.main].value, unit))
+    assert least == _shown(text_table.over_weight(analysis.rounded[analysis.main].value, unit))
     if Drive.PUSHING in analysis.rounded:
-        assert greatest == _shown(tables.over_weight(analysis.rounded[Drive.PUSHING].value, unit))
+        assert greatest == _shown(text_table.over_weight(analysis.rounded[Drive.PUSHING].value, unit))
     assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
     assert analysis.coulomb.status is Status.SOLVED or name in shipped.LONG
     assert float(predicted) == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
@@ -133,7 +134,7 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
 
 
 def _shown(value: float | None) -> str:
-    return tables.number(value if value is not None and math.isfinite(value) else None, 5)
+    return text_table.number(value if value is not None and math.isfinite(value) else None, 5)
 
 
 @every_shipped_scene

@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 from conftest import Silent
 
-from comparison import refine
-from comparison.record import Run, read_run
-from comparison.workflow import read_results, run_scene
+from comparison.workflow import finer_prediction
+from comparison.workflow.one_scene import run_scene
+from comparison.yade import read_results
+from comparison.yade.run_record import Run, read_run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.plateau import STEPS
@@ -65,15 +66,15 @@ def test_a_prediction_that_is_not_contradicted_is_left_alone(summary: dict, fold
     scene, analysis, run = stored(folder)
     assert analysis.coulomb is not None
     as_if_first = replace(analysis, coulomb=replace(analysis.coulomb, steps=STEPS))
-    assert list(refine.predictions(scene, as_if_first, run)) == []
+    assert list(finer_prediction.predictions(scene, as_if_first, run)) == []
 
 
 def test_a_contradiction_that_finer_steps_do_not_mend_stands(summary: dict, folder: Path) -> None:
     """A reaction of YADE's that no prediction comes near."""
     scene, _, run = stored(folder)
     wrong = replace(run, result={**run.result, "reaction": 0.3 * scene.weight})
-    tried = [steps for steps, _ in refine.predictions(scene, analyse(scene), wrong)]
-    assert tried == [steps for steps, _ in refine.FINER] and tried == sorted(tried)
+    tried = [steps for steps, _ in finer_prediction.predictions(scene, analyse(scene), wrong)]
+    assert tried == [steps for steps, _ in finer_prediction.FINER] and tried == sorted(tried)
 
 
 def test_blocks_that_jam_in_a_long_first_step_slide_in_a_shorter_one() -> None:
@@ -81,7 +82,7 @@ def test_blocks_that_jam_in_a_long_first_step_slide_in_a_shorter_one() -> None:
     text = WALL.read_text(encoding="utf-8").replace("0.8, 0.3", "0.4, 0.3").replace("1.6, 0.3", "2.0, 0.3")
     text = text.replace("from = [0.8", "from = [0.4").replace("from = [1.6", "from = [2.0")
     scene = scene_of_text(text, WALL, "wide")
-    (steps, long_first), (same, short_first) = refine.FINER[:2]
+    (steps, long_first), (same, short_first) = finer_prediction.FINER[:2]
     jammed, sliding = (analyse(scene, with_path=True, steps=n, first_sags=first) for n, first in ((steps, long_first), (same, short_first)))
     assert jammed.coulomb is not None and sliding.coulomb is not None and sliding.path is not None
     assert jammed.coulomb.value < 1e-6 * scene.weight

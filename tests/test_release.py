@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from comparison.arguments import parser
-from comparison.cli import COMMANDS
+from comparison.cli.arguments import parser
+from comparison.cli.commands import COMMANDS
 
 ROOT = Path(__file__).parent.parent
 ROOMS = ("la_core", "yade_scripts", "comparison")

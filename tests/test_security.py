@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison.cli import main
-from comparison.shipped import find
+from comparison.cli.commands import main
 from la_core import exchange
 from la_core.errors import SceneError, visible
 from la_core.exchange import checksummed_file
 from la_core.scene import scene
 from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
 
 ROOT = Path(__file__).parent.parent
 LISTENS = "0A"  # state of a socket in /proc/net/tcp

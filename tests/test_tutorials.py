@@ -6,15 +6,16 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from comparison import tutorial, workflow
-from comparison.cli import main
+from comparison.cli.commands import main
+from comparison.cli.help_verbs import tutorial
+from comparison.workflow import one_scene
 
 every_tutorial = pytest.mark.parametrize("name", tutorial.NAMES)
 
 
 @pytest.fixture(autouse=True)
 def no_report_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workflow, "_figures", lambda *results: {})  # the walk-throughs draw their own
+    monkeypatch.setattr(one_scene, "_figures", lambda *results: {})  # the walk-throughs draw their own
 
 
 def test_every_script_is_listed_in_the_order_of_reading(capsys: pytest.CaptureFixture[str]) -> None:

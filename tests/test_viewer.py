@@ -14,10 +14,10 @@ import pytest
 from conftest import CrossChecked
 from scenes_for_tests import load, shipped
 
-from comparison import viewer
-from comparison.drawing import size
-from comparison.motion import DRAWN, motions
-from comparison.report import write_report
+from comparison.figures.canvas import size
+from comparison.figures.motion import DRAWN, motions
+from comparison.report import viewer
+from comparison.report.report import write_report
 from la_core.analysis.stage import analyse
 
 SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits

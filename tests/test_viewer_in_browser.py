@@ -11,9 +11,9 @@ import pytest
 from browser import Browser, find_browser
 from conftest import CrossChecked
 
-from comparison import viewer
-from comparison.cli import main
-from comparison.report import write_report
+from comparison.cli.commands import main
+from comparison.report import viewer
+from comparison.report.report import write_report
 
 pytestmark = [
     pytest.mark.browser,

@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 from conftest import CrossChecked
 
-from comparison import launch, shipped, workflow
-from comparison.cli import main
+from comparison.cli.commands import main
+from comparison.workflow import one_scene
+from comparison.yade import process as launch
 from la_core.analysis import case_file, stage
 from la_core.exchange.fields import RUN_FIELDS, SETTINGS
 from la_core.limit.associated import Drive
+from la_core.scene import shipped
 from la_core.scene.scene import load_scene
 
 CrossCheck = Callable[[str], CrossChecked]
@@ -67,7 +69,7 @@ def _verdicts(found: CrossChecked) -> dict[str, str]:
 def test_two_identical_runs_give_identical_bits(yade: launch.Yade, cross_checked: CrossCheck, tmp_path: Path) -> None:
     first = cross_checked("arch_spreading").folder
     shutil.copy(first / "case.h5", tmp_path)
-    launch.run_yade(yade, tmp_path, "again", workflow.TIME_LIMIT, lambda report: None)
+    launch.run_yade(yade, tmp_path, "again", one_scene.TIME_LIMIT, lambda report: None)
     with h5py.File(first / "run.h5") as one, h5py.File(tmp_path / "run.h5") as other:
         for field in RUN_FIELDS:
             if field.path != "result/seconds":

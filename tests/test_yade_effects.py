@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 import scenes_for_tests as scenes
 
-from comparison import launch
-from comparison.check import Check, Verdict
-from comparison.check_displacement import check_displacement, largest_displacements
-from comparison.checks import check_run
-from comparison.record import Run, read_run
-from comparison.workflow import run_scene
+from comparison.judge.check import Check, Verdict
+from comparison.judge.reduced_model import check_displacement, largest_displacements
+from comparison.judge.run_checks import check_run
+from comparison.workflow.one_scene import run_scene
+from comparison.yade import process
+from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -65,7 +65,7 @@ def run_in_yade(scene: Scene, folder: Path, time_limit: float = 60.0) -> Ran:
     """Both methods' results of a scene, each read back from its file."""
     folder.mkdir(parents=True, exist_ok=True)
     write_case(folder / "case.h5", scene, analyse(scene), "test")
-    launch.run_yade(launch.find_yade(), folder, "test", time_limit, lambda report: None)
+    process.run_yade(process.find_yade(), folder, "test", time_limit, lambda report: None)
     analysis = read_case(folder / "case.h5", scene)
     return analysis, read_run(folder / "run.h5", analysis.assembly)
 
@@ -93,8 +93,8 @@ def decided(scene: Scene) -> tuple[Effects, float]:
 def cost(scene: Scene, folder: Path) -> dict:
     """What YADE builds for a scene, and what it costs."""
     write_case(folder / "case.h5", scene, analyse(scene), "test")
-    yade, script = launch.find_yade(), Path(__file__).parent / "yade_cost.py"
-    environment = {**launch.environment(), "YADE_MODULES": str(yade.modules)}
+    yade, script = process.find_yade(), Path(__file__).parent / "yade_cost.py"
+    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
     command = [yade.python, "-s", script, folder / "case.h5", "10"]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60)
     return json.loads(answer.stdout.splitlines()[-1])

@@ -9,7 +9,7 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import Silent
 
-from comparison.workflow import run_scene
+from comparison.workflow.one_scene import run_scene
 from la_core.limit.associated import Drive, solve
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene

@@ -10,8 +10,8 @@ import pytest
 import scenes_for_tests as scenes
 from conftest import CrossChecked
 
-from comparison import launch
-from comparison.cli import main
+from comparison.cli.commands import main
+from comparison.yade import process
 from la_core.analysis.accuracy import analyse
 from la_core.analysis.case_file import write_case
 
@@ -33,9 +33,9 @@ def with_settings(name: str, path: Path, **settings: float) -> Path:
 def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
     scene = scenes.shipped(name)
     write_case(tmp_path / "case.h5", scene, analyse(scene), "hold")
-    yade = launch.find_yade()
+    yade = process.find_yade()
     command = [str(part) for part in (yade.python, "-s", HOLD, tmp_path / "case.h5", STEPS)]
-    environment = {**launch.environment(), "YADE_MODULES": str(yade.modules)}
+    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
     held = np.array(found["held"])

@@ -24,8 +24,8 @@ from yade import (
 from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
-from yade_scripts.drive import drive_of
 from yade_scripts.settings import Settings
+from yade_scripts.support_motion import drive_of
 
 try:
     from yade.minieigenHP import Matrix3, Quaternion, Vector3

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from yade_scripts import hosting
+from yade_scripts import sphere_placement
 
 FREE, FIXED, SUPPORT = 0, 1, 2
 _JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag")
@@ -104,7 +104,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     place = np.zeros(total, dtype=int)
     place[index] = np.arange(len(index))
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
-    boxes = tuple(hosting.box_extents(points) for points in vertices)
+    boxes = tuple(sphere_placement.box_extents(points) for points in vertices)
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),
@@ -139,12 +139,12 @@ def _hosts(data: Mapping[str, Any], boxes: np.ndarray) -> np.ndarray:
     interface = data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
     position, normal, plane = data["contacts/position"], data["interfaces/normal"][interface], bool(data["scene/plane"])
-    planes = hosting.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
+    planes = sphere_placement.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
     faces = (data["blocks/face_block"], *planes)
-    on_a = hosting.depth_in_faces(position, normal, block_a, faces, plane)
-    on_b = hosting.depth_in_faces(position, -normal, block_b, faces, plane)
+    on_a = sphere_placement.depth_in_faces(position, normal, block_a, faces, plane)
+    on_b = sphere_placement.depth_in_faces(position, -normal, block_b, faces, plane)
     is_box = np.isin(np.arange(len(data["blocks/role"])), boxes)
-    return hosting.hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
+    return sphere_placement.hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
 
 
 def _overrides(text: str) -> dict[str, Any]:

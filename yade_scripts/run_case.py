@@ -89,13 +89,13 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     if options.time_limit is not None:
         chosen = dataclasses.replace(chosen, time_limit=options.time_limit)
     sys.path.append(find_yade())
-    from yade_scripts import bodies, outcome, protocol, recorder  # noqa: PLC0415
+    from yade_scripts import bodies, protocol, recorder, run_fields  # noqa: PLC0415
 
     model = bodies.build(one, chosen, "watch()")
     steps = protocol.Protocol(one, chosen, model, recorder.Record(one, model), reporter.progress)
     _expose(steps.watch)
     steps.run()
-    values = outcome.fields(steps, time.monotonic() - began)
+    values = run_fields.fields(steps, time.monotonic() - began)
     exchange.write(options.run, exchange.RUN_FIELDS, values, options.inputs)
     reporter.done(values["result/status"])
 

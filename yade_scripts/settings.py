@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
-from yade_scripts import elasticity
+from yade_scripts import stable_step
 from yade_scripts.case import Case, CaseError
 
 # Ratios that hold for every case; README.md says where they come from.
@@ -125,7 +125,7 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
 def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
     normal, shear = chosen["normal_stiffness"], chosen["shear_stiffness"]
     # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
-    frequency = math.sqrt(1.0 + chosen["gravity_damping"]) * elasticity.highest_frequency(elasticity.springs(case, normal, shear))
+    frequency = math.sqrt(1.0 + chosen["gravity_damping"]) * stable_step.highest_frequency(stable_step.springs(case, normal, shear))
     # Asked-for viscosities need not be proportional to the stiffnesses: the larger ratio is on the safe side.
     ratios = [chosen["normal_damping"] / normal] + ([chosen["shear_damping"] / shear] if shear > 0.0 else [])
-    return elasticity.stable_time_step(frequency, max(ratios))
+    return stable_step.stable_time_step(frequency, max(ratios))

@@ -12,13 +12,12 @@ from typing import Any
 
 import tomli_w
 
-from comparison import shipped
-from comparison.campaign import keys
 from comparison.campaign.definition import Definition, Sweep
+from comparison.campaign.parameter_labels import CLASSIC
 from la_core.analysis import model
 from la_core.errors import SceneError, nearest
 from la_core.limit import ClassicParameters
-from la_core.scene import Scene, load_scene, override, scene_of_text
+from la_core.scene import Scene, key_paths, load_scene, override, scene_of_text, shipped
 
 LONGEST = 120  # characters of a case's name
 _CLASSIC_RULE = "needs relaxation in (0, 1], slope from 0, iterations from 1, and cohesion from 0 and below tolerance"
@@ -67,7 +66,7 @@ def expand(definition: Definition) -> list[Case]:
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
-            own = [part for key, part in parts.items() if not key.startswith(keys.CLASSIC)]
+            own = [part for key, part in parts.items() if not key.startswith(CLASSIC)]
             try:
                 data, whole = _overridden(path, original, {**sweep.set, **values})
                 parameters = _classic({**sweep.set, **values})
@@ -107,24 +106,24 @@ def _scene_of(definition: Definition, sweep: Sweep) -> tuple[Path, str]:
 def _overridden(path: Path, original: str, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """A scene's data with other values, and all of it with the schema's defaults."""
     data = tomllib.loads(original)
-    return data, override(data, {key: value for key, value in given.items() if not key.startswith(keys.CLASSIC)}, path)
+    return data, override(data, {key: value for key, value in given.items() if not key.startswith(CLASSIC)}, path)
 
 
 def _classic(given: dict[str, Any]) -> ClassicParameters | None:
     """The classic iteration's parameters, None where none is given."""
-    own = {key.removeprefix(keys.CLASSIC): value for key, value in given.items() if key.startswith(keys.CLASSIC)}
+    own = {key.removeprefix(CLASSIC): value for key, value in given.items() if key.startswith(CLASSIC)}
     defaults = dataclasses.asdict(ClassicParameters())
     for name, value in own.items():
         if name not in defaults:
-            raise SceneError(f"{keys.CLASSIC}{name}", "unknown key", hint=nearest(name, defaults))
+            raise SceneError(f"{CLASSIC}{name}", "unknown key", hint=nearest(name, defaults))
         kinds = (int,) if isinstance(defaults[name], int) else (int, float)
         if type(value) not in kinds:
-            raise SceneError(f"{keys.CLASSIC}{name}", f"must be a {'' if float in kinds else 'whole '}number", value=value)
+            raise SceneError(f"{CLASSIC}{name}", f"must be a {'' if float in kinds else 'whole '}number", value=value)
     try:
         return ClassicParameters(**{name: type(defaults[name])(value) for name, value in own.items()}) if own else None
     except (ValueError, OverflowError) as error:
         given_words = ", ".join(f"{name} = {value}" for name, value in own.items())
-        raise SceneError(keys.CLASSIC.rstrip("."), _CLASSIC_RULE, hint=f"given: {given_words}; the rest is as by default") from error
+        raise SceneError(CLASSIC.rstrip("."), _CLASSIC_RULE, hint=f"given: {given_words}; the rest is as by default") from error
 
 
 def _run(folder: str, path: Path, text: str) -> Run:
@@ -139,7 +138,7 @@ def _run(folder: str, path: Path, text: str) -> Run:
 def _values(whole: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:
     """Values of the varied keys as the scene has them, its defaults included."""
     classic = dataclasses.asdict(parameters) if parameters else {}
-    return {key: classic.get(key.removeprefix(keys.CLASSIC)) if key.startswith(keys.CLASSIC) else keys.get(whole, key) for key in varied}
+    return {key: classic.get(key.removeprefix(CLASSIC)) if key.startswith(CLASSIC) else key_paths.get(whole, key) for key in varied}
 
 
 def _titled(data: dict[str, Any], stem: str, parts: list[str]) -> str:

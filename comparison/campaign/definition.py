@@ -11,9 +11,8 @@ from typing import Annotated, Any, Self
 import pydantic
 from pydantic import Field, Strict, model_validator
 
-from comparison.campaign import keys
 from la_core.errors import SceneError
-from la_core.scene import LARGEST_FILE, Name, Table, Text, complaint
+from la_core.scene import LARGEST_FILE, Name, Table, Text, complaint, key_paths
 
 MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
@@ -117,7 +116,7 @@ def _require_sense(file: CampaignFile, varied: list[str]) -> None:
     for number, sweep in enumerate(file.sweep, 1):
         for key in [*sweep.set, *sweep.varied()]:
             try:
-                keys.steps(key)
+                key_paths.steps(key)
             except SceneError as error:
                 raise SceneError(f"sweep[{number}]", str(error)) from error
     if (count := sum(sweep.count() for sweep in file.sweep)) > MOST_CASES:
@@ -125,3 +124,8 @@ def _require_sense(file: CampaignFile, varied: list[str]) -> None:
     if unknown := [key for key in file.labels if key not in varied]:
         hint = f"varied keys: {', '.join(varied)}" if varied else "no key is varied"
         raise SceneError("labels", f'"{unknown[0]}" is varied by no sweep', hint=hint)
+
+
+def shipped_campaigns() -> dict[str, Path]:
+    """Files of the campaigns that come with the program, by name."""
+    return {path.stem: path for path in sorted((Path(__file__).parents[1] / "campaigns").glob("*.toml"))}

@@ -14,8 +14,8 @@ from comparison.campaign.columns import result_columns
 from comparison.campaign.definition import Definition
 from comparison.campaign.job import LOADED, Job, Outcome, digest, stored_outcome
 from comparison.campaign.narration import CampaignNarration
-from comparison.files import alone_in, write_text
 from comparison.provenance import describe
+from comparison.run_folder import alone_in, write_text
 from la_core.limit import ClassicParameters
 
 CASES = "cases"  # folder of the cases' folders

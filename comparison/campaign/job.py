@@ -12,13 +12,14 @@ from typing import Any
 
 from comparison.campaign.cases import Run
 from comparison.campaign.columns import answers_of, costs_of
-from comparison.campaign.labels import mechanism_label
-from comparison.ending import message_of
-from comparison.files import FolderInUseError, alone_in, write_text
+from comparison.campaign.mechanism_labels import mechanism_label
+from comparison.errors import FolderInUseError, message_of
+from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
-from comparison.summary import without_undefined
-from comparison.workflow import REPEATED, ROOT, Listener, read_results, run_scene
+from comparison.run_folder import alone_in, write_text
+from comparison.workflow import REPEATED, ROOT, Listener, run_scene
+from comparison.yade import read_results
 from la_core.analysis import LimitAnalysis, code_digest
 from la_core.limit import ClassicParameters, Drive, Status, iterate
 from la_core.model import assemble
@@ -26,7 +27,7 @@ from la_core.scene import Scene
 
 OUTCOME = "outcome.json"
 ROOMS = ("la_core", "yade_scripts", "comparison")
-OWN = ("columns.py", "job.py", "labels.py")  # of this package, what an outcome is made by; the others only gather and draw
+OWN = ("columns.py", "job.py", "mechanism_labels.py")  # of this package, what an outcome is made by; the others only gather and draw
 PATIENCE = 600.0  # s for another process to leave a case's folder: one that an earlier call began and that has not seen its end yet
 LOOKS_EVERY = 0.2  # s
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"

@@ -7,8 +7,8 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from comparison.narration import LINE_EVERY
-from comparison.report_numbers import plural
+from comparison.numbers import plural
+from comparison.progress import LINE_EVERY
 from la_core.errors import visible
 
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from comparison.campaign.columns import COSTS, Column, Kind, result_columns
-from comparison.files import write_text
+from comparison.run_folder import write_text
 from la_core import exchange
 from la_core.exchange import ExchangeError, write_whole
 

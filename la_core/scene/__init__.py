@@ -1,17 +1,16 @@
 """What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
 
+from la_core.scene import key_paths, shipped
 from la_core.scene.full_model import full_model
-from la_core.scene.key_paths import put, steps
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, Path
 from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text
-from la_core.scene.shipped import FOLDER, find, load, names
+from la_core.scene.shipped import load, names
 from la_core.scene.validation import complaint
 from la_core.scene.variants import build, override, variant
 
 __all__ = [
-    "FOLDER",
     "FOLDER_FORMATS",
     "LARGEST_FILE",
     "LEAST_ACCURACY",
@@ -25,14 +24,13 @@ __all__ = [
     "Text",
     "build",
     "complaint",
-    "find",
     "full_model",
+    "key_paths",
     "load",
     "load_scene",
     "names",
     "override",
-    "put",
     "scene_of_text",
-    "steps",
+    "shipped",
     "variant",
 ]

@@ -22,6 +22,16 @@ def steps(key: str) -> list[str | int]:
     return found
 
 
+def get(data: Any, key: str) -> Any:
+    """Value at a key of a scene's data, None where there is none."""
+    for step in steps(key):
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
 def put(data: dict[str, Any], key: str, value: Any) -> None:
     """Set a key of a scene's data, in tables that are made where they are missing, or take it away where the value is None.
 

@@ -6,6 +6,7 @@ from la_core.errors import SceneError, nearest
 from la_core.scene.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parents[1] / "scenes"
+LONG = ("building_corner",)  # minutes of limit analysis and most of an hour of YADE
 
 
 def names() -> list[str]:

@@ -1,1 +1,1 @@
-"""Generators: tables of a scene file that expand to blocks."""
+"""Tables of a scene file that expand to blocks: walls, buildings, arches, vaults, domes, meshes."""

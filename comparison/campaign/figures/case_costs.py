@@ -1,0 +1,66 @@
+"""What a campaign's cases cost: seconds of both methods against the number of blocks, and case by case."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+
+from comparison.campaign.figures import shared_axes
+from comparison.campaign.row_values import costs_once
+from comparison.campaign.table import CampaignTable
+from comparison.figures import INK, LIMIT_ANALYSIS, YADE
+from comparison.numbers import exists, number
+
+SECONDS = {"limit_analysis_seconds": ("limit analysis", LIMIT_ANALYSIS, "o"), "yade_seconds": ("YADE", YADE, "s")}
+SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks that are written under an axis
+FEW = 12  # cases that are named under their axis
+
+
+def cost_figure(table: CampaignTable) -> Figure | None:
+    """Left seconds against free blocks, right seconds of each case, the dearest first; None where none is known."""
+    blocks = {row["case"]: row.get("free_blocks") for row in table.rows}
+    once = costs_once(table)
+    total = {cost["case"]: sum(cost[name] for name in SECONDS if exists(cost.get(name))) for cost in once}
+    known = [cost for cost in once if total[cost["case"]] > 0.0 and exists(blocks.get(cost["case"]))]
+    dearest = sorted(known, key=lambda cost: (-total[cost["case"]], cost["case"]))
+    if not dearest:
+        return None
+    figure, (left, right) = shared_axes.panels(2, 3.8)
+    for name, (_, colour, marker) in SECONDS.items():
+        style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.6}
+        some = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
+        left.plot([blocks[cost["case"]] for _, cost in some], [cost[name] for _, cost in some], **style)
+        right.plot([k for k, _ in some], [cost[name] for _, cost in some], **style)
+    _finish(left, right, [cost["case"] for cost in dearest])
+    shared_axes.legend(figure, [_handle(table, name) for name in SECONDS])
+    return figure
+
+
+def _finish(left: Any, right: Any, names: list[str]) -> None:
+    left.set_xscale("log")
+    for axes in (left, right):
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+        axes.set_ylabel("time of the method (s)", fontsize=9)
+    left.margins(x=0.1)
+    low, high = left.get_xlim()
+    sizes = [first * 10**k for k in range(7) for first in SIZES if low <= first * 10**k <= high]
+    kept = [sizes[k] for k in shared_axes.apart(np.log(sizes), [str(size) for size in sizes])]
+    left.set_xticks(kept, [str(size) for size in kept])
+    left.xaxis.set_minor_locator(NullLocator())
+    left.set_xlabel("free blocks", fontsize=9)
+    if len(names) <= FEW:
+        right.set_xticks(range(1, len(names) + 1), names, rotation=25, ha="right", parse_math=False)
+    else:
+        right.xaxis.set_major_locator(MaxNLocator(integer=True))
+        right.set_xlabel("cases, the dearest first", fontsize=9)
+
+
+def _handle(table: CampaignTable, name: str) -> Line2D:
+    words, colour, marker = SECONDS[name]
+    known = [cost[name] for cost in costs_once(table) if exists(cost.get(name))]
+    label = f"{words}, in all {number(sum(known), 3)} s" if known else f"{words}: not run"
+    return Line2D([], [], color=colour, marker=marker, linestyle="none", markeredgecolor=INK, label=label)

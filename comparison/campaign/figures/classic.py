@@ -1,0 +1,108 @@
+"""The classic iteration for friction against its own parameters: its value, and how many programmes it solved."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from comparison.campaign.figures import shared_axes
+from comparison.campaign.figures.shared_axes import Scale, series_style, shade
+from comparison.campaign.parameter_labels import CLASSIC, quantity
+from comparison.campaign.row_groups import Line, Sweep, lines
+from comparison.campaign.row_values import Row, over_weight
+from comparison.figures import INK, LIMIT_ANALYSIS
+from comparison.numbers import exists
+
+SERIES = 5
+SCENES = 3  # in a figure, a row each
+HEIGHT = 3.3  # inches
+CONVERGED = "solved"
+
+
+def classic_figures(found: Sequence[Sweep]) -> Iterator[tuple[Figure, str]]:
+    """A figure for every parameter of the classic iteration; each with the parameter."""
+    for kind in dict.fromkeys(tuple(sweep.parameters) for sweep in found):
+        for parameter in (name for name in kind if name.startswith(CLASSIC)):
+            group = [sweep for sweep in found if tuple(sweep.parameters) == kind and _ran(sweep.rows)]
+            for k in range(0, len(group), SCENES):
+                yield _figure(parameter, group[k : k + SCENES]), parameter
+
+
+def _ran(rows: list[Row]) -> bool:
+    return any(row.get("classic_status") is not None for row in rows)
+
+
+def _figure(parameter: str, group: list[Sweep]) -> Figure:
+    figure, axes = shared_axes.panels(2 * len(group), HEIGHT, columns=2)
+    names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
+    drawn = shared_axes.spread(names, SERIES)
+    for value, count, sweep in zip(axes[::2], axes[1::2], group, strict=True):
+        scale = Scale(parameter, sweep.values[parameter], sweep.named)
+        chosen = [line for line in lines(sweep, parameter) if line.words in drawn]
+        shown = _references(value, chosen, scale)
+        for line in chosen:
+            k = drawn.index(line.words)
+            shown += _draw(value, line, scale, k, len(drawn), [over_weight(row, "classic") for row in line.rows])
+            _draw(count, line, scale, k, len(drawn), [row.get("classic_iterations") for row in line.rows])
+            _mark_lost(value, line, scale)
+        shared_axes.span(value, shown)
+        count.set_ylim(bottom=0.0)
+        count.yaxis.set_major_locator(MaxNLocator(integer=True))
+        value.set_ylabel(quantity(sweep.rows[0].get("unit")), fontsize=8)
+        count.set_ylabel("programmes solved", fontsize=8)
+        for place in (value, count):
+            scale.label(place)
+            place.set_title(sweep.scene, fontsize=9, parse_math=False)
+    shared_axes.legend(figure, _handles(drawn))
+    return figure
+
+
+def _references(axes: Any, chosen: list[Line], scale: Scale) -> list[float]:
+    """The associated least and the Coulomb prediction of each line's cases; the values drawn."""
+    shown: list[float] = []
+    for line in chosen:
+        place = [scale.place(row[scale.parameter]) for row in line.rows]
+        for name, dash in (("least", ":"), ("coulomb", "-")):
+            values = [over_weight(row, name) for row in line.rows]
+            axes.plot(
+                place, [float("nan") if value is None else value for value in values], color=INK, linewidth=1.1, linestyle=dash, zorder=1
+            )
+            shown += [value for value in values if value is not None]
+    return shown
+
+
+def _draw(axes: Any, line: Line, scale: Scale, k: int, count: int, values: list[Any]) -> list[float]:
+    """A line through the values, its marks filled where the iteration converged; the values drawn."""
+    some = [(scale.place(row[scale.parameter]), value, row) for row, value in zip(line.rows, values, strict=True) if exists(value)]
+    style, colour = series_style(k), shade(LIMIT_ANALYSIS, k, count)
+    axes.plot([x for x, _, _ in some], [y for _, y, _ in some], color=colour, linestyle=style["linestyle"], linewidth=1.2, zorder=3)
+    for x, y, row in some:
+        face = colour if row.get("classic_status") == CONVERGED else "white"
+        axes.plot(
+            [x], [y], marker=style["marker"], markersize=max(10.0 - 1.7 * k, 3.5), markerfacecolor=face, markeredgecolor=INK, zorder=4
+        )
+    return [float(y) for _, y, _ in some]
+
+
+def _mark_lost(axes: Any, line: Line, scale: Scale) -> None:
+    """A cross at the foot of the axes for every run without a value."""
+    lost = [scale.place(row[scale.parameter]) for row in line.rows if row.get("classic_status") and not exists(row.get("classic"))]
+    axes.plot(lost, [0.04] * len(lost), "x", transform=axes.get_xaxis_transform(), color=INK, markersize=7, zorder=5)
+
+
+def _handles(names: list[str]) -> list[Line2D]:
+    count = len(names)
+    hollow: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "color": "white"}
+    series = [
+        Line2D([], [], color=shade(LIMIT_ANALYSIS, k, count), markersize=6, label=name or "classic iteration", **series_style(k))
+        for k, name in enumerate(names)
+    ]
+    return [
+        *series,
+        Line2D([], [], color=INK, linewidth=1.1, linestyle="-", label="Coulomb prediction, elastic joints"),
+        Line2D([], [], color=INK, linewidth=1.1, linestyle=":", label="associated"),
+        Line2D([], [], marker="o", label="not converged", **hollow),
+        Line2D([], [], linestyle="none", marker="x", color=INK, label="no value: not converged, or no equilibrium"),
+    ]

@@ -1,0 +1,196 @@
+"""A quantity of both methods against a swept parameter: a panel a scene, a line for each value of the other parameters."""
+
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation
+
+from comparison.campaign.figures import shared_axes
+from comparison.campaign.figures.shared_axes import Scale, series_style, shade
+from comparison.campaign.parameter_labels import quantity
+from comparison.campaign.row_groups import Line, Sweep, lines, longest, slices
+from comparison.campaign.row_values import LIMIT, Row, bounds, mechanism_name, of_mechanism, over_weight, prediction
+from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
+from comparison.numbers import exists
+
+SERIES = 5  # lines in a panel; of more, evenly spaced ones are drawn
+PANELS = 9  # in a figure; more take further figures
+MOST_PANELS = 18  # over one parameter; of more, evenly spaced ones are drawn
+HEIGHT = 3.1  # inches, of a row of panels
+TITLE_WIDTH = 55  # signs
+OUTSIDE = 1e9  # where bands without end are cut off: out of every frame
+DODGE = 3.0  # pt between the intervals of two lines
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure over a parameter, and what it leaves out, in words, "" where nothing."""
+
+    figure: Figure
+    parameter: str
+    left_out: str
+
+
+def reaction_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
+    """Reaction over weight against every parameter, with bounds and interval as bands where a panel has one line."""
+    for parameter, group, left_out in _groups(found, _has_reaction):
+        yield _figure(parameter, group, left_out, _draw_reactions, "", reactions=True)
+
+
+def participation_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
+    """Distribution index of dissipation against every parameter."""
+    for parameter, group, left_out in _groups(found, _has_participation):
+        yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
+
+
+def _has_reaction(row: Row) -> bool:
+    return any(over_weight(row, name) is not None for name in (prediction(row), "yade"))
+
+
+def _has_participation(row: Row) -> bool:
+    return any(exists(of_mechanism(row, method, "participation")) for method in (LIMIT, "yade"))
+
+
+def _groups(found: Sequence[Sweep], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[Sweep], str]]:
+    """Panels over a parameter, so many as a figure has: sweeps of the same parameters, its longest other one as the lines.
+
+    Further parameters are held: a panel for each of their values. has: whether a case has something to draw; a panel needs one.
+    """
+    kinds = dict.fromkeys(tuple(sweep.parameters) for sweep in found)
+    for kind in kinds:
+        own = [sweep for sweep in found if tuple(sweep.parameters) == kind]
+        for parameter in kind:
+            group = []
+            for sweep in own:
+                others = [name for name in longest(sweep) if name != parameter]
+                group += [part for part in slices(sweep, (parameter, *others[:1])) if len(sweep.values[parameter]) > 1]
+            group = [part for part in group if any(map(has, part.rows))]
+            drawn = shared_axes.spread(group, MOST_PANELS)
+            left_out = f"{len(drawn)} of {len(group)} panels are drawn." if len(drawn) < len(group) else ""
+            for k in range(0, len(drawn), PANELS):
+                yield parameter, drawn[k : k + PANELS], left_out
+
+
+def _figure(parameter: str, group: list[Sweep], left_out: str, draw: Any, words: str, reactions: bool) -> Drawn:
+    """Panels of one parameter with one legend; series that have the same words look the same in all of them."""
+    figure, axes = shared_axes.panels(len(group), HEIGHT)
+    names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
+    drawn = shared_axes.spread(names, SERIES)
+    for place, sweep in zip(axes, group, strict=True):
+        scale = Scale(parameter, sweep.values[parameter], sweep.named)
+        chosen = [line for line in lines(sweep, parameter) if line.words in drawn]
+        draw(place, scale, [(line, drawn.index(line.words), len(drawn)) for line in chosen])
+        scale.label(place)
+        place.set_title(textwrap.fill(sweep.title, TITLE_WIDTH), fontsize=9, parse_math=False)
+        unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a case that failed has none
+        place.set_ylabel(words or quantity(unit), fontsize=8)
+    rows = [row for sweep in group for row in sweep.rows]
+    shared_axes.legend(figure, [*_method_handles(rows, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
+    series = f"{len(drawn)} of {len(names)} series are drawn." if len(drawn) < len(names) else ""
+    return Drawn(figure, parameter, f"{left_out} {series}".strip())
+
+
+def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
+    """Prediction as lines, YADE as larger marks with its uncertainty; bands where there is a single line."""
+    shown: list[float] = []
+    for line, k, count in chosen:
+        place = [scale.place(row[scale.parameter]) for row in line.rows]
+        predicted = _values(line.rows, [prediction(row) for row in line.rows])
+        found, uncertainty, low, high = (
+            _values(line.rows, [name] * len(place)) for name in ("yade", "yade_uncertainty", "coulomb_low", "coulomb_high")
+        )
+        if count == 1 and scale.numeric:
+            _draw_bands(axes, line.rows, place, low, high)
+            _draw_switches(axes, scale, line.rows)
+        else:
+            _draw_intervals(axes, place, low, high, k, count)
+        _draw_methods(axes, scale, place, predicted, found, k, count)
+        axes.vlines(place, found - uncertainty, found + uncertainty, color=INK, linewidth=0.9, zorder=6)
+        wrong = [row.get("verdict") == "disagree" for row in line.rows]
+        axes.plot(np.array(place)[wrong], found[wrong], "x", color=INK, markersize=10, markeredgewidth=1.3, zorder=7)
+        shown += [*predicted, *(found - uncertainty), *(found + uncertainty), *found]
+    shared_axes.span(axes, shown)
+
+
+def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
+    for line, k, count in chosen:
+        place = [scale.place(row[scale.parameter]) for row in line.rows]
+        limit, yade = (_measure(line.rows, method, "participation") for method in (LIMIT, "yade"))
+        _draw_methods(axes, scale, place, limit, yade, k, count)
+    axes.set_ylim(-0.03, 1.03)  # the index is a share
+
+
+def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray, yade: np.ndarray, k: int, count: int) -> None:
+    """Limit analysis as a line with small marks, YADE as larger marks with a thin line; no lines from one choice to another."""
+    style = series_style(k) if scale.numeric else series_style(k) | {"linestyle": "none"}
+    small = {"markersize": 3.5 if scale.numeric else 5.0, "markeredgewidth": 0.0, "linewidth": 1.5}
+    large = {"markersize": 6.5, "markeredgewidth": 0.6, "markeredgecolor": INK, "linewidth": 0.8}
+    axes.plot(place, yade, color=shade(YADE, k, count), zorder=4, **style, **large)
+    axes.plot(place, limit, color=shade(LIMIT_ANALYSIS, k, count), zorder=5, **style, **small)
+
+
+def _draw_bands(axes: Any, rows: list[Row], place: list[float], low: np.ndarray, high: np.ndarray) -> None:
+    """R_min to R_max pale, without end where there is no bound; the mechanism's interval darker."""
+    bottom, top = np.clip(np.array([bounds(row) for row in rows]), -OUTSIDE, OUTSIDE).T
+    axes.fill_between(place, bottom, top, color=tint(LIMIT_ANALYSIS), alpha=0.22, linewidth=0.0, zorder=0)
+    axes.fill_between(place, low, high, color=tint(LIMIT_ANALYSIS), alpha=0.6, linewidth=0.0, zorder=1)
+
+
+def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.ndarray, k: int, count: int) -> None:
+    """The intervals of one of several lines, a little beside its marks and those of the other lines."""
+    beside = ScaledTranslation(DODGE * (k - (count - 1) / 2.0) / 72.0, 0.0, axes.figure.dpi_scale_trans)
+    style = {"color": shade(LIMIT_ANALYSIS, k, count), "linewidth": 1.1, "alpha": 0.7, "zorder": 2}
+    for x, bottom, top in zip(place, low, high, strict=True):
+        axes.plot([x, x], [bottom, top], transform=axes.transData + beside, **style)
+
+
+def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
+    """Dotted lines where limit analysis' mechanism changes from one value of the parameter to the next."""
+    for first, second in pairwise(rows):
+        names = mechanism_name(first, LIMIT), mechanism_name(second, LIMIT)
+        if None not in names and names[0] != names[1]:
+            middle = (scale.place(first[scale.parameter]) + scale.place(second[scale.parameter])) / 2.0
+            axes.axvline(middle, color=INK, linewidth=0.9, linestyle=":", zorder=2)
+
+
+def _values(rows: list[Row], names: list[str]) -> np.ndarray:
+    """Reactions over weight, NaN for none."""
+    return np.array([over_weight(row, name) for row, name in zip(rows, names, strict=True)], dtype=float)
+
+
+def _measure(rows: list[Row], method: str, name: str) -> np.ndarray:
+    """A measure of the method's mechanisms, NaN for none."""
+    return np.array([of_mechanism(row, method, name) for row in rows], dtype=float)
+
+
+def _method_handles(rows: list[Row], bands: bool, reactions: bool) -> list[Any]:
+    words = "limit analysis" if not reactions else "limit analysis' prediction"
+    handles: list[Any] = [Line2D([], [], color=LIMIT_ANALYSIS, marker="o", markersize=3.5, label=words)]
+    mark: dict[str, Any] = {"marker": "o", "markersize": 6.5, "markeredgecolor": INK, "markeredgewidth": 0.6, "linewidth": 0.8}
+    if any(row.get("yade") is not None for row in rows):
+        handles.append(Line2D([], [], color=YADE, label="YADE", **mark))
+    if not reactions:
+        return handles
+    if not bands:
+        handles.append(Line2D([], [], color=LIMIT_ANALYSIS, linewidth=1.1, alpha=0.7, marker="|", label="interval of the mechanism"))
+    else:
+        handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.6, label="interval of the mechanism"))
+        handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.22, label="bounds (associated)"))
+        handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=":", label="limit analysis' mechanism changes"))
+    if any(row.get("verdict") == "disagree" for row in rows):
+        handles.append(Line2D([], [], color=INK, linestyle="none", marker="x", markersize=9, label="disagree"))
+    return handles
+
+
+def _series_handles(names: list[str]) -> list[Line2D]:
+    if names == [""]:
+        return []
+    count = len(names)
+    return [Line2D([], [], color=shade(INK, k, count), markersize=5, label=name, **series_style(k)) for k, name in enumerate(names)]

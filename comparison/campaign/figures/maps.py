@@ -1,0 +1,191 @@
+"""Where the mechanism changes: cells over one or two parameters, lettered by mechanism, limit analysis beside YADE."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+
+from comparison.campaign.figures import shared_axes
+from comparison.campaign.mechanism_changes import letters
+from comparison.campaign.parameter_labels import label, short, shown
+from comparison.campaign.row_groups import Sweep, key, longest, slices
+from comparison.campaign.row_values import LIMIT, WORDS, Row, failed, falls, mechanism_name
+from comparison.figures import FAINT, INK
+from comparison.numbers import DASH
+
+STRIPS = 8  # scenes in a figure of strips
+ROWS = 3  # maps over two parameters in a figure
+SHADES = ("#f3f0e8", "#8fb1d3", "#efd3a6", "#9fb09a", "#e3d5ea", "#b9a58f", "#cfe3c3", "#9a9ab8")  # light and dark in turn, for greyscale
+FONT = 9.0  # pt
+WIDE = 16  # columns from which on only the first of equal cells is lettered
+BOTH = [LIMIT, "yade"]
+APART, FALLS, FAILED = "≠", "↓", "!"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells to draw: rows from the top down, each a place by column; None where there is no case.
+
+    across, down: labels of the axes; over: both, in words.
+    """
+
+    title: str
+    rows: list[list[Row | None]]
+    methods: list[str]
+    row_words: list[str]
+    column_words: list[str]
+    across: str
+    down: str
+    over: str
+
+
+def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
+    """Strips over one parameter, all scenes of it together, then maps over two; each with what it is over, in words."""
+    lettered = letters(sweeps)
+    for parameter in dict.fromkeys(sweep.parameters[0] for sweep in sweeps if len(sweep.parameters) == 1):
+        along = [sweep for sweep in sweeps if sweep.parameters == [parameter] and _known(sweep.rows) and len(sweep.rows) > 1]
+        for k in range(0, len(along), STRIPS):
+            yield _strips(parameter, along[k : k + STRIPS], lettered), short(parameter, along[0].named)
+    maps = [(sweep.scene, grid) for sweep in sweeps if len(sweep.parameters) > 1 and _known(sweep.rows) for grid in _maps(sweep)]
+    for methods in (BOTH, BOTH[:1]):
+        alike = [(scene, grid) for scene, grid in maps if grid.methods == methods]
+        for k in range(0, len(alike), ROWS):
+            some = alike[k : k + ROWS]
+            yield _paired(some, lettered), some[0][1].over
+
+
+def _methods(rows: list[Row]) -> list[str]:
+    """Methods that have a say in these cases: YADE where it was asked."""
+    return BOTH if any(row.get("yade_status") is not None for row in rows) else BOTH[:1]
+
+
+def _known(rows: list[Row]) -> bool:
+    return any(mechanism_name(row, method) for row in rows for method in BOTH)
+
+
+def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, str]]) -> Figure:
+    """Two rows a scene: what limit analysis and what YADE find at each value."""
+    height = sum(0.95 + 0.1 for _ in along)
+    figure, axes = shared_axes.panels(len(along), height / len(along) + 0.35, columns=1)
+    for place, sweep in zip(axes, along, strict=True):
+        values = sweep.values[parameter]
+        rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
+        methods = _methods(sweep.rows)
+        row_words = [WORDS[method] for method in methods]
+        words = [shown(value) for value in values]
+        grid = Grid(sweep.scene, [rows] * len(methods), methods, row_words, words, label(parameter, sweep.named), "", "")
+        _draw(place, grid, methods, lettered[sweep.scene])
+        place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
+        if place is not axes[-1]:
+            place.set_xlabel("")
+    shared_axes.legend(figure, _handles(_methods([row for sweep in along for row in sweep.rows])))
+    return figure
+
+
+def _maps(sweep: Sweep) -> Iterator[Grid]:
+    """A map for each value of the parameters beyond the two longest."""
+    across, down = longest(sweep)[:2]
+    methods = _methods(sweep.rows)
+    columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
+    right, up = (label(name, sweep.named) for name in (across, down))
+    over = " and ".join(short(name, sweep.named) for name in (across, down))
+    for part in slices(sweep, (across, down)):
+        places = {(key(row[down]), key(row[across])): row for row in part.rows}
+        rows = [[places.get((key(low), key(right))) for right in columns] for low in levels]
+        yield Grid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], right, up, over)
+
+
+def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -> Figure:
+    """Limit analysis left, YADE right, a row a map; maps without YADE beside each other."""
+    tallest = max(len(grid.rows) for _, grid in some)
+    parts = [(scene, grid, method) for scene, grid in some for method in grid.methods]
+    figure, axes = shared_axes.panels(len(parts), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
+    for place, (scene, grid, method) in zip(axes, parts, strict=True):
+        _draw(place, grid, [method] * len(grid.rows), lettered[scene])
+        place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
+    shared_axes.legend(figure, _handles(some[0][1].methods))
+    return figure
+
+
+def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]) -> None:
+    """Cells, lines where neighbours have different mechanisms, and a sign where the methods have."""
+    names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
+    strips = len(set(methods)) > 1
+    for i, line in enumerate(grid.rows):
+        signs = [_sign(row, methods[i], lettered) for row in line]
+        for j, row in enumerate(line):
+            apart, crowded = _differ(row), len(line) > WIDE
+            words = "" if crowded and j and signs[j] == signs[j - 1] else f"{signs[j]} {APART}" if apart and not crowded else signs[j]
+            _draw_cell(axes, (j, i), row, names[i][j], words, lettered, apart)
+            if j and _changes(names[i][j - 1], names[i][j]):
+                axes.plot([j - 0.5, j - 0.5], [i - 0.5, i + 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
+            if i and not strips and _changes(names[i - 1][j], names[i][j]):
+                axes.plot([j - 0.5, j + 0.5], [i - 0.5, i - 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
+    _finish(axes, grid)
+
+
+def _finish(axes: Any, grid: Grid) -> None:
+    columns, rows = len(grid.column_words), len(grid.row_words)
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5))
+    axes.grid(False)
+    shown_columns, shown_rows = (range(0, count, -(-count // most)) for count, most in ((columns, 12), (rows, 14)))
+    turned = max(len(grid.column_words[k]) for k in shown_columns) * len(shown_columns) > 60
+    style = {"rotation": 30, "ha": "right"} if turned else {}
+    axes.set_xticks(shown_columns, [grid.column_words[k] for k in shown_columns], parse_math=False, **style)
+    axes.set_yticks(shown_rows, [grid.row_words[k] for k in shown_rows], parse_math=False)
+    axes.tick_params(length=0)
+    axes.set_xlabel(grid.across, fontsize=8, parse_math=False)
+    if grid.down:
+        axes.set_ylabel(grid.down, fontsize=8, parse_math=False)
+
+
+def _draw_cell(
+    axes: Any, place: tuple[int, int], row: Row | None, name: str | None, words: str, lettered: Mapping[str, str], apart: bool
+) -> None:
+    """A cell in its mechanism's shade, hatched where the methods differ, with words in it."""
+    if row is None:
+        return
+    corner = (place[0] - 0.5, place[1] - 0.5)
+    face = SHADES[list(lettered).index(name) % len(SHADES)] if name is not None else "white"
+    axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor=face, edgecolor=FAINT, linewidth=0.4, zorder=1))
+    if apart:
+        axes.add_patch(Rectangle(corner, 1.0, 1.0, facecolor="none", edgecolor="#8a8a8a", hatch="////", linewidth=0.0, zorder=2))
+    if words:
+        box = {"facecolor": face, "linewidth": 0.0, "pad": 0.8} if apart else None
+        weight = "bold" if apart else "normal"
+        axes.text(*place, words, ha="center", va="center", fontsize=FONT, color=INK, weight=weight, bbox=box, zorder=3)
+
+
+def _sign(row: Row | None, method: str, lettered: Mapping[str, str]) -> str:
+    """What is written into a cell: the mechanism's letter, or why there is none."""
+    name = _name(row, method)
+    if row is None or name is not None:
+        return "" if name is None else lettered[name]
+    return FALLS if falls(row, method) else FAILED if failed(row) else DASH
+
+
+def _name(row: Row | None, method: str) -> str | None:
+    return None if row is None else mechanism_name(row, method)
+
+
+def _changes(first: str | None, second: str | None) -> bool:
+    return first is not None and second is not None and first != second
+
+
+def _differ(row: Row | None) -> bool:
+    """Whether the two methods have different mechanisms here."""
+    return row is not None and _changes(*(mechanism_name(row, method) for method in BOTH))
+
+
+def _handles(methods: list[str]) -> list[Any]:
+    differ = Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ")
+    return [
+        Patch(facecolor=SHADES[0], edgecolor=FAINT, label="A, B, ...: mechanisms of a scene, equal letters for equal ones"),
+        Line2D([], [], color=INK, linewidth=2.4, label="mechanism changes"),
+        *([differ] if methods == BOTH else []),
+        Line2D([], [], linestyle="none", marker="$!$", color=INK, label=f"failed ({FALLS} cannot stand, {DASH} no mechanism known)"),
+    ]

@@ -1,0 +1,1 @@
+"""The report of a campaign, and the comparison of two campaigns."""

@@ -1,0 +1,173 @@
+"""Rows of the tables in a campaign's report, as words; the templates only lay them out."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from comparison.campaign.mechanism_changes import Change
+from comparison.campaign.parameter_labels import CLASSIC, QUANTITY, short, shown, words_of
+from comparison.campaign.report.verdict_matrix import FAILURE, symbol
+from comparison.campaign.row_groups import key
+from comparison.campaign.row_values import (
+    METHODS,
+    WORDS,
+    Row,
+    costs_once,
+    deviation,
+    difference,
+    failed,
+    link,
+    over_weight,
+    prediction,
+    sweep_of,
+    worst_first,
+)
+from comparison.campaign.table import CampaignTable
+from comparison.judge import LEAST_REACTION
+from comparison.numbers import DASH, exists, interval_words, number, signed
+from comparison.report import VERDICTS
+
+PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
+SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
+Words = dict[str, Any]
+Varying = dict[str, set[str]]
+
+
+def counts(table: CampaignTable) -> list[Words]:
+    """How many cases ended how, ways that none ended left out."""
+    found = Counter(symbol(row) for row in table.rows)
+    return [{"symbol": sign, "word": word, "count": found[sign, word]} for sign, word in (*VERDICTS.values(), FAILURE) if found[sign, word]]
+
+
+def compared(table: CampaignTable) -> list[Words]:
+    """Every case that did not fail, the worst disagreement first."""
+    varying = _varying(table)
+    return [_compared(table, row, varying) for row in worst_first([row for row in table.rows if not failed(row)])]
+
+
+def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
+    predicted, apart = prediction(row), difference(row)
+    share = apart / row[predicted] if apart is not None and abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION else None
+    sign, word = symbol(row)
+    return _named(table, row, varying) | {
+        "symbol": sign,
+        "word": word,
+        "predicted": number(over_weight(row, predicted)),
+        "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
+        "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
+        "yade": number(over_weight(row, "yade")),
+        "uncertainty": number(over_weight(row, "yade_uncertainty"), 2),
+        "yade_status": row.get("yade_status") or "not run",
+        "found": exists(row.get("yade")),
+        "share": f"{signed(100.0 * share, 3)} %" if exists(share) else DASH,
+        "deviation": number(deviation(row), 2),
+        "reason": row.get("reason") or "",
+    }
+
+
+def _named(table: CampaignTable, row: Row, varying: Varying) -> Words:
+    held = {name: row[name] for name in table.axes if row.get(name) is not None and name in varying[sweep_of(row)]}
+    return {
+        "case": str(row.get("case")),
+        "href": link(table.folder, row),
+        "scene": sweep_of(row),
+        "varied": words_of(held, table.labels),
+    }
+
+
+def _varying(table: CampaignTable) -> Varying:
+    """Parameters of more than one value, by scene."""
+    values: dict[str, dict[str, set[str]]] = {}
+    for row in table.rows:
+        own = values.setdefault(sweep_of(row), {})
+        for name in table.axes:
+            own.setdefault(name, set()).add(key(row.get(name)))
+    return {scene: {name for name, found in own.items() if len(found) > 1} for scene, own in values.items()}
+
+
+def failures(table: CampaignTable) -> list[Words]:
+    """Cases that failed, with the reason."""
+    varying = _varying(table)
+    return [_named(table, row, varying) | {"reason": row.get("reason") or "no reason is known"} for row in table.rows if failed(row)]
+
+
+def changed(table: CampaignTable, found: list[Change], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+    """Changes of mechanism; `between` are the two values, each with the address of its case's report."""
+    links = {str(row.get("case")): link(table.folder, row) for row in table.rows}
+    for change in found:
+        own = lettered[change.scene]
+        yield {
+            "scene": change.scene,
+            "held": change.held,
+            "parameter": short(change.parameter, table.labels),
+            "between": [
+                {"case": shown(value), "href": links[case]} for value, case in zip((change.low, change.high), change.cases, strict=True)
+            ],
+            "method": WORDS[change.method],
+            "mechanisms": f"{own[change.before]} to {own[change.after]}",
+            "slope_before": number(change.slope_before, 3),
+            "slope_after": number(change.slope_after, 3),
+        }
+
+
+def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+    """Every mechanism: its letter, its label, in how many cases each method finds it, and the share of mass that moves in the first."""
+    for scene, own in lettered.items():
+        rows = [row for row in table.rows if sweep_of(row) == scene]
+        for label, letter in own.items():
+            having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
+            masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
+            known = [mass for mass in masses if exists(mass)]
+            yield {"scene": scene, "letter": letter, "label": label, "mass": number(known[0] if known else None, 3)} | {
+                method: len(some) for method, some in having.items()
+            }
+
+
+def classic(table: CampaignTable) -> Iterator[Words]:
+    """Cases that vary the classic iteration: how it ended, its value and its programmes beside the prediction."""
+    names, varying = [name for name in table.axes if name.startswith(CLASSIC)], _varying(table)
+    for row in table.rows:
+        if any(row.get(name) is not None for name in names):
+            yield _named(table, row, varying) | {
+                "status": row.get("classic_status") or DASH,
+                "value": number(over_weight(row, "classic")),
+                "programmes": number(row.get("classic_iterations")),
+                "coulomb": number(over_weight(row, "coulomb")),
+                "least": number(over_weight(row, "least")),
+            }
+
+
+def totals(table: CampaignTable) -> Iterator[Words]:
+    """Seconds by scene and in all; what cases share is counted once."""
+    scene_of = {row["case"]: sweep_of(row) for row in table.rows}
+    scenes, once = list(dict.fromkeys(scene_of.values())), costs_once(table)
+    for scene in scenes if len(scenes) > 1 else []:
+        own, own_once = ([cost for cost in costs if scene_of.get(cost["case"]) == scene] for costs in (table.costs, once))
+        yield _total(scene, own, own_once)
+    yield _total("all", table.costs, once)
+
+
+def _total(name: str, costs: list[Row], once: list[Row]) -> Words:
+    sums = {key: [cost[key] for cost in once if exists(cost.get(key))] for key in ("limit_analysis_seconds", "yade_seconds", "seconds")}
+    sums["classic_seconds"] = [cost["classic_seconds"] for cost in costs if exists(cost.get("classic_seconds"))]
+    return {"scene": name, "cases": len(costs)} | {key: number(sum(known) if known else None, 3) for key, known in sums.items()}
+
+
+def dearest(table: CampaignTable) -> list[Words]:
+    """Costs of every case, the dearest first."""
+    rows = {row["case"]: row for row in table.rows}
+    links = {case: link(table.folder, row) for case, row in rows.items()}
+    spent = sorted(table.costs, key=lambda cost: (-sum(cost[key] for key in SECONDS if exists(cost.get(key))), str(cost["case"])))
+    counted = ("associated_iterations", "coulomb_iterations", "yade_steps")
+    return [
+        {"case": str(cost["case"]), "href": links.get(cost["case"], ""), "blocks": number(rows.get(cost["case"], {}).get("free_blocks"))}
+        | {key: number(cost.get(key), 3) for key in (*SECONDS, "seconds")}
+        | {key: number(cost.get(key)) for key in counted}
+        for cost in spent
+    ]
+
+
+def units(table: CampaignTable) -> str:
+    """What the numbers of reactions are, for all units that occur."""
+    present = dict.fromkeys(str(row.get("unit") or "") for row in table.rows if not failed(row))
+    return "; ".join(QUANTITY.get(unit, QUANTITY["N"]) for unit in present)

@@ -1,0 +1,170 @@
+"""Jobs on an existing Dask scheduler, whose workers share the campaign's folder with this process.
+
+Results stay where they are made, so the folder must be on a file system that all workers see under the same path; that is looked at
+before anything is handed out, and again by each job. A job stops by itself once the call that handed it out is gone: the call holds the
+lock of the folder, and its token lies there.
+"""
+
+import contextlib
+import errno
+import fcntl
+import logging
+import os
+import queue
+import uuid
+from pathlib import Path
+from typing import Any
+
+from comparison.campaign.job import LOADED, Job, Outcome, StoppedError, failure, run_job
+from comparison.errors import message_of
+from comparison.run_folder import LOCK, write_text
+from la_core.errors import SceneError
+
+CALL = ".call"  # the token of the call that runs the campaign
+PATIENCE = 10.0  # s for the scheduler to answer, and for a first worker to be there
+INSTALL = 'install the extra "dask": pip install --editable ".[dask]" in the project\'s folder, or pip install distributed'
+
+
+class Dask:
+    """Jobs on the workers of a Dask scheduler, one a thread at a time. The scheduler gives the jobs of a lost worker to another."""
+
+    def __init__(self, address: str, folder: Path) -> None:
+        self._address, self._folder, self._token = address, folder, uuid.uuid4().hex
+        self._jobs: dict[Any, Job] = {}
+        self._done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._client: Any = None
+        self.name, self.capacity = "Dask", 1
+
+    def __enter__(self) -> "Dask":
+        try:
+            import distributed  # noqa: PLC0415 - an extra
+        except ImportError as error:
+            raise SceneError("--scheduler", "campaigns are handed out by distributed, which is not installed", hint=INSTALL) from error
+        for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said here
+        try:
+            self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise OSError(errno.EHOSTUNREACH, f"no Dask scheduler answers there ({error})", self._address) from error
+        try:
+            write_text(self._folder / CALL, self._token)
+            self._look_at_workers()
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        (self._folder / CALL).unlink(missing_ok=True)
+        if self._client is not None:
+            self._client.cancel(list(self._jobs))
+            self._client.close(timeout=PATIENCE)
+
+    def _look_at_workers(self) -> None:
+        """That there are workers, and each can do the work: it sees the folder, has this code, and one thread."""
+        try:
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as error:
+            hint = f"start some: dask worker {self._address} --nthreads 1"
+            raise OSError(errno.EHOSTUNREACH, f"the scheduler has no workers; {hint}", self._address) from error
+        threads, own = self._client.nthreads(), LOADED
+        for worker, seen in self._client.run(_look, self._folder).items():
+            if seen["token"] != self._token:
+                rule = f"does not see the campaign's folder {self._folder}; take one by -o that all workers share under one path"
+            elif seen["code"] != own:
+                rule = "has another version of this program or of what it uses; install the same there"
+            elif threads.get(worker, 1) != 1 or seen["threads"] != "1":
+                rule = "has several threads; start workers by `dask worker ADDRESS --nthreads 1 --nworkers N`, with OMP_NUM_THREADS=1"
+            else:
+                continue
+            raise SceneError("--scheduler", f"the worker {worker} {rule}")
+        self.capacity = sum(threads.values())
+        self.name = f"Dask, {self.capacity} workers"
+
+    def begin(self, job: Job) -> None:
+        """Hand a job to the scheduler."""
+        key = f"crosscheck-{self._token}-{job.folder.name}"
+        future = self._client.submit(_work, job, self._folder, self._token, key=key, pure=False)
+        self._jobs[future] = job
+        future.add_done_callback(self._done.put)
+
+    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+        """Jobs that ended, with what they came to, once there is one or after so many seconds; raises OSError without a scheduler."""
+        found = []
+        with contextlib.suppress(queue.Empty):
+            future = self._done.get(timeout=seconds)
+            job = self._jobs[future]
+            try:
+                found.append((job, future.result()))
+            except Exception as error:  # the worker's own, or what became of it
+                self._require_scheduler()
+                found.append((job, failure(_reason(error), job)))
+            del self._jobs[future]
+        self._require_scheduler()
+        return found
+
+    def _require_scheduler(self) -> None:
+        """That the scheduler is there and knows the jobs; also how many workers it has now."""
+        try:
+            is_there = self._client.status == "running" and not any(future.status in ("cancelled", "lost") for future in self._jobs)
+            threads = self._client.nthreads() if is_there else {}
+        except OSError:
+            is_there = False
+        if not is_there:
+            hint = "what was finished is kept, the same command goes on from there"
+            raise OSError(errno.ECONNRESET, f"the Dask scheduler is gone; {hint}", self._address)
+        self.capacity = max(1, sum(threads.values()))
+
+
+def _reason(error: BaseException) -> str:
+    """Why a job has no outcome: the scheduler gave it up, or something went wrong on the way."""
+    return f"its worker was lost, again and again ({error})" if type(error).__name__ == "KilledWorker" else message_of(error)
+
+
+def _look(folder: Path) -> dict[str, Any]:
+    """What a worker sees."""
+    return {"token": _token_in(folder), "code": LOADED, "threads": os.environ.get("OMP_NUM_THREADS")}
+
+
+def _work(job: Job, folder: Path, token: str) -> Outcome:
+    """A job, in a worker."""
+    if _token_in(folder) != token:
+        return failure("its worker does not see the campaign's folder", job)
+    try:
+        return run_job(job, _Watch(folder, token))
+    except StoppedError:
+        return failure("the campaign is gone", job)
+
+
+class _Watch:
+    """A listener that stops a job whose campaign is gone."""
+
+    def __init__(self, folder: Path, token: str) -> None:
+        self._folder, self._token = folder, token
+
+    def stage(self, scene: str, stage: str, state: str) -> None:
+        self._look()
+
+    def progress(self, scene: str, report: dict[str, Any]) -> None:
+        self._look()
+
+    def _look(self) -> None:
+        if _token_in(self._folder) != self._token or not _is_held(self._folder):
+            raise StoppedError
+
+
+def _token_in(folder: Path) -> str:
+    try:
+        return (folder / CALL).read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+def _is_held(folder: Path) -> bool:
+    """Whether somebody holds the campaign's folder: the call, which lets go of it however it ends."""
+    with (folder / LOCK).open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False

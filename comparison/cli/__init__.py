@@ -1,0 +1,5 @@
+"""The command line: reads words, calls the rooms, prints; one module per verb."""
+
+from comparison.cli.commands import COMMANDS, main
+
+__all__ = ["COMMANDS", "main"]

@@ -1,0 +1,41 @@
+"""How `crosscheck run` and `crosscheck report` end: reports are written, the verdicts printed, the gravest decides."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from comparison.cli import tables
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
+from comparison.provenance import describe
+from comparison.report import stored_report, write_report
+
+
+def conclude(
+    reports: list[tuple[Path, list[dict[str, Any]]]], as_json: bool, out: Console, print_json: Callable[[dict[str, Any]], None]
+) -> int:
+    """Write the report of each folder's comparisons, print the verdict tables or one JSON object, and return the gravest exit code."""
+    codes, stored = [], []
+    for folder, comparisons in reports:
+        page = write_report(folder, comparisons, describe())
+        stored.append(stored_report(comparisons, describe()))
+        if not as_json:
+            out.print(tables.verdict_table(comparisons))
+            if any(comparison.get("accuracy") for comparison in comparisons):
+                out.print(tables.accuracy_table(comparisons))
+            for comparison in comparisons:
+                if comparison["reason"]:
+                    out.print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
+            out.print(f"report: {os.path.relpath(page)}", markup=False)
+        codes += [_code(comparison) for comparison in comparisons]
+    if as_json:
+        print_json(stored[0] if len(stored) == 1 else {"reports": stored})
+    return max(codes, key=GRAVITY.index, default=AGREE)
+
+
+def _code(comparison: dict[str, Any]) -> int:
+    if comparison["yade"] and comparison["yade"]["status"] in ("missing", "failed"):
+        return TOOL
+    return EXIT_OF_VERDICT[comparison["verdict"]]

@@ -1,0 +1,1 @@
+"""Verbs that help a user along: doctor, completion, tutorial."""

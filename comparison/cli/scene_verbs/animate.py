@@ -1,0 +1,50 @@
+"""`crosscheck animate`: which results, and where the animation goes: into the run's folder, from where the report takes it."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from comparison.cli.exit_codes import AGREE, TOOL
+from comparison.figures import Story, write_animation
+from comparison.progress import Narration
+from comparison.run_folder import ANIMATION, refuse_name
+from comparison.settings import load_settings
+from comparison.workflow import run_scene
+from comparison.yade import locate_results, read_results
+from la_core.scene import load_scene, shipped
+
+
+def animation(options: argparse.Namespace, narrator: Console, out: Console, print_json: Callable[[Any], None]) -> int:
+    """Animate finished results, or a scene's after running it, and print the file; the exit code is 3 where YADE was missing or failed.
+
+    Raises SceneError where nothing moves, exchange.ExchangeError for broken results, FileNotFoundError without ffmpeg for an MP4.
+    """
+    code = AGREE
+    with Narration(narrator) as narration:
+        folder = locate_results(options.source)
+        if folder is None:
+            folder, code = _run(options.source, narration)
+        scene, analysis, run = read_results(folder)
+        path = options.output or folder / ANIMATION
+        story = Story(scene, analysis, run)
+        frames = write_animation(
+            story, path, options.fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}")
+        )
+    if options.json:
+        print_json({"scene": scene.name, "file": str(path), "frames": frames, "bytes": path.stat().st_size})
+    else:
+        out.print(str(path), markup=False)
+    return code
+
+
+def _run(source: str, narration: Narration) -> tuple[Path, int]:
+    """Folder of a scene's results after running it, where `crosscheck run` puts them, and the exit code."""
+    scene, settings = load_scene(shipped.find(source)), load_settings().settings
+    refuse_name(scene)
+    folder = settings.output / scene.name
+    summary = run_scene(scene, folder, narration, with_yade=True, time_limit=settings.time_limit)
+    failed = summary["yade"] is not None and summary["yade"]["status"] in ("missing", "failed")
+    return folder, TOOL if failed else AGREE

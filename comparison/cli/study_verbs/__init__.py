@@ -1,0 +1,1 @@
+"""Verbs that take many runs: cost, sensitivity, campaign, compare."""

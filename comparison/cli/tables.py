@@ -1,0 +1,120 @@
+"""Tables for the terminal (rich); a number that does not exist is a dash."""
+
+from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from comparison.judge import METHODS as ACCURACY_METHODS
+from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
+from la_core.analysis import answer_table
+from la_core.model import Assembly
+from la_core.scene import Expected, Scene
+from la_core.text_table import number, over_weight
+
+MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
+
+
+def new_table(*headings: str, title: str | None = None) -> Table:
+    """An empty table in the program's style; long words fold."""
+    table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for column in table.columns:
+        column.overflow = "fold"
+    return table
+
+
+def scene_table(scenes: list[Scene]) -> Table:
+    """Shipped scenes with what is expected of them."""
+    table = new_table("scene", "title", "expected", "kind", "source")
+    for scene in scenes:
+        expected = scene.expected
+        shown = "–" if expected is None else _expected(expected, scene.live is not None)
+        table.add_row(plain(scene.name), plain(scene.title), shown, expected.kind if expected else "–", plain(scene.source))
+    return table
+
+
+def _expected(expected: Expected, live: bool) -> str:
+    """The value of the scene's own friction, else the associated one, which is named so."""
+    value = expected.multiplier if live else expected.reaction_over_weight
+    associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
+    return f"{number(associated)} associated" if value is None and associated is not None else number(value)
+
+
+def plain(text: str) -> str:
+    """Text of a scene with nothing that the terminal library would take for markup."""
+    return escape(text)
+
+
+def scene_facts(scene: Scene, assembly: Assembly) -> dict[str, Any]:
+    """Counts and weight of a scene, and the effects it calls for."""
+    roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
+    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight, **{f"{name}_blocks": count for name, count in roles.items()}}
+    facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
+    facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
+    return facts | {"effects": effects_summary(scene, assembly)}
+
+
+def facts_table(title: str, facts: dict[str, Any]) -> Table:
+    """Scene facts, one a row, effects left out."""
+    units = {"weight": "N", "inset": "m"}
+    table = new_table("what", "value", "unit", title=plain(title))
+    for name, value in facts.items():
+        if name != "effects":
+            table.add_row(name.replace("_", " "), number(value) if isinstance(value, float) else str(value), units.get(name, ""))
+    return table
+
+
+def effects_table(effects: dict[str, Any]) -> Table:
+    """Effects of a scene, one a row: on or off, how it is modelled, why, and what leaving it out saves."""
+    table = new_table("effect", "what", "", "modelled", "reason", "saves")
+    for row in effects["table"]:
+        saved = ", ".join(f"{count} {name}" for name, count in row["saved"].items())
+        table.add_row(row["effect"], row["what"], "on" if row["on"] else "off", row["modelled"], plain(row["reason"]), saved)
+    return table
+
+
+def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
+    """Limit analysis of one scene: values in their unit and over the weight, residuals, checks against expected values."""
+    table = new_table(*answer_table.headings(scene), title=plain(scene.title))
+    for row in answer_table.rows(scene, summary["limit_analysis"]):
+        table.add_row(*map(plain, row))
+    for check in checks:
+        table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])
+    return table
+
+
+def path_table(scene: Scene, path: dict[str, Any]) -> Table:
+    """The curve from rest to the plateau, a row a point."""
+    drive = "displacement, m" if scene.live is not None else "settlement, rad" if scene.is_rotation else "settlement, m"
+    table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
+    columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
+    for settlement, value, residual, converged, solves in zip(*columns, strict=True):
+        ratio = number(over_weight(value, scene.weight)) if scene.live is None else ""
+        shown = number(residual, 2) + ("" if converged else " not converged")
+        table.add_row(number(settlement, 4), number(value), ratio, shown, str(solves))
+    return table
+
+
+def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
+    """One row a scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
+    table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
+    for comparison in comparisons:
+        scene, *values, own_seconds, yade_seconds = verdict_cells(comparison)
+        table.add_row(plain(scene), *values, MARKS[comparison["verdict"]], own_seconds, yade_seconds)
+    return table
+
+
+def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
+    """One row a scene and method of which an accuracy was asked: the estimated error, what was chosen and why, what it took."""
+    table = new_table(
+        "scene", "method", "asked", "error", "chosen and why", "runs", "s", title="accuracy asked for, as a share of the answer"
+    )
+    for comparison in comparisons:
+        bought = comparison.get("accuracy") or {}
+        for method in (name for name in ACCURACY_METHODS if name in bought):
+            found = bought[method]
+            error = f"{MARKS['agree' if found['kept'] else 'inconclusive'].split()[0]}[/] {percent(found['error'])}"
+            row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
+            table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *row)
+    return table

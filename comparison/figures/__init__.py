@@ -1,0 +1,28 @@
+"""Every picture of one scene; matplotlib is known here, in the studies and in the campaign's figures alone."""
+
+from comparison.figures import canvas, structure
+from comparison.figures.animation import Story, write_animation
+from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
+from comparison.figures.motion import Motion, Motions, motions
+from comparison.figures.run_figures import figures
+from comparison.figures.structure import ROLE_NAME, save
+
+__all__ = [
+    "FAINT",
+    "INK",
+    "LIMIT_ANALYSIS",
+    "ROLE_FACE",
+    "ROLE_NAME",
+    "YADE",
+    "Motion",
+    "Motions",
+    "Story",
+    "canvas",
+    "figures",
+    "method_colour",
+    "motions",
+    "save",
+    "structure",
+    "tint",
+    "write_animation",
+]

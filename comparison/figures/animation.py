@@ -1,0 +1,153 @@
+"""The story of a settlement as an animation: both methods' mechanisms grow while the reaction's record draws itself."""
+
+import errno
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from matplotlib import animation
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from comparison.figures.canvas import FAINT, YADE, Canvas, canvases, method_colour, tint, window
+from comparison.figures.motion import Motion, motions
+from comparison.figures.reaction import draw_levels
+from comparison.figures.structure import TITLE_WIDTH, looks, wrapped
+from comparison.numbers import number
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.errors import SceneError
+from la_core.exchange import FREE, write_whole
+from la_core.measures import mechanism
+from la_core.model import Assembly
+from la_core.scene import Scene
+
+SECONDS = 4.0  # from rest to the end
+HOLD = 2.0  # s, the last frame
+DPI = 100
+COLOURS = 128  # of a GIF: flat areas and the greys of its letters
+NEARLY_WHITE = 244  # of 255
+SLOW = 2.0  # power of the time: the reaction falls at the settlement's beginning, which goes slowly
+
+
+class Story:
+    """A figure and what changes in it from frame to frame."""
+
+    def __init__(self, scene: Scene, analysis: LimitAnalysis, run: Run | None) -> None:
+        """Draw all that stays; raises SceneError where nothing moves."""
+        self.shown = motions(analysis, run)
+        if not self.shown.end > self.shown.start:
+            reasons = "; ".join(f"{method.label}: {method.reason}" for method in self.shown.methods if method.reason)
+            raise SceneError(str(scene.path), f"nothing moves that could be animated ({reasons})", hint="look at its figures instead")
+        self.assembly, self.run, self.scene = analysis.assembly, run, scene
+        low, high = window(self.assembly)
+        count = len(self.shown.methods)
+        top = float(np.clip(8.0 / count * (high - low)[1] / (high - low)[0], 1.8, 5.0))
+        self.figure = Figure(figsize=(9.0, top + 3.9), layout="constrained")
+        FigureCanvasAgg(self.figure)
+        upper, lower = self.figure.subfigures(2, 1, squeeze=False, height_ratios=(top + 1.0, 2.9))[:, 0]
+        self.figure.suptitle(wrapped(scene.title), fontsize=11, parse_math=False)
+        self.canvases = canvases(upper, self.assembly, count)
+        for canvas, method in zip(self.canvases, self.shown.methods, strict=True):
+            words = f"{method.label}\n{method.reason}" if method.reason else method.label
+            canvas.axes.set_title(words[:TITLE_WIDTH], parse_math=False, fontsize=10)
+            if np.isfinite(method.twists).all():
+                canvas.block_outlines(_moves(self.assembly, method) | np.any(self.assembly.support_twist, axis=1), FAINT)
+        self.still = [len(canvas.axes.collections) for canvas in self.canvases]
+        axes = lower.subplots()
+        self.scales, written = draw_levels(axes, scene, analysis, run)
+        (self.line,) = axes.plot([], [], color=YADE, linewidth=1.6, zorder=4, label="YADE, recorded" if run else "_none")
+        (self.tip,) = axes.plot([], [], color=YADE, marker="o", markeredgecolor="black", markersize=6, zorder=6)
+        handles = {name: handle for handle, name in zip(*axes.get_legend_handles_labels(), strict=True) if name not in written}
+        lower.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+        self.reading = axes.set_title("settlement", fontsize=9, loc="left", parse_math=False)
+        self.draw(1.0)
+        self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # nothing jumps from frame to frame
+
+    def draw(self, share: float) -> None:
+        """The frame at a share of the time, 0 at rest and 1 at the end."""
+        shown = self.shown
+        settlement = shown.start + share**SLOW * (shown.end - shown.start)
+        for canvas, method, still in zip(self.canvases, shown.methods, self.still, strict=True):
+            for artist in list(canvas.axes.collections)[still:]:
+                artist.remove()
+            self._draw_blocks(canvas, method, settlement)
+        words = self._words(settlement)
+        if self.run is not None:
+            at, reaction = self.run.settling("settlement"), self.run.settling("reaction")
+            drawn = np.arange(len(at)) < max(1, np.searchsorted(np.maximum.accumulate(at), settlement, side="right"))
+            at, reaction = at[drawn | (share == 1.0)] / self.scales.settlement, reaction[drawn | (share == 1.0)] / self.scales.reaction
+            self.line.set_data(at, reaction)
+            self.tip.set_data(at[-1:], reaction[-1:])
+            words += "".join(f"; YADE's R = {number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
+        self.reading.set_text(words)
+
+    def _draw_blocks(self, canvas: Canvas, method: Motion, settlement: float) -> None:
+        blocks = self.assembly.blocks
+        moved = self.shown.magnification * method.at(settlement)
+        owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+        vertices = blocks.vertices + mechanism.point_velocity(blocks, moved, blocks.vertices, owner)
+        canvas.solids(vertices, *looks(self.assembly, _moves(self.assembly, method), tint(method_colour(method.label))))
+
+    def _words(self, settlement: float) -> str:
+        if self.scene.live is not None:
+            return f"mechanism at {100.0 * settlement / self.shown.end:.0f} % of what is drawn"
+        unit, divisor = (
+            (self.scales.settlement_unit, self.scales.settlement) if self.run else ("mrad" if self.scene.is_rotation else "mm", 1e-3)
+        )
+        magnified = f", displacements drawn {number(self.shown.magnification, 3)} times as large" if self.shown.magnification != 1.0 else ""
+        motion = "rotation" if self.scene.is_rotation else "settlement"
+        return f"{motion} {settlement / divisor:.3f} {unit}{magnified}"
+
+
+class GifWriter(animation.PillowWriter):
+    """One palette for all frames, without dithering, so that a frame stores only what changed; the last one stays."""
+
+    _frames: list[Image.Image]
+
+    def finish(self) -> None:
+        """Write the file."""
+        whole = self._frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+        palette = np.array(whole.getpalette()).reshape(-1, 3)
+        palette[palette.min(axis=1) > NEARLY_WHITE] = 255  # the paper stays white
+        whole.putpalette(palette.ravel().tolist())
+        frames = [frame.quantize(palette=whole, dither=Image.Dither.NONE) for frame in self._frames]
+        each = round(1000.0 / self.fps)
+        durations = [each] * (len(frames) - 1) + [round(1000.0 * HOLD)]
+        frames[0].save(self.outfile, save_all=True, append_images=frames[1:], duration=durations, loop=0)
+
+
+def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int, int], None]) -> int:
+    """Write a GIF, or an MP4 by ffmpeg, and return its number of frames; `progress` hears which of how many is drawn.
+
+    Raises FileNotFoundError where ffmpeg is needed and not installed.
+    """
+    count = round(SECONDS * fps) + 1
+    shares = list(np.linspace(0.0, 1.0, count))
+    if path.suffix == ".mp4":
+        if shutil.which("ffmpeg") is None:
+            raise FileNotFoundError(
+                errno.ENOENT, "not installed, and MP4 needs it: apt-get install ffmpeg, or take a name that ends in .gif", "ffmpeg"
+            )
+        shares += [1.0] * round(HOLD * fps)
+    writer = GifWriter(fps=fps) if path.suffix == ".gif" else animation.FFMpegWriter(fps=fps)
+    with tempfile.TemporaryDirectory() as folder:
+        unfinished = Path(folder) / f"animation{path.suffix}"
+        with writer.saving(story.figure, str(unfinished), DPI):
+            for drawn, share in enumerate(shares, 1):
+                story.draw(float(share))
+                writer.grab_frame()
+                progress(drawn, len(shares))
+        write_whole(path, unfinished.read_bytes())
+    return len(shares)
+
+
+def _moves(assembly: Assembly, method: Motion) -> np.ndarray:
+    """Mask (B,) of the free blocks that move, or fall."""
+    if not np.isfinite(method.twists).all():
+        return (assembly.blocks.role == FREE) & np.isin(assembly.blocks.names, method.falling)
+    return mechanism.moving(assembly.blocks, method.twists)

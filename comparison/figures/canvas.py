@@ -1,0 +1,264 @@
+"""Blocks, interfaces, points and arrows on a canvas: a plane scene seen along y, any other in a parallel view; the palette.
+
+Convex blocks that share an interface hide each other in a known order, so the view is drawn back to front by that order:
+mplot3d sorts single faces by their mean depth instead, which goes wrong for a long foundation under short blocks.
+"""
+
+import heapq
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib.patheffects
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import MaxNLocator
+
+from la_core.exchange import FIXED, FREE, SUPPORT
+from la_core.geometry import Blocks
+from la_core.model import Assembly
+
+LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: told apart in greyscale by luminance alone
+YADE = "#f39c34"
+INK = "#222222"
+FAINT = "#9a9a9a"
+ASIDE = 3  # drawn as a role of its own: a free block of the scene that is held, out of the motion's reach
+ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
+ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
+LINE = 0.5  # pt, block outlines
+FEW = 25  # blocks that are named, and seen through for their contact points
+MARGIN = 0.12  # of the structure's size: room for arrows around it
+ELEVATION, AZIMUTH = np.radians([24.0, -62.0])  # of the viewer: from the front, the right and above
+LIGHT = np.array([-0.35, -0.55, 0.75])
+HIDING = 0.02  # of the structure's size: a contact point under less stone than this is seen
+HALO = [matplotlib.patheffects.withStroke(linewidth=2.0, foreground="white")]
+
+
+def method_colour(label: str) -> str:
+    """Colour of a method by its label: YADE's, or limit analysis'."""
+    return YADE if label.casefold().startswith("yade") else LIMIT_ANALYSIS
+
+
+def drawn_roles(assembly: Assembly) -> list[int]:
+    """Role of each block as it is drawn."""
+    return [int(role) for role in np.where(assembly.aside, ASIDE, assembly.blocks.role)]
+
+
+def tint(colour: str) -> str:
+    """A lighter shade for areas, against which black edges and marks stand out."""
+    red, green, blue = (round(255 * (0.6 * part + 0.4)) for part in to_rgb(colour))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def structure_size(blocks: Blocks) -> float:
+    """Largest extent of the structure, m."""
+    return float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
+
+
+def loops(points: np.ndarray, start: np.ndarray) -> list[np.ndarray]:
+    """Polygons, each (n, 3), of concatenated points, with their first rows and the end in `start`."""
+    return np.split(points, start[1:-1])
+
+
+class Canvas:
+    """Axes that show one structure at equal scale, x to the right and z upwards; positions are (3,) or (N, 3) in m."""
+
+    def __init__(self, axes: Any, assembly: Assembly, width: float) -> None:
+        """Prepare `axes`, about `width` points wide."""
+        self.axes = axes
+        self.blocks = assembly.blocks
+        self.plane = assembly.effects.plane
+        self.few = len(assembly.blocks) <= FEW
+        self.right, self.up, self.toward = view_axes(self.plane)
+        self.order = np.arange(len(self.blocks)) if self.plane else _back_to_front(assembly, self.toward)
+        low, high = window(assembly)
+        self.scale = width / (high - low)[0]  # pt per m
+        self.dot = float(np.clip(np.median(np.cbrt(self.blocks.volume)) * self.scale / 10.0, 0.8, 3.5))  # pt, contact points
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.set_aspect("equal")
+        if self.plane:
+            axes.set(xlabel="x (m)", ylabel="z (m)")
+            axes.tick_params(labelsize=8)
+            axes.locator_params(nbins=7)
+            axes.spines[["top", "right"]].set_visible(False)
+        else:
+            axes.set_axis_off()
+            self._scales()
+
+    def flat(self, position: np.ndarray) -> np.ndarray:
+        """Positions (..., 3) as drawn (..., 2)."""
+        return position @ np.stack([self.right, self.up], axis=1)
+
+    def solids(self, vertices: np.ndarray, face: Sequence[str], hatch: Sequence[str]) -> None:
+        """Blocks with vertices (V, 3), a face colour and a hatch for each block; only faces towards the viewer."""
+        blocks = self.blocks
+        corners = vertices[blocks.face_vertex]
+        normal = _normals(corners, blocks.face_start)
+        polygons = loops(self.flat(corners), blocks.face_start)
+        rank = np.argsort(self.order)
+        seen = np.flatnonzero(normal @ self.toward > 1e-6)
+        seen = seen[np.argsort(rank[blocks.face_block[seen]], kind="stable")]
+        shade = np.ones(len(normal)) if self.plane else 0.78 + 0.22 * np.clip(normal @ LIGHT / np.linalg.norm(LIGHT), 0.0, 1.0)
+        colours = [shade[f] * np.array(to_rgb(face[blocks.face_block[f]])) for f in seen]
+        # A collection has one hatch: one for every run of faces of the same hatch keeps the order.
+        hatches = [hatch[blocks.face_block[f]] for f in seen]
+        ends = [k for k in range(1, len(seen)) if hatches[k] != hatches[k - 1]]
+        for first, last in zip([0, *ends], [*ends, len(seen)], strict=True):
+            run = PolyCollection([polygons[f] for f in seen[first:last]], facecolors=colours[first:last], edgecolors=INK, linewidths=LINE)
+            run.set(hatch=hatches[first] or None, hatch_linewidth=0.4, joinstyle="round")
+            self.axes.add_collection(run)
+
+    def outlines(self, polygons: Sequence[np.ndarray], colour: str, width: float, style: str = "-", below: bool = False) -> None:
+        """Closed polygons, each (n, 3), as lines; those of a plane scene's interfaces shrink to their trace."""
+        closed = [self.flat(np.concatenate([polygon, polygon[:1]])) for polygon in polygons]
+        lines = LineCollection(closed, colors=colour, linewidths=width, linestyles=style, capstyle="round", zorder=0.5 if below else 2)
+        self.axes.add_collection(lines)
+
+    def block_outlines(self, shown: np.ndarray, colour: str) -> None:
+        """Blocks of the mask `shown` (B,) where they stood before; behind the others in a view of many."""
+        blocks = self.blocks
+        seen = np.flatnonzero((blocks.face_normal @ self.toward > 1e-6) & shown[blocks.face_block])
+        polygons = loops(blocks.vertices[blocks.face_vertex], blocks.face_start)
+        self.outlines([polygons[f] for f in seen], colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
+
+    def seen(self, position: np.ndarray) -> np.ndarray:
+        """Mask (N,) of the positions worth a mark: all in a plane or small scene, else those that no stone hides."""
+        if self.plane or self.few:
+            return np.ones(len(position), dtype=bool)
+        blocks = self.blocks
+        owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
+        along = blocks.face_normal @ self.toward
+        hidden = []
+        for part in np.array_split(position, len(position) // 500 + 1):
+            inside = blocks.face_offset - part @ blocks.face_normal.T
+            with np.errstate(divide="ignore", invalid="ignore"):
+                cut = inside / along  # distance towards the viewer to each face's plane
+            leave = np.minimum.reduceat(np.where(along > 1e-9, cut, np.inf), owner_start, axis=1)
+            enter = np.maximum.reduceat(np.where(along < -1e-9, cut, -np.inf), owner_start, axis=1)
+            missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), owner_start, axis=1)
+            stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
+            hidden.append(np.any(stone > HIDING * structure_size(blocks), axis=1))
+        return ~np.concatenate(hidden)
+
+    def marks(self, position: np.ndarray, **style: Any) -> None:
+        """Markers without lines."""
+        self.axes.plot(*self.flat(position).T, linestyle="none", zorder=5, **style)
+
+    def arrow(self, start: np.ndarray, end: np.ndarray) -> None:
+        """Filled arrow that may leave the axes."""
+        self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=arrow_style(INK))
+
+    def gravity(self, direction: np.ndarray) -> None:
+        """Grey arrow in the upper right corner along a unit vector (3,)."""
+        place = {"xycoords": "axes fraction", "textcoords": "offset points"}
+        self.axes.annotate("", (0.975, 0.9), -32.0 * self.flat(direction), **place, arrowprops=arrow_style(FAINT))
+
+    def text(self, position: np.ndarray, words: str, points: float) -> None:
+        """Words as they are, without markup, centred, with a white halo."""
+        style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 7}
+        self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
+
+    def names(self) -> None:
+        """Each block's name at its centroid, as large as the block allows, a word to a line where that helps."""
+        extent = (self.blocks.high - self.blocks.low) * self.scale
+        for name, centre, (width, _, height) in zip(self.blocks.names, self.blocks.centroid, extent, strict=True):
+            whole = name if len(name) <= 24 else name[:23] + "…"
+            split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
+            sizes = {words: _font(words, width, height) for words in (whole, split)}
+            shown = max(sizes, key=lambda words: sizes[words])
+            self.text(centre, shown, sizes[shown])
+
+    def _scales(self) -> None:
+        """Axes in space, in m: x along the lower front edge, y along the lower right one, z along the front left one."""
+        low, high = self.blocks.low.min(axis=0), self.blocks.high.max(axis=0)
+        gap = 0.03 * structure_size(self.blocks)
+        edges = (
+            (0, np.array([low[0], low[1] - gap, low[2]]), np.array([0.0, -gap, -gap])),
+            (1, np.array([high[0] + gap, low[1], low[2]]), np.array([gap, 0.0, -gap])),
+            (2, np.array([low[0] - gap, low[1], low[2]]), np.array([-1.2 * gap, 0.0, 0.0])),
+        )
+        for axis, corner, outward in edges:
+            along = np.eye(3)[axis]
+            length = high[axis] - low[axis]
+            count = max(1, round(6.0 * length / structure_size(self.blocks)))
+            ticks = [t for t in MaxNLocator(count, min_n_ticks=2).tick_values(low[axis], high[axis]) if low[axis] <= t <= high[axis]]
+            self.outlines([np.array([corner, corner + length * along])], INK, 0.8)
+            starts = [corner + (tick - low[axis]) * along for tick in ticks]
+            self.outlines([np.array([start, start + 0.4 * outward]) for start in starts], INK, 0.8)
+            for tick, start in zip(ticks, starts, strict=True):
+                self.text(start + 1.2 * outward, f"{tick:g}", 7.0)
+            self.text(corner + 0.5 * length * along + (2.6 if axis < 2 else 3.4) * outward, f"{'xyz'[axis]} (m)", 8.0)
+
+
+def arrow_style(colour: str) -> dict[str, Any]:
+    """Properties of every arrow."""
+    return {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
+
+
+def _font(words: str, width: float, height: float) -> float:
+    """Font size (pt), readable and not larger than names need, that lets words fit into width and height (pt) at best."""
+    lines = words.split("\n")
+    return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
+
+
+def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int) -> list[Canvas]:
+    """`count` canvases side by side for the structure, at equal scale."""
+    grid = figure.subplots(1, count, squeeze=False, sharey=True)[0]
+    width = 0.88 * figure.figure.get_figwidth() * 72.0 / count
+    return [Canvas(axes, assembly, width) for axes in grid]
+
+
+def window(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner (2,) of what a canvas shows, m in the view's directions."""
+    low, high = assembly.blocks.low.min(axis=0), assembly.blocks.high.max(axis=0)
+    corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3)
+    right, up, _ = view_axes(assembly.effects.plane)
+    flat = corners @ np.stack([right, up], axis=1)
+    margin = MARGIN * structure_size(assembly.blocks)
+    return flat.min(axis=0) - margin, flat.max(axis=0) + margin
+
+
+def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Unit vectors to the right, upwards and towards the viewer."""
+    if plane:
+        return np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])
+    right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
+    toward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+    return right, np.cross(toward, right), toward
+
+
+def _back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
+    """Blocks in the order to draw them: across every interface the block on the viewer's side later, the farther first else."""
+    facing = assembly.interfaces.normal @ toward
+    behind = np.where(facing > 0.0, assembly.interfaces.block_a, assembly.interfaces.block_b)
+    before = np.where(facing > 0.0, assembly.interfaces.block_b, assembly.interfaces.block_a)
+    depth = assembly.blocks.centroid @ toward
+    waiting = np.bincount(before, minlength=len(depth))
+    hides: list[list[int]] = [[] for _ in depth]
+    for a, b in zip(behind, before, strict=True):
+        hides[a].append(int(b))
+    # Where blocks interlock in a ring no order is right: the farthest block that waits for fewest others goes first.
+    queue = [(int(waiting[k]), float(depth[k]), k) for k in range(len(depth))]
+    heapq.heapify(queue)
+    order: list[int] = []
+    drawn = np.zeros(len(depth), dtype=bool)
+    while queue:
+        count, _, block = heapq.heappop(queue)
+        if drawn[block] or count != waiting[block]:
+            continue
+        drawn[block] = True
+        order.append(block)
+        for other in hides[block]:
+            waiting[other] -= 1
+            heapq.heappush(queue, (int(waiting[other]), float(depth[other]), other))
+    return np.array(order)
+
+
+def _normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Unit normals (F, 3) of polygons by Newell's sum of cross products of successive corners."""
+    following = np.arange(1, len(corners) + 1)
+    following[start[1:] - 1] = start[:-1]
+    first = np.repeat(corners[start[:-1]], np.diff(start), axis=0)
+    normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start[:-1])
+    return normal / np.linalg.norm(normal, axis=1).clip(np.finfo(float).tiny)[:, None]

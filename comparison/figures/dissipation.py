@@ -1,0 +1,160 @@
+"""Where a mechanism dissipates: interfaces by the power of their friction, contact points by what they do."""
+
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
+from la_core.measures import ContactState, MechanismMeasures, mechanism
+from la_core.model import Assembly
+
+DRAWN = 0.09  # of the structure's size: the largest displacement drawn
+SMALLEST = 0.01  # of the most dissipating interface: less is drawn as none
+WIDTH = (1.6, 5.5)  # pt, of an interface that dissipates next to nothing and of the one that dissipates most
+TITLE_WIDTH = 90  # characters
+# From light to dark, so that it reads in greyscale too; it starts at orange, because paler lines would vanish on the stone.
+POWER = LinearSegmentedColormap.from_list("power", ["#f7b267", "#e4572e", "#a4133c", "#3d0814"])
+MOVES = "#d8e2ef"  # face of the blocks that move
+STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size over the canvas' dot, marker; the last on top
+    ContactState.IDLE: ("closed without force", 0.8, {"marker": "s", "markerfacecolor": "white", "markeredgecolor": FAINT}),
+    ContactState.STICKING: ("sticks", 0.7, {"marker": "s", "markerfacecolor": INK, "markeredgecolor": INK}),
+    ContactState.OPENING: ("opens", 1.8, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}),
+    ContactState.SLIDING: ("slides", 2.2, {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}),
+}
+
+
+def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: MechanismMeasures, title: str = "") -> Figure:
+    """The structure displaced by its mechanism, twists (B, 6): interfaces by dissipated power, contact points by state.
+
+    Where twists are NaN the structure is drawn at rest and the title says that no mechanism is known.
+    """
+    known = bool(np.isfinite(twists).all())
+    motion = twists if known else np.zeros_like(twists)
+    fastest = float(mechanism.block_speeds(assembly.blocks, motion).max())
+    displacement = motion * (DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0)
+    figure = _figure(assembly, has_scale=measures.dissipated_power > 0.0)
+    (canvas,) = canvases(figure, assembly, 1)
+    _headings(canvas, title, _summary(assembly, measures) if known else "no mechanism is known")
+    _draw_blocks(canvas, assembly, displacement)
+    _draw_interfaces(canvas, assembly, displacement, measures.dissipation_per_interface)
+    _draw_points(canvas, assembly, displacement, measures.states)
+    _power_scale(figure, canvas, assembly, measures)
+    figure.legend(handles=_handles(measures), loc="outside lower center", ncols=6, columnspacing=1.4, fontsize=8, frameon=False)
+    return figure
+
+
+def _headings(canvas: Canvas, title: str, summary: str) -> None:
+    """The title over the axes and the summary between both, smaller."""
+    above = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
+    canvas.axes.annotate(summary, (0.5, 1.0), (0.0, 6.0), fontsize=9, linespacing=1.3, parse_math=False, **above)
+    wrapped = "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
+    canvas.axes.set_title(wrapped, fontsize=11, pad=13.0 + 12.0 * len(summary.splitlines()), parse_math=False)
+
+
+def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
+    """Dissipated power over the settling weight's, participation index and moving mass share, in words."""
+    moving = f"{100.0 * measures.moving_mass_share:.3g} % of the mass moves"
+    if not measures.dissipated_power > 0.0:
+        return f"friction dissipates nothing  ·  {moving}"
+    divisor, unit = _unit(assembly, measures.dissipated_power)
+    power = f"friction dissipates {measures.dissipated_power / divisor:.4g} {unit or 'per unit power of the live load'}"
+    share = f" = {100.0 * measures.dissipated_share:.3g} % of the settling weight's work" if np.isfinite(measures.dissipated_share) else ""
+    count = len(assembly.interfaces)
+    alike = f"as if shared equally by {measures.participation_index * count:.3g} of the {count} interfaces"
+    return f"{power}{share}  ·  {moving}\nparticipation index {measures.participation_index:.3g}: {alike}"
+
+
+def _unit(assembly: Assembly, power: float) -> tuple[float, str]:
+    """Divisor and unit of a power per unit motion of the drive; a live load's has no unit."""
+    if assembly.has_live_load:
+        return 1.0, ""
+    unit = "N m" if np.any(assembly.support_twist[:, 3:]) else "N"
+    return (1e3, f"k{unit}") if power >= 1e4 else (1.0, unit)
+
+
+def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -> None:
+    """Displaced blocks and where the moving ones stood."""
+    blocks = assembly.blocks
+    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, owner)
+    moves, roles = mechanism.moving(blocks, displacement), drawn_roles(assembly)
+    face = [MOVES if own else ROLE_FACE[role] for own, role in zip(moves, roles, strict=True)]
+    canvas.solids(vertices, face, [ROLE_HATCH[role] for role in roles])
+    canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
+
+
+def _draw_interfaces(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, power: np.ndarray) -> None:
+    """Edges of the interfaces halfway between their displaced blocks, the more power the darker and the wider."""
+    interfaces = assembly.interfaces
+    count = np.diff(interfaces.polygon_start)
+    owner = np.repeat(np.arange(len(interfaces)), count)
+    following = np.arange(1, len(owner) + 1)
+    following[interfaces.polygon_start[1:] - 1] = interfaces.polygon_start[:-1]
+    middle = _halfway(assembly, displacement, interfaces.polygon, owner)
+    share = np.nan_to_num(power) / max(float(np.nan_to_num(power).max(initial=0.0)), np.finfo(float).tiny)
+    seen = canvas.seen(interfaces.polygon)
+    shown = np.flatnonzero((share[owner] > SMALLEST) & seen & seen[following])
+    shown = shown[np.argsort(share[owner[shown]], kind="stable")]  # the strongest on top
+    lines = np.stack([canvas.flat(middle[shown]), canvas.flat(middle[following[shown]])], axis=1)
+    strength = share[owner[shown]]
+    style = {"colors": POWER(strength), "linewidths": WIDTH[0] + (WIDTH[1] - WIDTH[0]) * strength, "capstyle": "round"}
+    canvas.axes.add_collection(LineCollection(list(lines), zorder=3, **style))
+
+
+def _draw_points(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, states: np.ndarray) -> None:
+    """Contact points by state, halfway between their displaced blocks."""
+    position = assembly.points.position
+    middle, seen = _halfway(assembly, displacement, position, assembly.points.interface), canvas.seen(position)
+    for state, (_, size, style) in STYLES.items():
+        shown = seen & (states == state)
+        if shown.any():
+            canvas.marks(middle[shown], markersize=size * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
+
+
+def _halfway(assembly: Assembly, displacement: np.ndarray, position: np.ndarray, interface: np.ndarray) -> np.ndarray:
+    """Positions (N, 3) on interfaces (N,), displaced by the mean of the two blocks."""
+    sides = (assembly.interfaces.block_a[interface], assembly.interfaces.block_b[interface])
+    return position + sum(mechanism.point_velocity(assembly.blocks, displacement, position, side) for side in sides) / 2.0
+
+
+def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: MechanismMeasures) -> None:
+    """Colour bar in the unit of the power, where there is any."""
+    if not measures.dissipated_power > 0.0:
+        return
+    divisor, unit = _unit(assembly, measures.dissipated_power)
+    scale = ScalarMappable(Normalize(0.0, float(measures.dissipation_per_interface.max()) / divisor), POWER)
+    per = "unit power of the live load" if assembly.has_live_load else "unit motion of the support"
+    bar = figure.colorbar(scale, ax=canvas.axes, shrink=0.85, pad=0.02, aspect=28)
+    bar.set_label(f"power dissipated in an interface{f' ({unit})' if unit else ''},\nper {per}", fontsize=8)
+    bar.ax.tick_params(labelsize=8)
+
+
+def _handles(measures: MechanismMeasures) -> list[Patch | Line2D]:
+    """Keys of the moving blocks and their outlines before, and of the states that occur with the number of points."""
+    handles: list[Patch | Line2D] = []
+    if np.isfinite(measures.moving_mass_share):
+        handles = [Patch(facecolor=MOVES, edgecolor=INK, linewidth=0.5, label="moves"), Line2D([], [], color=FAINT, label="before")]
+    for state, (name, size, style) in reversed(STYLES.items()):
+        count = int(np.sum(measures.states == state))
+        if count:
+            key = {"linestyle": "none", "markersize": 3.5 + 1.7 * size, "markeredgewidth": 0.8, **style}
+            handles.append(Line2D([], [], label=f"{name} ({count})", **key))
+    return handles
+
+
+def _figure(assembly: Assembly, has_scale: bool) -> Figure:
+    """Figure whose height follows what its canvas shows at the width that a colour bar leaves."""
+    low, high = window(assembly)
+    width, height = high - low
+    across = 7.0 if has_scale else 7.9  # in
+    figure = Figure(figsize=(8.5, float(np.clip(across * height / width, 1.5, 8.0)) + 1.7), layout="compressed")
+    FigureCanvasAgg(figure)
+    return figure

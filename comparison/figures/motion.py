@@ -1,0 +1,113 @@
+"""How the blocks move over the settlement by each method, from rest under gravity: what is shown side by side in motion."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from comparison.figures.canvas import structure_size
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.coulomb import CoulombSolution
+from la_core.limit import Solution, Status
+from la_core.measures import contact_states, mechanism
+from la_core.model import Assembly
+
+DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mechanism
+
+FARTHEST = 0.5  # of the structure's size: a collapse that goes farther is magnified less
+
+
+@dataclass(frozen=True)
+class Motion:
+    """States of one method in order of the support's motion, the first at rest.
+
+    settlement (S,), m or rad. displacement (S, B, 6): of the centroids, m, and rotation vectors, rad, both from rest. forces (S, C, 3):
+    contact forces on block b, N; NaN where unknown. twists (B, 6): the mechanism per unit motion of the support, NaN where there is
+    none. states (C,): ContactState of each point in it. falling: blocks that fall; reason: why there is no mechanism, or "".
+    """
+
+    label: str
+    settlement: np.ndarray
+    displacement: np.ndarray
+    forces: np.ndarray
+    twists: np.ndarray
+    states: np.ndarray
+    falling: tuple[str, ...] = ()
+    reason: str = ""
+
+    def at(self, settlement: float) -> np.ndarray:
+        """Displacement (B, 6) at a settlement, linear between the states; that of the last one beyond it."""
+        after = int(np.clip(np.searchsorted(self.settlement, settlement), 1, len(self.settlement) - 1))
+        first, last = self.settlement[after - 1 : after + 1]
+        share = np.clip((settlement - first) / (last - first), 0.0, 1.0) if last > first else 1.0
+        return (1.0 - share) * self.displacement[after - 1] + share * self.displacement[after]
+
+
+@dataclass(frozen=True)
+class Motions:
+    """The motions of all methods from `start` to `end`; displacements are drawn `magnification` times as large as they are, all alike.
+
+    A support that is pushed in first starts below zero; start and end are one where nothing moves.
+    """
+
+    methods: tuple[Motion, ...]
+    start: float
+    end: float
+    magnification: float
+
+
+def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSolution]:
+    """Limit analysis' sharpest mechanism, which figures show, and its label."""
+    if analysis.coulomb is not None and np.isfinite(analysis.coulomb.value):
+        return "limit analysis (Coulomb)", analysis.coulomb
+    return "limit analysis (associated)", analysis.rounded[analysis.main]
+
+
+def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> float:
+    """Motion of the drive (m, rad, or 1) at which the fastest point of the mechanisms (B, 6) moves by DRAWN of the size; 0 without one."""
+    known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
+    fastest = max((float(mechanism.block_speeds(assembly.blocks, twists).max()) for twists in known), default=0.0)
+    return DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0
+
+
+def motions(analysis: LimitAnalysis, run: Run | None) -> Motions:
+    """Limit analysis' mechanism and YADE's recorded states over the same settlement: YADE's, or without a run one that shows."""
+    label, answer = shown_answer(analysis)
+    mechanisms = {label: answer.twists} | ({"YADE": run.mechanism()} if run is not None else {})
+    large = drawn_motion(analysis.assembly, mechanisms)
+    end = max(float(run.poses["settlement"][-1]), 0.0) if run is not None else 0.0
+    methods = [_of_limit_analysis(analysis, label, answer, end or large)]
+    if run is not None:
+        methods.append(_of_run(analysis.assembly, run))
+    start = min(float(method.settlement[0]) for method in methods)
+    return Motions(tuple(methods), start, end or large, _magnification(analysis.assembly, methods, large / end if end else 1.0))
+
+
+def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float) -> float:
+    """The magnification that is wanted, or less where a collapse would leave the picture, and never less than one."""
+    farthest = max(float(mechanism.block_speeds(assembly.blocks, method.displacement[-1]).max()) for method in methods)
+    most = FARTHEST * structure_size(assembly.blocks) / farthest if farthest > 0.0 else 1.0
+    return max(min(wanted, most), 1.0)
+
+
+def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | CoulombSolution, end: float) -> Motion:
+    """The mechanism grows with the settlement; the forces are those of the plateau."""
+    twists, main = answer.twists, analysis.rounded[analysis.main]
+    known = bool(np.isfinite(twists).all())
+    displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
+    states = contact_states(analysis.assembly, twists, answer.forces)
+    falling = tuple(main.falling) if main.status is Status.INFEASIBLE else ()
+    reason = "" if known else "cannot stand under its own weight" if falling else str(main.status)
+    return Motion(label, np.array([0.0, end]), displacement, answer.forces[None], twists, states, falling, reason)
+
+
+def _of_run(assembly: Assembly, run: Run) -> Motion:
+    """YADE's own states; a run that stored but one is held there."""
+    twists = run.mechanism()
+    moved = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)
+    kept = [0, 0] if len(moved) == 1 else slice(None)
+    states = contact_states(assembly, twists, run.plateau_forces())
+    reason = "" if run.status == "plateau" else f"{run.status}: {run.result['message']}"
+    settlement = run.poses["settlement"]
+    return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses["forces"][kept], twists, states, reason=reason)

@@ -1,0 +1,246 @@
+"""The reaction against the settlement: YADE's record and plateau, limit analysis' bounds, prediction, interval and path.
+
+Under a live load the same for its multiplier against the displacement along it.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, YADE
+from comparison.figures.line_labels import Word, write_words
+from comparison.figures.reaction_levels import (
+    Scales,
+    has_plateau,
+    has_sharp,
+    interval_of,
+    is_joint,
+    levels,
+    plateau_limits,
+    reached,
+    scales_of,
+    whole_limits,
+)
+from comparison.numbers import number
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.limit import Drive, Status
+from la_core.scene import Scene
+
+BAND = 0.16  # opacity
+INTERVAL = 0.14  # opacity of the Coulomb interval: over the admissible band, and darker than it in greyscale
+ADMISSIBLE = "admissible (associated)"
+LEAST = r"limit analysis, $R_{\min}$"
+GREATEST = r"limit analysis, $R_{\max}$"
+ASSOCIATED = "limit analysis, associated"
+COULOMB = "limit analysis, Coulomb prediction"
+HISTORY = "interval: friction's history decides within"
+FITTED = "YADE, fitted plateau"
+
+
+def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Figure:
+    """Left the whole curve from rest, right the plateau close up; all at the inset both methods share, the sharp bound dotted.
+
+    Without `run` and without a path only levels are drawn. A second axis gives the reaction over the free blocks' weight.
+    """
+    figure = Figure(figsize=(11.0, 4.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    obstacle = _obstacle(scene, analysis)
+    if obstacle and run is None:
+        figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
+        return figure
+    scales, end = scales_of(scene, analysis, run), reached(analysis, run)
+    is_close = has_plateau(run) or (run is None and end > 0.0)
+    whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if is_close else [figure.subplots()]
+    panels = [(whole, whole_limits(analysis, run)), *((axes, plateau_limits(analysis, run)) for axes in close)]
+    written: set[str] = set()
+    for axes, limits in panels:
+        _draw_bounds(axes, analysis, scales, limits)
+        _draw_prediction(axes, analysis, scales, limits)
+        if run is not None and end > 0.0:
+            _draw_run(axes, run, scales, end)
+        _finish(axes, scene, scales, end, limits)
+        low, high = (limit / scales.reaction for limit in limits)
+        written |= write_words(axes, _words(analysis, run, scales, end), (low, high), _kept_clear(analysis, scales, end))
+    for axes in close:
+        axes.set_title("close to the plateau", fontsize=9, loc="left")
+    whole.set_title(_status_words(analysis, run, obstacle), fontsize=9, parse_math=False, loc="left")
+    if not close:
+        figure.set_figwidth(7.5)
+    named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
+    keys = {name: handle for name, handle in named.items() if name not in written}  # words next to a line need no key
+    figure.legend(list(keys.values()), list(keys), loc="outside lower center", ncols=4 if close else 2, fontsize=8, frameon=False)
+    return figure
+
+
+def draw_levels(axes: Any, scene: Scene, analysis: LimitAnalysis, run: Run | None) -> tuple[Scales, set[str]]:
+    """All of the whole curve's panel but YADE's record; returns the axes' scales and the labels that stand beside their lines."""
+    scales, end, limits = scales_of(scene, analysis, run), reached(analysis, run), whole_limits(analysis, run)
+    _draw_bounds(axes, analysis, scales, limits)
+    _draw_prediction(axes, analysis, scales, limits)
+    _finish(axes, scene, scales, end, limits)
+    low, high = (limit / scales.reaction for limit in limits)
+    return scales, write_words(axes, _words(analysis, None, scales, end), (low, high), _kept_clear(analysis, scales, end))
+
+
+def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
+    """Why limit analysis has no reaction to show, or ""."""
+    status, value = analysis.rounded[analysis.main].status, analysis.rounded[analysis.main].value
+    if status is Status.INFEASIBLE:
+        return f"Limit analysis: the structure cannot stand under its own weight, so no {scene.quantity} exists."
+    return "" if np.isfinite(value) else f"Limit analysis ended as {status}: it has no {scene.quantity}."
+
+
+def _status_words(analysis: LimitAnalysis, run: Run | None, obstacle: str) -> str:
+    followed = "" if analysis.path is None else "the whole path"
+    words = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
+    return "\n".join(part for part in (words, obstacle) if part)
+
+
+def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
+    """Admissible band and its ends; a greatest reaction beyond the axes is named above them."""
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
+    low, high = (limit / scales.reaction for limit in limits)
+    live = analysis.main is Drive.LIVE
+    if not live and "least" in lines:
+        top = max(lines["least"], min(lines.get("greatest", np.inf), 2.0 * high - low))
+        axes.axhspan(lines["least"], top, color=LIMIT_ANALYSIS, alpha=BAND / 2.0, linewidth=0.0, label=ADMISSIBLE)
+    if "least" in lines:
+        axes.axhline(lines["least"], color=LIMIT_ANALYSIS, linewidth=1.8, linestyle="--", label=ASSOCIATED if live else LEAST)
+    if has_sharp(analysis):
+        axes.axhline(lines["sharp"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle=":", label=_sharp_name(analysis))
+    if "greatest" in lines and lines["greatest"] <= high:
+        axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=GREATEST)
+    elif "greatest" in lines:
+        words = rf"$R_{{\max}}$ = {lines['greatest']:.4g} {scales.reaction_unit} lies above $\uparrow$"
+        axes.set_title(words, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
+
+
+def _sharp_name(analysis: LimitAnalysis) -> str:
+    return "associated, of sharp arrises" if analysis.main is Drive.LIVE else r"$R_{\min}$ of sharp arrises"
+
+
+def _words(analysis: LimitAnalysis, run: Run | None, scales: Scales, end: float) -> list[Word]:
+    """What stands next to the lines and in the bands, with its value."""
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
+    live, unit = analysis.main is Drive.LIVE, f" {scales.reaction_unit}".rstrip()
+    least, named = ("associated", ASSOCIATED) if live else (r"$R_{\min}$, associated", LEAST)
+    names: dict[str, tuple[str, tuple[str, ...]]] = {
+        "least": (least, (named,)),
+        "greatest": (r"$R_{\max}$, associated", (GREATEST,)),
+        "coulomb": ("Coulomb prediction", (COULOMB,)),
+    }
+    if is_joint(analysis):
+        names["least"] = (f"{least}, and Coulomb prediction", (named, COULOMB))
+        del names["coulomb"]
+    if has_sharp(analysis):
+        names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
+    found = [
+        Word(lines[key], lines[key], f"{words}: {number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
+        for key, (words, keys) in names.items()
+        if key in lines
+    ]
+    if run is not None and has_plateau(run):
+        value, uncertainty = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty"))
+        level = value + run.result["slope"] / scales.reaction * end
+        found.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
+    return found + list(_band_words(analysis, scales, unit))
+
+
+def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[Word]:
+    """Words for the Coulomb interval, and for what is admissible above it."""
+    lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
+    interval, above = interval_of(analysis), lines.get("least")
+    if interval is not None:
+        low, high = (value / scales.reaction for value in interval)
+        if np.isfinite([low, high]).all():
+            ends = f"{number(low, 4)} to {number(high, 4)}{unit}"
+        else:
+            ends = "without a least value" if np.isfinite(high) else "without a greatest value"
+        yield Word(low, high, f"interval, {ends}:\nfriction's history decides within", LIMIT_ANALYSIS, (HISTORY,))
+        above = max(above, high) if above is not None else None
+    greatest = lines.get("greatest", np.inf)
+    if analysis.main is not Drive.LIVE and above is not None and above < greatest:
+        yield Word(above, greatest, ADMISSIBLE, LIMIT_ANALYSIS, (ADMISSIBLE,))
+
+
+def _measured(value: float, uncertainty: float) -> str:
+    """A value to the place of its uncertainty's first digit."""
+    if not uncertainty > 0.0:
+        return number(value, 5)
+    places = int(np.clip(-np.floor(np.log10(uncertainty)), 0, 9))
+    return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
+
+
+def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
+    """Values that words keep off: the ends of the interval, and the path where words stand."""
+    values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
+    if analysis.path is not None:
+        late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)
+        values += list(analysis.path.value[late])
+    return [value / scales.reaction for value in values]
+
+
+def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
+    """The Coulomb prediction, the interval of its mechanism where it has a width, and the path from rest."""
+    lines, path = {name: value / scales.reaction for name, value in levels(analysis).items()}, analysis.path
+    interval = interval_of(analysis)
+    if interval is not None:
+        beyond = limits[1] - limits[0]
+        low, high = np.clip(interval, limits[0] - beyond, limits[1] + beyond) / scales.reaction
+        axes.axhspan(low, high, color=LIMIT_ANALYSIS, alpha=INTERVAL, linewidth=0.0, label=HISTORY)
+    if "coulomb" in lines:
+        axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
+        axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
+    if path is not None:
+        # The thin line lies under YADE's record and the marks above it, so that both show where they are one.
+        marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
+        at, values = path.settlement / scales.settlement, path.value / scales.reaction
+        axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
+        axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path from rest (same stiffness)", **marks)
+
+
+def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
+    """The record, the fitted line from rest on, and the reaction at rest with its uncertainty."""
+    axes.plot(
+        run.settling("settlement") / scales.settlement, run.settling("reaction") / scales.reaction,
+        color=YADE, linewidth=1.3, label="YADE, recorded", zorder=4,
+    )  # fmt: skip
+    if not has_plateau(run):
+        return
+    reaction, uncertainty, slope = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty", "slope"))
+    start = run.result["plateau_start"]
+    for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", FITTED)):
+        s = np.array([first, last])
+        # Thinner than the record and above it, so that both show, on a plateau with noise and on one without.
+        axes.plot(s / scales.settlement, reaction + slope * s, color=INK, linewidth=0.9, linestyle=style, label=label, zorder=4.3)
+    s = np.array([0.0, end])
+    low, high = (reaction + slope * s + sign * uncertainty for sign in (-1.0, 1.0))
+    axes.fill_between(s / scales.settlement, low, high, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty", zorder=4.2)
+    marker = {"marker": "s", "markersize": 5, "markerfacecolor": YADE, "capsize": 4}
+    axes.errorbar([0.0], [reaction], [uncertainty], color=INK, zorder=6, **marker)
+
+
+def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[float, float]) -> None:
+    """Axes, units and the second scale R/W."""
+    live = scene.live is not None
+    motion = "mean displacement along the load" if live else f"{'rotation' if scene.is_rotation else 'settlement'} of the support"
+    axes.set_ylim(*np.array(limits) / scales.reaction)
+    if end > 0.0:
+        axes.set_xlim(-0.03 * end / scales.settlement, 1.03 * end / scales.settlement)
+        axes.set_xlabel(f"{motion} ({scales.settlement_unit})")
+    else:
+        axes.set_xticks([])
+        axes.set_xlabel(f"{motion}: none recorded")
+    axes.set_ylabel("multiplier of the live load" if live else f"reaction R ({scales.reaction_unit})")
+    axes.tick_params(labelsize=8)
+    axes.grid(color=FAINT, alpha=0.25, linewidth=0.5)
+    if live:
+        return
+    ratio = scales.reaction / scene.weight
+    second = axes.secondary_yaxis("right", functions=(lambda r: r * ratio, lambda q: q / ratio))
+    second.set_ylabel("R / W (m)" if scene.is_rotation else "R / W")
+    second.tick_params(labelsize=8)

@@ -1,0 +1,245 @@
+"""Figures of a comparison: the structure, its mechanisms by both methods, and the reaction against the settlement.
+
+Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's global state; `save` writes it.
+"""
+
+import io
+import textwrap
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from comparison.figures.canvas import (
+    ASIDE,
+    FAINT,
+    FEW,
+    INK,
+    ROLE_FACE,
+    ROLE_HATCH,
+    Canvas,
+    canvases,
+    drawn_roles,
+    loops,
+    method_colour,
+    structure_size,
+    tint,
+    window,
+)
+from comparison.figures.motion import DRAWN, drawn_motion
+from comparison.figures.reaction import reaction_figure
+from la_core.exchange import FIXED, FREE, SUPPORT, write_whole
+from la_core.geometry import Blocks
+from la_core.measures import mechanism
+from la_core.model import Assembly
+from la_core.scene import Scene
+
+__all__ = ["assembly_figure", "looks", "mechanism_figure", "reaction_figure", "save", "wrapped"]
+
+DPI = 130
+SHORT = 0.2  # of the longest arrow: shorter ones of a turning support are left out
+ARROW = 0.1  # of the structure's size
+TITLE_WIDTH = 90  # characters
+ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
+POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
+SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
+    write_whole(path, rendered(figure, path.suffix))
+
+
+def rendered(figure: Figure, suffix: str) -> bytes:
+    """What a file of a figure holds whose name ends with ".png", ".svg" or ".pdf"."""
+    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
+        content = io.BytesIO()
+        figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
+    return content.getvalue()
+
+
+def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
+    """The structure: blocks by role, interfaces and contact points, the support's motion or the live load, gravity."""
+    figure = _figure(assembly, 1, scene.title)
+    (canvas,) = canvases(figure, assembly, 1)
+    blocks, interfaces = assembly.blocks, assembly.interfaces
+    canvas.solids(blocks.vertices, *looks(assembly))
+    if canvas.plane or canvas.few:
+        canvas.outlines(loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
+    position = assembly.points.position
+    canvas.marks(position[canvas.seen(position)], markersize=canvas.dot, markeredgewidth=canvas.dot / 5.0, **POINT)
+    if canvas.few:
+        canvas.names()
+    driven = _draw_drive(canvas, assembly)
+    canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
+    present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
+    handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
+    _legend(figure, [*handles, _mark("contact point", POINT), _arrow_key(driven, INK), _arrow_key("gravity", FAINT)])
+    return figure
+
+
+def mechanism_figure(
+    assembly: Assembly,
+    mechanisms: Mapping[str, np.ndarray],
+    title: str = "",
+    falling: Sequence[str] = (),
+    reasons: Mapping[str, str] | None = None,
+) -> Figure:
+    """Mechanisms side by side, all drawn for the same motion of the support; displacements are linear in it.
+
+    mechanisms: twists (B, 6) for the support's unit motion by method label; a label that starts with "YADE" takes YADE's
+    colour. Where twists are NaN, the blocks named in `falling` are marked, and `reasons[label]` says why there is no mechanism.
+    """
+    known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
+    factor = drawn_motion(assembly, mechanisms)
+    heading = "\n".join(part for part in (wrapped(title), _scale_words(assembly, factor) if known else "") if part)
+    figure = _figure(assembly, len(mechanisms), heading)
+    handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
+    handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
+    for canvas, (label, twists) in zip(canvases(figure, assembly, len(mechanisms)), mechanisms.items(), strict=True):
+        colour = tint(method_colour(label))
+        if np.isfinite(twists).all():
+            canvas.axes.set_title(label, parse_math=False, fontsize=10)
+            _draw_mechanism(canvas, assembly, twists, factor, colour)
+            handles.append(_area(f"moves, {label}", colour))
+        else:
+            words = textwrap.fill((reasons or {}).get(label, _why_none(falling)), TITLE_WIDTH // 2)
+            canvas.axes.set_title(f"{label}\n{words}", parse_math=False, fontsize=10)
+            _draw_falling(canvas, assembly, falling, colour)
+            handles += [_area(f"falls, {label}", colour, "xx")] if falling else []
+    if known:
+        handles += [Line2D([], [], color=FAINT, linewidth=0.8, label="before"), _mark("opens", POINT), _mark("slides", SLIDES)]
+    _legend(figure, handles)
+    return figure
+
+
+def contact_motion(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Masks (C,) of the contact points that open and that slide in a mechanism; those slower than the fastest one's share rest.
+
+    A sliding point of an associated mechanism dilates by mu |u_t|; what parts faster than that opens.
+    """
+    parting, slip = mechanism.contact_speeds(assembly, twists)
+    threshold = mechanism.MOVING_SHARE * float(np.hypot(parting, slip).max())
+    opens = parting > assembly.points.friction * slip + threshold
+    return opens, (slip > threshold) & ~opens
+
+
+def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, factor: float, colour: str) -> None:
+    blocks, points = assembly.blocks, assembly.points
+    moves = mechanism.moving(blocks, twists)
+    vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, _owner(blocks))
+    canvas.solids(vertices, *looks(assembly, moves, colour))
+    canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
+    sides = [mechanism.point_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks]
+    middle = points.position + factor * sum(sides) / 2.0
+    for mask, style in zip(contact_motion(assembly, twists), (POINT, SLIDES), strict=True):
+        shown = np.flatnonzero(mask)
+        shown = shown[canvas.seen(points.position[shown])]
+        if len(shown):
+            canvas.marks(middle[shown], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
+
+
+def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], colour: str) -> None:
+    blocks = assembly.blocks
+    falls = np.isin(blocks.names, list(falling))
+    canvas.solids(blocks.vertices, *looks(assembly, falls, colour, "xx"))
+    for k in np.flatnonzero(falls)[:FEW]:
+        canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * structure_size(blocks) * _unit(assembly.dead_load[k, :3]))
+
+
+def _why_none(falling: Sequence[str]) -> str:
+    if not falling:
+        return "no mechanism is known"
+    return f"cannot stand under its own weight: {len(falling)} block{'s fall' if len(falling) > 1 else ' falls'}"
+
+
+def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:
+    """Face colour and hatch of every block: by its role, or those given for the blocks of the mask `marked` (B,)."""
+    mask = np.zeros(len(assembly.blocks), dtype=bool) if marked is None else marked
+    roles = drawn_roles(assembly)
+    face = [colour if own else ROLE_FACE[role] for own, role in zip(mask, roles, strict=True)]
+    return face, [hatch if own else ROLE_HATCH[role] for own, role in zip(mask, roles, strict=True)]
+
+
+def _owner(blocks: Blocks) -> np.ndarray:
+    """Block (V,) of each vertex."""
+    return np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+
+
+def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
+    """Arrows of the support's motion or the live load; returns what they show."""
+    blocks = assembly.blocks
+    reach = ARROW * structure_size(blocks)
+    if assembly.has_live_load:
+        direction = _unit(assembly.live_load[:, :3].sum(axis=0))
+        start = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
+        canvas.arrow(start - reach * direction, start + reach * direction)
+        return "live load, proportional to weight"
+    owner = _owner(blocks)
+    driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))
+    velocity = mechanism.point_velocity(blocks, assembly.support_twist, blocks.vertices[driven], owner[driven])
+    speed = np.linalg.norm(velocity, axis=1)
+    if np.any(assembly.support_twist[:, 3:]):
+        for vertex, motion in zip(blocks.vertices[driven], velocity / speed.max(), strict=True):
+            if np.linalg.norm(motion) > SHORT:
+                canvas.arrow(vertex, vertex + reach * motion)
+        return "motion of the turning support"
+    for k in np.unique(owner[driven])[:FEW]:
+        direction = _unit(assembly.support_twist[k, :3])
+        ahead = (blocks.vertices[owner == k] - blocks.centroid[k]) @ direction
+        start = blocks.centroid[k] + ahead.max() * direction
+        canvas.arrow(start, start + reach * direction)
+    return "motion of the support"
+
+
+def _figure(assembly: Assembly, count: int, title: str) -> Figure:
+    """Figure whose height follows what its canvases show."""
+    low, high = window(assembly)
+    width, height = high - low
+    inches = 8.5 if count == 1 else 11.0
+    figure = Figure(figsize=(inches, float(np.clip(0.88 * inches / count * height / width, 1.5, 8.0)) + 1.6), layout="compressed")
+    FigureCanvasAgg(figure)
+    figure.suptitle(wrapped(title), fontsize=11, parse_math=False)
+    return figure
+
+
+def _legend(figure: Figure, handles: Sequence[Patch | Line2D]) -> None:
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6), columnspacing=1.4, fontsize=8, frameon=False)
+
+
+def _area(label: str, face: str, hatch: str = "") -> Patch:
+    return Patch(facecolor=face, edgecolor=INK, linewidth=0.5, hatch=hatch or None, label=label)
+
+
+def _mark(label: str, style: Mapping[str, Any]) -> Line2D:
+    return Line2D([], [], linestyle="none", markersize=6, markeredgewidth=0.8, label=label, **style)
+
+
+def _arrow_key(label: str, colour: str) -> Line2D:
+    return Line2D([], [], linestyle="none", marker=r"$\rightarrow$", markersize=11, color=colour, label=label)
+
+
+def _scale_words(assembly: Assembly, factor: float) -> str:
+    """What the drawn displacements belong to."""
+    if assembly.has_live_load or not np.any(assembly.support_twist):
+        return f"largest displacement drawn: {DRAWN * structure_size(assembly.blocks):.3g} m (displacements linear in it)"
+    if np.any(assembly.support_twist[:, 3:]):
+        return f"drawn for a support rotation of {1e3 * factor:.3g} mrad (displacements linear in it)"
+    return f"drawn for a support motion of {1e3 * factor:.3g} mm (displacements linear in it)"
+
+
+def wrapped(title: str) -> str:
+    """A title in lines of bounded length."""
+    return "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    return vector / np.linalg.norm(vector)

@@ -1,0 +1,48 @@
+"""Force sums over sections: what two methods must share although single contact forces are not determined."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from comparison.judge.check import Check, inside, within
+from comparison.judge.tolerances import reaction_tolerance
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.geometry import plane_axes
+from la_core.limit import Drive, section_forces
+from la_core.measures import residuals
+from la_core.scene import Scene
+
+SECTION = 1e-2  # of the weight: a sum of YADE's forces, of which each carries its own unbalanced part
+ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
+
+
+def check_sections(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+    """Force sums: through horizontal cuts, which equilibrium fixes, and across the reaction, which it limits to a range."""
+    assembly, forces = analysis.assembly, run.plateau_forces()
+    expected = section_forces.level_sums(assembly, analysis.rounded[Drive.YIELDING].forces)
+    difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
+    reason = "The force sums over horizontal cuts differ: the two methods do not carry the same weight."
+    largest = float(np.linalg.norm(expected, axis=1).max())
+    yield within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
+    tolerance = reaction_tolerance(scene, analysis, run)
+    slack = SECTION * scene.weight
+    for label, direction in _transverse_directions(scene, assembly.effects.plane):
+        low, high = section_forces.support_force_range(assembly, direction, residuals.reaction(assembly, forces), tolerance)
+        found = float(section_forces.support_force(assembly, forces) @ direction)
+        reason = f"The support's force along {label} lies outside what equilibrium and friction allow."
+        yield inside(f"support's force along {label}, in its range", (low, high), found, slack, "N", reason)
+
+
+def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:
+    """Unit vectors across the reaction, with their names; all axes for a moment."""
+    assert scene.support_twist is not None  # only a settlement has a YADE run
+    motion = scene.support_twist[:3]
+    across = np.eye(3) if scene.is_rotation else np.concatenate(plane_axes(motion[None, :]))
+    for direction in across:
+        if plane and abs(direction[1]) > ALONG:
+            continue
+        main = int(np.argmax(np.abs(direction)))
+        unit = direction * np.sign(direction[main]) + 0.0  # no negative zero in a name
+        on_axis = abs(unit[main] - 1.0) <= ALONG
+        yield "xyz"[main] if on_axis else "({:.3g}, {:.3g}, {:.3g})".format(*unit), unit

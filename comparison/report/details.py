@@ -1,0 +1,100 @@
+"""What each method's answer is worth and what it took, and how each method's mechanism measures."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from comparison.judge import METHODS as ACCURACY_METHODS
+from comparison.judge import percent
+from comparison.numbers import A_POINT, DASH, exists, number
+
+METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
+MEASURES = (
+    "dissipated_power", "dissipated_share", "participation_index", "moving_mass_share", "opening", "sliding", "sticking", "idle"
+)  # fmt: skip
+
+
+def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str]) -> Iterator[dict[str, str]]:
+    """How accurate each method's answer is and what it took; `evidence` names the residuals of the associated answer."""
+    answers = comparison.get("limit_analysis") or {}
+    associated, coulomb, path = (answers.get(name) or {} for name in ("associated", "coulomb", "path"))
+    yade = comparison.get("yade") or {}
+    unit = f" {results['unit']}".rstrip()
+    quantity = "multiplier" if results["live"] else "reaction"
+
+    def row(method: str, answer: Any, status: str, accuracy: str, work: str, seconds: Any) -> dict[str, str]:
+        shown = f"{number(answer, 5)}{unit}" if exists(answer) else status
+        return {"method": method, "answer": shown, "accuracy": accuracy, "work": work, "seconds": number(seconds, 2)}
+
+    residuals = [associated[name] for name in evidence if exists(associated.get(name))]
+    accuracy = f"largest residual {number(max(residuals), 2)}" if residuals else DASH
+    answer = results["multiplier"] if results["live"] else results["least"]
+    work = f"{number(associated.get('iterations'))} iterations"
+    yield row(METHODS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
+    if coulomb:
+        half = results["half_width"]
+        width = f", half-width {number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
+        accuracy = f"dilatancy residual {number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
+        work = f"{number(coulomb.get('iterations'))} associated programmes, {number(coulomb.get('steps'))} steps"
+        yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
+    if path:
+        values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
+        residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
+        accuracy = f"largest strain residual {number(max(residuals, default=None), 2)}"
+        missed = (path.get("converged") or []).count(False)
+        accuracy += f"; {missed} increments not converged" if missed else ""
+        work = f"{number(max(len(values) - 1, 0))} increments, {number(sum(solves) or None)} associated programmes"
+        yield row("limit analysis, path", values[-1] if values else None, DASH, accuracy, work, path.get("seconds"))
+    if yade:
+        share = results["ratios"]["uncertainty"]
+        accuracy = f"± {number(results['uncertainty'], 2)}{unit}, {number(share, 2)} {results['ratio_unit']}" if exists(share) else DASH
+        yield row(
+            METHODS["yade"], results["yade"], results["yade_status"], accuracy, f"{number(yade.get('steps'))} steps", yade.get("seconds")
+        )
+
+
+def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
+    """Every attempt at the accuracy asked for: method, what was chosen and why, the error by its parts, whether it is enough, seconds."""
+    bought = comparison.get("accuracy") or {}
+    for method in (name for name in ACCURACY_METHODS if name in bought):
+        for attempt in bought[method]["attempts"]:
+            parts = ", ".join(f"{name} {percent(value)}" for name, value in attempt["parts"].items())
+            error, asked = attempt["error"], bought["asked"]
+            yield {
+                "method": ACCURACY_METHODS[method],
+                "asked": percent(asked),
+                "chosen": attempt["chosen"],
+                "error": f"{percent(error)}: {parts}",
+                "kept": "yes" if exists(error) and error <= asked else "no",
+                "seconds": number(attempt["seconds"], 2),
+            }
+
+
+ENERGIES = {
+    "weights": "work of the weights",
+    "support": "work of the support",
+    "kinetic": "gained as motion",
+    "elastic": "gained by the joints' strain",
+    "friction": "taken by friction",
+    "viscous": "taken by damping",
+}
+
+
+def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
+    """Where the energy of YADE's run came from and went, and what is not accounted for: J and share of the turnover; none without a run."""
+    found = comparison.get("energy") or {}
+    if not exists(found.get("drift")):
+        return []
+    turnover = found["turnover"]
+    parts = {ENERGIES[name]: found[name] for name in ENERGIES} | {"not accounted for": found["drift"] * turnover}
+    return [{"name": name, "joule": value, "share": f"{number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
+
+
+def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:
+    """Measures of each method's mechanism that is known; power per unit motion of the support is a force.
+
+    A live load does the work itself, so that a share of the work of settling weights says nothing there.
+    """
+    for method, found in (comparison.get("mechanism_measures") or {}).items():
+        if found and exists(found.get("moving_mass_share")):
+            shown = {name: found.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
+            yield {"method": METHODS.get(method, method), **shown}

@@ -1,0 +1,98 @@
+"""Results for ParaView: the blocks with their mechanisms, the contact forces, and YADE's states over the settlement."""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from comparison.report.vtk_xml import POLYGON, VERTEX, Grid, write_collection, write_grid
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.geometry import Blocks
+from la_core.measures import mechanism
+from la_core.model import Assembly
+
+
+def export(analysis: LimitAnalysis, run: Run | None, folder: Path) -> list[Path]:
+    """Write all results into `folder` and return the files to open: `structure.pvd`, and `yade.pvd` where YADE stored states.
+
+    `blocks.vtu`: faces, with the mechanisms as vectors for the unit motion of the support. `forces.vtu`: contact points, with the
+    forces on block b in N. The names of the vectors are associated, coulomb and yade. In `yade.pvd` the time is the settlement and
+    the vectors are displacement (m) from the case's geometry, and force (N).
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    assembly = analysis.assembly
+    mechanisms, forces = _mechanisms(analysis, run), _forces(analysis, run)
+    velocities = {name: _velocities(assembly.blocks, twists) for name, twists in mechanisms.items()}
+    write_grid(folder / "blocks.vtu", _blocks_grid(assembly.blocks, velocities))
+    write_grid(folder / "forces.vtu", _forces_grid(assembly, forces))
+    write_collection(folder / "structure.pvd", [(0.0, ("blocks.vtu", "forces.vtu"))])
+    if run is None or not len(run.poses["settlement"]):
+        return [folder / "structure.pvd"]
+    return [folder / "structure.pvd", _export_states(assembly, run, folder)]
+
+
+def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
+    """YADE's stored states as a series; grids of an earlier and longer one are taken away."""
+    rows = []
+    for number, settlement in enumerate(run.poses["settlement"]):
+        names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
+        moved = _displacements(assembly.blocks, run.poses["displacement"][number], run.poses["rotation"][number])
+        write_grid(folder / names[0], _blocks_grid(assembly.blocks, {"displacement": moved}))
+        write_grid(folder / names[1], _forces_grid(assembly, {"force": run.poses["forces"][number]}))
+        rows.append((float(settlement), names))
+    written = {name for _, names in rows for name in names}
+    for old in folder.glob("yade-*-[0-9][0-9][0-9][0-9].vtu"):
+        if old.name not in written:
+            old.unlink()
+    write_collection(folder / "yade.pvd", rows)
+    return folder / "yade.pvd"
+
+
+def _mechanisms(analysis: LimitAnalysis, run: Run | None) -> dict[str, np.ndarray]:
+    """Twists (B, 6) by method, of those that found a mechanism."""
+    found = {"associated": analysis.rounded[analysis.main].twists}
+    if analysis.coulomb is not None:
+        found["coulomb"] = analysis.coulomb.twists
+    if run is not None:
+        found["yade"] = run.mechanism()
+    return {name: twists for name, twists in found.items() if np.isfinite(twists).all()}
+
+
+def _forces(analysis: LimitAnalysis, run: Run | None) -> dict[str, np.ndarray]:
+    """Contact forces (C, 3) on block b by method, N; YADE's are the mean over its plateau, or its last state."""
+    found = {"associated": analysis.rounded[analysis.main].forces}
+    if analysis.coulomb is not None:
+        found["coulomb"] = analysis.coulomb.forces
+    if run is not None and len(run.poses["settlement"]):
+        found["yade"] = run.plateau_forces()
+    return {name: forces for name, forces in found.items() if np.isfinite(forces).all()}
+
+
+def _arms(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
+    """Block of every vertex (V,), and the vertex from its block's centroid (V, 3), m."""
+    block = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    return block, blocks.vertices - blocks.centroid[block]
+
+
+def _velocities(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
+    return mechanism.point_velocity(blocks, twists, blocks.vertices, _arms(blocks)[0])
+
+
+def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+    """Displacement (V, 3) of vertices whose blocks move by displacements (B, 3) and rotation vectors (B, 3), of any size."""
+    block, arm = _arms(blocks)
+    return displacement[block] + Rotation.from_rotvec(rotation[block]).apply(arm) - arm
+
+
+def _blocks_grid(blocks: Blocks, vectors: dict[str, np.ndarray]) -> Grid:
+    owner = blocks.face_block
+    cells = {"block": owner, "role": blocks.role[owner], "density": blocks.density[owner]}
+    return Grid(blocks.vertices, blocks.face_vertex, blocks.face_start, POLYGON, vectors, cells)
+
+
+def _forces_grid(assembly: Assembly, forces: dict[str, np.ndarray]) -> Grid:
+    points, interfaces = assembly.points, assembly.interfaces
+    sides = {"block_a": interfaces.block_a[points.interface], "block_b": interfaces.block_b[points.interface]}
+    each = np.arange(len(points) + 1)
+    return Grid(points.position, each[:-1], each, VERTEX, {**forces, "normal": interfaces.normal[points.interface], **sides})

@@ -1,0 +1,129 @@
+"""The interactive view of a scene in the report: its data as JSON, and the scripts of the page with their digests.
+
+Data are little-endian arrays in base64, as `web/viewer.js` reads them; lengths in m, from the middle of the structure.
+"""
+
+import base64
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions
+from comparison.yade import Run
+from la_core.analysis import LimitAnalysis
+from la_core.measures import mechanism
+from la_core.model import Assembly
+from la_core.scene import Scene
+
+FILE = "viewer.json"
+WEB = Path(__file__).parent / "web"
+LARGEST = 600_000  # bytes of the states of one method; fewer of them are kept where each is large
+MOST_STATES = 24
+SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
+
+
+def viewer_text(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> str:
+    """What `viewer.json` holds."""
+    assembly, shown = analysis.assembly, motions(analysis, run)
+    _, _, toward = canvas.view_axes(assembly.effects.plane)
+    content = {
+        "title": scene.title,
+        "toward": toward.tolist(),
+        "see_through": assembly.effects.plane or len(assembly.blocks) <= canvas.FEW,
+        **_travel(scene, shown),
+        **_geometry(assembly),
+        "palette": [{"name": name, "colour": ROLE_FACE[role]} for role, name in ROLE_NAME.items()]
+        + [_key(method) for method in shown.methods],
+        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(shown.methods)],
+        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in shown.methods), default=0.0),
+    }
+    return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+
+
+def embedded(folder: Path) -> str:
+    """A scene's stored view as text that stays inside of its script element, "" where there is none or it is not JSON."""
+    try:
+        content = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return ""
+    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
+
+
+@cache
+def scripts() -> dict[str, str]:
+    """Texts of the page's scripts by name, none of which could end its element, and the `policy` that admits them and no other."""
+    texts = {name: "".join((WEB / file).read_text(encoding="utf-8") for file in files) for name, files in SCRIPTS.items()}
+    digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts.values()]
+    return texts | {"policy": " ".join(f"'sha256-{digest}'" for digest in digests)}
+
+
+def _travel(scene: Scene, shown: Motions) -> dict[str, Any]:
+    """What the slider moves, and its unit; times `unit_per_si` gives the shown number."""
+    words, unit, factor = "settlement", "mm", 1e3
+    if scene.live is not None:
+        words, unit, factor = "growth of the mechanism", "%", 100.0 / (shown.end or 1.0)
+    elif scene.is_rotation:
+        words, unit = "rotation of the support", "mrad"
+    magnification = None if scene.live is not None else shown.magnification
+    return {"quantity": words, "unit": unit, "unit_per_si": factor, "start": shown.start, "end": shown.end, "magnification": magnification}
+
+
+def _geometry(assembly: Assembly) -> dict[str, Any]:
+    """Blocks as triangles and edges of their faces, and contact points with the blocks a and b of each."""
+    blocks = assembly.blocks
+    middle = (blocks.low.min(axis=0) + blocks.high.max(axis=0)) / 2.0
+    first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
+    following = np.arange(1, len(blocks.face_vertex) + 1)
+    following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
+    fan = np.stack([first, np.arange(len(first)), following], axis=1)
+    fan = fan[(fan[:, 0] != fan[:, 1]) & (fan[:, 0] != fan[:, 2])]
+    edges = np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)
+    return {
+        "size": canvas.structure_size(blocks),
+        "vertices": _array(blocks.vertices - middle, "<f4"),
+        "owner": _array(np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start)), "<u4"),
+        "centroids": _array(blocks.centroid - middle, "<f4"),
+        "triangles": _array(blocks.face_vertex[fan], "<u4"),
+        "edges": _array(np.unique(np.sort(edges, axis=1), axis=0), "<u4"),
+        "points": _array(assembly.points.position - middle, "<f4"),
+        "sides": _array(np.stack(assembly.contact_blocks, axis=1), "<u4"),
+    }
+
+
+def _method(assembly: Assembly, motion: Motion, own: int) -> dict[str, Any]:
+    """A method's states, no more than LARGEST bytes of them, and what each block and contact point does."""
+    blocks = assembly.blocks
+    known = bool(np.isfinite(motion.twists).all())
+    marked = mechanism.moving(blocks, motion.twists) if known else np.isin(blocks.names, motion.falling)
+    bytes_each = 4 * (motion.displacement[0].size + motion.forces[0].size)
+    count = int(np.clip(LARGEST // bytes_each, 2, MOST_STATES))
+    kept = (
+        np.unique(np.linspace(0, len(motion.settlement) - 1, count).round().astype(int)) if len(motion.settlement) > count else slice(None)
+    )
+    forces = np.nan_to_num(motion.forces if len(motion.forces) == 1 else motion.forces[kept])
+    return {
+        "label": motion.label,
+        "note": motion.reason,
+        "looks": _array(np.where(marked, own, canvas.drawn_roles(assembly)), "u1"),
+        "contacts": _array(motion.states, "i1"),
+        "settlement": _array(motion.settlement[kept], "<f4"),
+        "displacement": _array(motion.displacement[kept], "<f4"),
+        "forces": _array(forces, "<f4"),
+    }
+
+
+def _key(motion: Motion) -> dict[str, str]:
+    does = "falls" if motion.falling else "moves"
+    return {"name": f"{does}, {motion.label}", "colour": canvas.tint(canvas.method_colour(motion.label))}
+
+
+def _lengths(forces: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(np.nan_to_num(forces), axis=-1)
+
+
+def _array(values: np.ndarray, dtype: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=dtype).tobytes()).decode("ascii")

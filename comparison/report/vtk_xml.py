@@ -1,0 +1,69 @@
+"""VTK's XML files, as ParaView opens them: an unstructured grid (.vtu) and a collection of them (.pvd).
+
+Format: VTK File Formats, kitware; arrays are inline base64 of a 64-bit byte count and little-endian numbers.
+"""
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from comparison.run_folder import write_text
+
+VERTEX, POLYGON = 1, 7  # cell types of VTK
+TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8")}  # by the kind of a numpy type
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of one type on points (N, 3): cell j owns connectivity[start[j]:start[j+1]]; arrays of points and cells by name."""
+
+    points: np.ndarray
+    connectivity: np.ndarray
+    start: np.ndarray
+    cell_type: int
+    point_data: Mapping[str, np.ndarray] = field(default_factory=dict)
+    cell_data: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+
+def write_grid(path: Path, grid: Grid) -> None:
+    """Write a .vtu file."""
+    cells = len(grid.start) - 1
+    topology = {"connectivity": grid.connectivity, "offsets": grid.start[1:], "types": np.full(cells, grid.cell_type)}
+    parts = [
+        _element("Points", [_array("points", grid.points)]),
+        _element("Cells", [_array(name, values) for name, values in topology.items()]),
+        _element("PointData", [_array(name, values) for name, values in grid.point_data.items()]),
+        _element("CellData", [_array(name, values) for name, values in grid.cell_data.items()]),
+    ]
+    piece = _element("Piece", parts, NumberOfPoints=len(grid.points), NumberOfCells=cells)
+    _write(path, "UnstructuredGrid", _element("UnstructuredGrid", [piece]))
+
+
+def write_collection(path: Path, rows: Iterable[tuple[float, Sequence[str]]]) -> None:
+    """Write a .pvd file: at each time (here a settlement) the names of the grids beside it, part by part."""
+    entries = [
+        _element("DataSet", [], timestep=repr(float(time)), part=part, file=name) for time, names in rows for part, name in enumerate(names)
+    ]
+    _write(path, "Collection", _element("Collection", entries))
+
+
+def _write(path: Path, kind: str, content: str) -> None:
+    file = _element("VTKFile", [content], type=kind, version="1.0", byte_order="LittleEndian", header_type="UInt64")
+    write_text(path, f'<?xml version="1.0"?>\n{file}\n')
+
+
+def _element(tag: str, content: Sequence[str], **attributes: object) -> str:
+    opening = "".join([tag, *(f" {name}={quoteattr(str(value))}" for name, value in attributes.items())])
+    return "\n".join([f"<{opening}>", *content, f"</{tag}>"])
+
+
+def _array(name: str, values: np.ndarray) -> str:
+    kind, dtype = TYPES["f" if values.dtype.kind == "f" else "i"]
+    data = np.ascontiguousarray(values, dtype=dtype).tobytes()
+    text = base64.b64encode(np.array(len(data), dtype="<u8").tobytes() + data).decode("ascii")
+    width = values.shape[1] if values.ndim == 2 else 1
+    return _element("DataArray", [text], type=kind, Name=name, NumberOfComponents=width, format="binary")

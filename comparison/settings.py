@@ -1,0 +1,164 @@
+"""Settings of the program from files and the environment: where results go, how long and how wide to work, where YADE is.
+
+None of them can change an answer: what is mechanics stands in the scene, or on the command line.
+"""
+
+import argparse
+import os
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import pydantic
+from pydantic import BeforeValidator, Field, Strict
+
+from la_core.errors import CONTROL, SceneError, nearest
+from la_core.scene import Positive, Table, complaint
+
+OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
+PREFIX = "CROSSCHECK_"
+SYSTEM_PYTHON = "/usr/bin/python3"
+LARGEST_FILE = 100_000  # bytes; settings are a few lines
+MOST_WORKERS = 1000
+
+
+class SettingError(SceneError):
+    """A setting that cannot hold: says file or variable, key, value, rule and what to do next."""
+
+
+def _path(value: object) -> object:
+    """A text as a path, `~` at its beginning the user's home."""
+    if isinstance(value, Path):
+        return value
+    if not isinstance(value, str) or not value or CONTROL.search(value):
+        raise ValueError("must be the path of a folder or program, as text in quotes")
+    try:
+        return Path(value).expanduser()
+    except RuntimeError as error:
+        raise ValueError("begins with the home of nobody known here") from error
+
+
+PathText = Annotated[Path, BeforeValidator(_path)]
+
+
+class Settings(Table):
+    """Every setting, with its default; a path without a beginning starts from the current folder."""
+
+    output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
+    time_limit: Positive | None = Field(default=None, description="wall seconds for each YADE run")
+    workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(default=None, description="cases run side by side")
+    yade: PathText | None = Field(default=None, description="folder that holds YADE's Python package, `yade`")
+    yade_python: PathText = Field(default=Path(SYSTEM_PYTHON), description="interpreter that loads YADE")
+
+
+NUMBERS = ("time_limit", "workers")
+NOT_OF_A_FOLDER = ("yade", "yade_python")  # a folder may come from anybody: what is run must not be said there
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The settings that hold, where each comes from that is not a default, and the files that were looked for."""
+
+    settings: Settings
+    sources: dict[str, str]
+    files: tuple[Path, ...]
+
+    def source(self, name: str) -> str:
+        """Where a setting comes from, in words."""
+        return self.sources.get(name, "default")
+
+
+def load_settings() -> Configuration:
+    """The settings that hold here: of the environment before the current folder's file before the user's before the defaults.
+
+    Raises SettingError for a file or a variable that says what cannot hold.
+    """
+    user = _file_of_the_user()
+    files = (*([user] if user else []), OF_A_FOLDER)
+    holding: dict[str, Any] = {}
+    sources: dict[str, str] = {}
+    for path in files:
+        data = _read(path)
+        _check(str(path), data)
+        if path == OF_A_FOLDER:
+            _check_of_a_folder(data)
+        holding |= data
+        sources |= dict.fromkeys(data, str(path))
+    for name in Settings.model_fields:
+        variable = PREFIX + name.upper()
+        if text := os.environ.get(variable):
+            data = {name: _number(text) if name in NUMBERS else text}
+            _check(variable, data)
+            holding |= data
+            sources[name] = variable
+    return Configuration(Settings.model_validate(holding), sources, files)
+
+
+def filled(options: argparse.Namespace) -> argparse.Namespace:
+    """The options, those of its `configured` that the command line leaves open as the configuration has them."""
+    settings = load_settings().settings
+    for name in options.configured:
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(settings, name))
+    return options
+
+
+def unknown_variables() -> list[str]:
+    """What the environment says to this program that it does not understand, with the nearest variable that it does."""
+    known = [PREFIX + name.upper() for name in Settings.model_fields]
+    return [f"{name}: {nearest(name, known, 'variables')}" for name in sorted(os.environ) if name.startswith(PREFIX) and name not in known]
+
+
+def _file_of_the_user() -> Path | None:
+    """`crosscheck/config.toml` where the user keeps configurations (XDG Base Directory Specification), None where nobody has a home."""
+    named = Path(os.environ.get("XDG_CONFIG_HOME", ""))
+    try:
+        folder = named if named.is_absolute() else Path.home() / ".config"
+    except RuntimeError:
+        return None
+    return folder / "crosscheck" / "config.toml"
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """A file's settings, none where there is no file."""
+    try:
+        if not path.exists():
+            return {}
+        if not path.is_file():
+            raise SettingError(str(path), "is not a file", hint="settings are read from there")
+        if path.stat().st_size > LARGEST_FILE:
+            raise SettingError(str(path), f"larger than {LARGEST_FILE} bytes; settings are a short text")
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise SettingError(str(path), f"cannot be read: {error.strerror}", hint="settings are read from there") from error
+    except (ValueError, RecursionError) as error:  # UnicodeDecodeError is a ValueError, too
+        raise SettingError(str(path), f"not valid TOML: {error}", hint="settings are read from there") from error
+
+
+def _check(where: str, data: dict[str, Any]) -> None:
+    try:
+        Settings.model_validate(data)
+    except pydantic.ValidationError as error:
+        raise SettingError(where, str(complaint(error, data, Settings))) from error
+
+
+def _check_of_a_folder(data: dict[str, Any]) -> None:
+    for name in NOT_OF_A_FOLDER:
+        if name in data:
+            rule = "what is run is not for a folder to say"
+            raise SettingError(f"{OF_A_FOLDER}: {name}", rule, hint=f"set it in {_file_of_the_user()} or {PREFIX}{name.upper()}")
+    output = str(data.get("output", ""))
+    if Path(output).is_absolute() or ".." in Path(output).parts or output.startswith("~"):
+        rule = "must lie in this folder"
+        raise SettingError(f"{OF_A_FOLDER}: output", rule, value=output, hint=f"elsewhere by {PREFIX}OUTPUT or -o")
+
+
+def _number(text: str) -> object:
+    """The number that a text is, or the text."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

@@ -1,0 +1,61 @@
+"""The ladder of `crosscheck cost` in YADE: one setting after the other moved away from what the program derives."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from comparison.studies.cost_limit_analysis import PREDICTION, Method, Outcome, shared_inset
+from comparison.yade import Yade, read_run, run_yade
+from la_core.analysis import analyse, write_case
+from la_core.scene import Scene
+
+FACTORS = {  # of what the program derives, by setting of YADE; words for people
+    "speed": ("settlement speed", (8.0, 4.0, 2.0, 0.5)),
+    "normal_stiffness": ("joint stiffness", (0.25, 4.0)),
+    "damping_ratio": ("damping", (0.33, 2.0)),
+    "plateau_travel": ("least travel before the fit", (0.5, 2.0)),
+}
+INSET_FACTORS = (2.0, 0.5, 0.2)
+TIME_LIMIT = 3600.0  # s
+
+
+def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]) -> Iterator[Method]:
+    """All rungs of YADE, the derived settings first: the others are multiples of what that run used."""
+    derived: dict[str, Any] = {}
+    base = shared_inset(scene)  # YADE takes its smallest where the scene has none
+
+    def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> Outcome:
+        asked = scene.yade | ({setting: factor * derived[setting]} if setting else {})
+        outcome, settings = run_once(scene, base * inset, asked, yade, folder / name.replace(" ", "_"), progress)
+        if not setting and inset == 1.0:
+            derived.update(settings)
+        return outcome
+
+    yield Method("YADE", "derived settings", PREDICTION, partial(run, "derived"))
+    for setting, (words, factors) in FACTORS.items():
+        for factor in factors:
+            name = f"{words} x {factor:g}"
+            yield Method("YADE", name, PREDICTION, partial(run, name, 1.0, setting, factor))
+    for factor in INSET_FACTORS:
+        name = f"inset x {factor:g}"
+        yield Method("YADE", name, PREDICTION, partial(run, name, factor))
+
+
+def run_once(
+    scene: Scene, inset: float, settings: dict[str, Any], yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]
+) -> tuple[Outcome, dict[str, Any]]:
+    """One run of YADE at an inset (m) with settings; its outcome and the settings it used."""
+    start = time.perf_counter()
+    effects = scene.effects.model_copy(update={"friction": "associated", "elasticity": "auto"})  # YADE has friction of its own
+    asked = replace(scene, inset=inset, yade=settings, effects=effects, path_asked=None)
+    folder.mkdir(parents=True, exist_ok=True)
+    analysis = analyse(asked)
+    write_case(folder / "case.h5", asked, analysis, folder.name)
+    built = time.perf_counter() - start
+    run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
+    run = read_run(folder / "run.h5", analysis.assembly)
+    value = run.result["reaction"] if run.status == "plateau" else float("nan")
+    return Outcome(value, run.status, built, run.result["seconds"], run.result["uncertainty"]), run.settings

@@ -1,0 +1,70 @@
+"""Error against seconds, both on logarithmic axes: a panel for the associated answer and one for the prediction."""
+
+import math
+import textwrap
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from comparison.figures import FAINT, INK, method_colour
+from comparison.studies.cost import LEAST_ERROR, Ladder, Rung, front
+from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION
+
+MARKERS = {"cone programme": "o", "linearised": "v", "inset": "s", "contact points": "D", "associated": "X", "classic iteration": "P",
+           "Coulomb": "o", "path": "^", "YADE": "s"}  # fmt: skip
+TITLE_WIDTH, KEY_WIDTH = 80, 92  # characters
+SHORTEST, MARGIN = 3.2, 2.0  # half of a panel's range of times, as a factor, and the room beside it
+PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, friction without dilatancy"}
+
+
+def cost_figure(ladder: Ladder) -> Figure:
+    """Every rung as a mark by its method; the Pareto fronts as lines, their rungs lettered and named below."""
+    figure = Figure(figsize=(12.5, 7.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(ladder.title, parse_math=False, fontsize=11)
+    for axes, (target, words) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
+        named = _draw(axes, [rung for rung in ladder.rungs if rung.target == target and math.isfinite(rung.error)])
+        value, source = ladder.references[target]
+        title = f"{words}\n" + textwrap.fill(f"held against {value:.6g}: {source}", TITLE_WIDTH)
+        axes.set_title(title, fontsize=8.5, parse_math=False)
+        key = ", ".join(f"{letter} {rung.family}: {rung.setting}" for letter, rung in named)
+        axes.set_xlabel("time of one run (s)\n\n" + textwrap.fill(f"on a front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False)
+        axes.set_ylabel("error over the reference (-)")
+    return figure
+
+
+def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
+    """All rungs of a panel; returns those on a front with their letters."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    if not rungs:
+        axes.text(0.5, 0.5, "the reference is zero: no relative error exists", transform=axes.transAxes, ha="center")
+        return []
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
+    for family in dict.fromkeys(rung.family for rung in rungs):
+        own = [rung for rung in rungs if rung.family == family]
+        style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
+        axes.plot([r.total for r in own], [_height(r) for r in own], label=family, markersize=7, alpha=0.85, **style)
+    named: list[tuple[str, Rung]] = []
+    alone = [rung for rung in rungs if rung.family == "YADE"]
+    for some, colour, words in ((rungs, INK, "Pareto front"), (alone, method_colour("YADE"), "Pareto front of YADE alone")):
+        best = front(some)
+        if best:
+            axes.plot([r.total for r in best], [_height(r) for r in best], color=colour, linestyle="--", linewidth=1.0, label=words)
+        new = [rung for rung in best if rung not in [known for _, known in named]]
+        named += [(chr(ord("a") + len(named) + k), rung) for k, rung in enumerate(new)]
+    for letter, rung in named:
+        axes.annotate(letter, (rung.total, _height(rung)), xytext=(5, 5), textcoords="offset points", fontsize=9, weight="bold")
+    low, high = (bound(rung.total for rung in rungs) for bound in (min, max))
+    middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
+    axes.set_xlim(middle / half, middle * half)
+    axes.margins(y=0.1)
+    axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
+    return named
+
+
+def _height(rung: Rung) -> float:
+    return max(rung.error, LEAST_ERROR)

@@ -1,0 +1,147 @@
+"""How the classic iteration for non-associative friction depends on its own parameters, for one scene."""
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from rich import box
+from rich.table import Table
+
+from comparison.judge import without_undefined
+from la_core.limit import ClassicParameters, ClassicSolution, Drive, Status, iterate
+from la_core.model import Assembly
+from la_core.scene import Scene
+from la_core.text_table import number
+
+RELAXATIONS = (0.2, 0.4, 0.6, 0.8, 1.0)
+SLOPES = (0.001, 0.01, 0.1, 0.3, 1.0)
+LATE = 10  # iterations: the range of the value over the last ones shows whether a run that did not converge swings or creeps
+STATUS_WORDS = {
+    Status.SOLVED: "[green]✓ converged[/]",
+    Status.INACCURATE: "[yellow]? not converged[/]",
+    Status.INFEASIBLE: "[red]✗ infeasible[/]",
+    Status.FAILED: "[red]✗ failed[/]",
+    Status.UNBOUNDED: "[red]✗ unbounded[/]",
+}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run of the iteration. Values are in N (N m), or multipliers; undefined numbers are NaN.
+
+    status: SOLVED when it converged, INACCURATE when it did not, else what programme number `iterations` came to.
+    value: where it converged to, NaN else. last, lowest, highest: the last value it had and the range of the last ten.
+    violation: of Coulomb's limit by the last forces, and dilation: see `la_core.limit.classic_iteration.ClassicSolution`.
+    """
+
+    relaxation: float
+    slope: float
+    status: Status
+    value: float
+    last: float
+    lowest: float
+    highest: float
+    iterations: int
+    violation: float
+    dilation: float
+    penetration: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Trials over a grid of relaxation and slope; `parameters` holds what all share. divisor: W, or 1 for a multiplier."""
+
+    scene: str
+    quantity: str
+    unit: str
+    divisor: float
+    parameters: ClassicParameters
+    trials: tuple[Trial, ...]
+
+
+def study(
+    scene: Scene,
+    assembly: Assembly,
+    relaxations: Sequence[float] = RELAXATIONS,
+    slopes: Sequence[float] = SLOPES,
+    parameters: ClassicParameters | None = None,
+    progress: Callable[[int, int, Trial], None] | None = None,
+) -> Sensitivity:
+    """Run the classic iteration over the grid, slope by slope; `progress` is told how many runs of how many are done, and the last."""
+    shared = parameters or ClassicParameters()
+    drive = Drive.LIVE if assembly.has_live_load else Drive.YIELDING
+    grid = list(product(slopes, relaxations))
+    trials: list[Trial] = []
+    for slope, relaxation in grid:
+        chosen = dataclasses.replace(shared, slope=slope, relaxation=relaxation)
+        trials.append(_trial(iterate(assembly, drive, chosen)))
+        if progress is not None:
+            progress(len(trials), len(grid), trials[-1])
+    divisor = 1.0 if drive is Drive.LIVE else assembly.weight
+    return Sensitivity(scene.name, scene.quantity, scene.unit, divisor, shared, tuple(trials))
+
+
+def _trial(solution: ClassicSolution) -> Trial:
+    late = solution.values[-LATE:]
+    nan = float("nan")
+    return Trial(
+        relaxation=solution.parameters.relaxation,
+        slope=solution.parameters.slope,
+        status=solution.status,
+        value=solution.value if solution.status is Status.SOLVED else nan,
+        last=float(late[-1]) if len(late) else nan,
+        lowest=float(late.min()) if len(late) else nan,
+        highest=float(late.max()) if len(late) else nan,
+        iterations=solution.iterations,
+        violation=float(solution.violations[-1]) if len(late) else nan,
+        dilation=solution.dilation,
+        penetration=solution.penetration,
+        seconds=solution.seconds,
+    )
+
+
+def sensitivity_dict(result: Sensitivity) -> dict[str, Any]:
+    """The study as a JSON object; undefined numbers are null."""
+    trials = [dataclasses.asdict(trial) | {"status": trial.status.value} for trial in result.trials]
+    shared = dataclasses.asdict(result.parameters)
+    kept = {name: shared[name] for name in ("cohesion", "iterations", "tolerance")}
+    head = {"scene": result.scene, "quantity": result.quantity, "unit": result.unit, "divisor": result.divisor}
+    return without_undefined(head | {"parameters": kept, "trials": trials})
+
+
+def symbol(result: Sensitivity) -> str:
+    """What the values are called once divided."""
+    return "multiplier" if result.quantity == "multiplier" else "R/W"
+
+
+def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float, int]] | None = None) -> Table:
+    """One row a run, then the values of other methods: name to (value, programmes solved)."""
+    shared = result.parameters
+    title = (
+        f"classic iteration, {result.scene}: cohesion {number(shared.cohesion, 2)} and tolerance {number(shared.tolerance, 2)} of the "
+        f"mean block weight, at most {shared.iterations} programmes"
+    )
+    headings = ("slope a", "relaxation b", symbol(result), "last ten", "programmes", "violation", "status", "s")
+    table = Table(*headings, title=title.replace("[", r"\["), box=box.SIMPLE_HEAD, title_justify="left")
+    for trial in result.trials:
+        values = [_shown(trial.value / result.divisor, 5), _range(trial, result.divisor)]
+        ends = [str(trial.iterations), _shown(trial.violation, 2), STATUS_WORDS[trial.status], number(trial.seconds, 2)]
+        table.add_row(number(trial.slope), number(trial.relaxation), *values, *ends)
+    for name, (value, programmes) in (references or {}).items():
+        table.add_row(name.replace("[", r"\["), "", _shown(value / result.divisor, 5), "", str(programmes), "", "", "")
+    return table
+
+
+def _range(trial: Trial, divisor: float) -> str:
+    """The range of the last ten values where the run did not converge."""
+    if trial.status is Status.SOLVED:
+        return ""
+    return f"{_shown(trial.lowest / divisor, 4)} to {_shown(trial.highest / divisor, 4)}"
+
+
+def _shown(value: float, digits: int) -> str:
+    return number(value if math.isfinite(value) else None, digits)

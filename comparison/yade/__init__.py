@@ -1,0 +1,21 @@
+"""YADE as a process: where it is, one run of it, its record, and its settings for a requested accuracy."""
+
+from comparison.yade import accuracy_settings
+from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of
+from comparison.yade.process import HOW_TO_GET_YADE, Yade, find_yade, run_yade
+from comparison.yade.run_record import Run, read_run
+from comparison.yade.stored import locate_results, read_results
+
+__all__ = [
+    "HISTORY_OF_SPEED",
+    "HOW_TO_GET_YADE",
+    "Run",
+    "Yade",
+    "accuracy_settings",
+    "attempt_of",
+    "find_yade",
+    "locate_results",
+    "read_results",
+    "read_run",
+    "run_yade",
+]

@@ -1,0 +1,212 @@
+"""Find YADE on this machine and run one case in its own interpreter: clean environment, time limit, log, typed failures."""
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TextIO
+
+from comparison.errors import YadeFailedError, YadeMissingError
+from comparison.settings import PREFIX, load_settings
+
+TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were held against known values: Debian 12's and Debian 13's
+HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
+HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` holds it against known values"
+LOG_TAIL = 8  # lines of the log that an error quotes
+GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
+PROBE_SECONDS = 60.0
+SCRIPTS = Path(__file__).parents[2] / "yade_scripts"
+
+
+_PROBE = """
+import ast, importlib, pathlib, sys
+sys.path.insert(0, sys.argv[1])
+try:
+    import h5py, numpy
+except ImportError as error:
+    sys.exit(f"lacks {error.name}")
+try:
+    import yade.config
+except ImportError as error:
+    sys.exit(f"cannot load YADE ({error})")
+version = yade.config.version
+needed, wanted = [], []
+for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
+    body = ast.parse(source.read_text(encoding="utf-8")).body
+    tried = [node for one in body if isinstance(one, ast.Try) for node in one.body]
+    for nodes, lacking in ((body, needed), (tried, wanted)):
+        for node in nodes:
+            if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
+                try:
+                    module = importlib.import_module(node.module)
+                except ImportError:
+                    module = None
+                lacking += [name.name for name in node.names if not hasattr(module, name.name)]
+if needed:
+    sys.exit(f"loads YADE {version}, which lacks what is used of it: {', '.join(needed)}")
+print("lacks", *wanted)
+print(version)
+"""  # what is used of YADE is what our scripts import of it: a list of its own would grow old
+
+
+@dataclass(frozen=True)
+class Yade:
+    """A YADE that loads: its interpreter, its module folder, its version, and what it lacks of what is used where it is there."""
+
+    python: Path
+    modules: Path
+    version: str
+    lacks: tuple[str, ...] = ()
+
+    @property
+    def caution(self) -> str:
+        """What to say of a YADE that lacks something or was never tried, or nothing; a version's number alone is never refused."""
+        words = []
+        if "Polyhedra" in self.lacks:
+            words.append(
+                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes need small displacements"
+            )
+        if self.version not in TESTED:
+            words.append(f"{self.version} is not among the versions this was tested with ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
+        return "; ".join(words)
+
+
+def find_yade() -> Yade:
+    """Locate YADE's interpreter and modules and check that they load; raises YadeMissingError with the remedy.
+
+    YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
+    The settings `yade` and `yade_python` name another module folder and another interpreter.
+    """
+    configuration = load_settings()
+    asked, named = configuration.settings.yade_python, configuration.settings.yade
+    python = Path(shutil.which(asked) or asked).absolute()  # it will run in a folder of results
+    modules = _module_folder(named)
+    if modules is None and named is not None:
+        where = configuration.source("yade")
+        setting = where if where.startswith(PREFIX) else f"{where}: yade"
+        raise YadeMissingError(f"{setting} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
+    if modules is None:
+        raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
+    try:
+        answer = subprocess.run(
+            [python, "-s", "-c", _PROBE, modules, SCRIPTS],
+            env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
+    said = answer.stderr.strip().splitlines() or ["gives no reason"]
+    if answer.returncode != 0:
+        raise YadeMissingError(f"{python} {said[-1]}; get what is missing with: {HOW_TO_GET_YADE}")
+    version = answer.stdout.strip().splitlines()
+    if not version:
+        raise YadeMissingError(f"{python} does not say which YADE it loads; get one that does with: {HOW_TO_GET_YADE}")
+    lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])
+    return Yade(python, modules, version[-1], tuple(lacks))
+
+
+def _module_folder(named: Path | None) -> Path | None:
+    """Folder that holds the `yade` package: as a setting names it, else as YADE's launcher does."""
+    if named is not None:
+        return named.absolute() if (named / "yade").is_dir() else None
+    launcher = shutil.which("yade")
+    if launcher is None:
+        return None
+    text = Path(launcher).read_text(errors="replace")
+    words = dict(re.findall(r"^\s*(prefix|libPATH|suffix)\s*=\s*['\"]([^'\"]*)['\"]", text, re.MULTILINE))
+    root = Path(words.get("prefix", "/usr"))
+    candidates = [root / words.get("libPATH", "lib") / f"yade{words.get('suffix', '')}" / "py"]
+    candidates += sorted(root.glob("lib/*/yade*/py"))
+    return next((folder for folder in candidates if (folder / "yade").is_dir()), None)
+
+
+def environment() -> dict[str, str]:
+    """What YADE gets of the environment: one thread, a home (it asks for one), nothing of Python's or this program's own."""
+    kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
+    one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+    return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread}
+
+
+def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
+    """Run `case.h5` of a folder to its end; writes `run.h5` and `yade.log` there. `progress` gets each report on the way.
+
+    Raises YadeFailedError when no result was written. An interruption ends YADE, too.
+    """
+    case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
+    options = ["--inputs", inputs, "--time-limit", time_limit]
+    command = [str(part) for part in (yade.python, "-s", "-u", SCRIPTS / "run_case.py", case.resolve(), run.resolve(), *options)]
+    variables = {**environment(), "YADE_MODULES": str(yade.modules)}
+    began = time.monotonic()
+    try:
+        log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
+        with log.open("x") as record:
+            code = _followed(command, variables, folder, time_limit + GRACE, record, progress)
+    except OSError as error:  # the log's own does not say so
+        raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
+    if code != 0 or not run.exists():
+        overran = time.monotonic() - began >= time_limit + GRACE
+        reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
+        raise YadeFailedError(reason + (f"\n{yade.caution}" if yade.caution else ""))
+
+
+def _followed(
+    command: list[str],
+    variables: dict[str, str],
+    folder: Path,
+    seconds: float,
+    record: TextIO,
+    progress: Callable[[dict[str, Any]], None],
+) -> int:
+    """Exit code of a process that is ended after so many seconds, and with this call however that ends; `record` keeps what it says."""
+    process = subprocess.Popen(
+        command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, errors="replace", start_new_session=True,
+    )  # fmt: skip
+    overtime = threading.Timer(seconds, _end, [process])
+    overtime.daemon = True
+    try:
+        overtime.start()
+        assert process.stdout is not None  # it is a pipe
+        for line in process.stdout:
+            record.write(line)
+            if (report := _report(line)) is not None:
+                progress(report)
+        return process.wait()
+    finally:
+        overtime.cancel()
+        _end(process)
+
+
+def _report(line: str) -> dict[str, Any] | None:
+    """The report in a line of YADE's, None for any other line."""
+    try:
+        report = json.loads(line.removeprefix("progress ")) if line.startswith("progress ") else None
+    except ValueError:
+        return None  # it only begins like one
+    return report if isinstance(report, dict) else None
+
+
+def _end(process: "subprocess.Popen[str]") -> None:
+    """End a process and whatever it started."""
+    if process.poll() is None:
+        with contextlib.suppress(ProcessLookupError):  # it may end by itself just now
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def _failure(code: int, log: Path, when: str) -> str:
+    if code < 0:
+        how = f"was ended by {signal.Signals(-code).name if -code in set(signal.Signals) else f'signal {-code}'}{when}"
+    else:
+        how = f"ended with exit code {code}" if code else "ended without writing its result"
+    lines = [line for line in log.read_text(errors="replace").splitlines() if not line.startswith("progress ")]
+    how += "".join(f" ({line})" for line in lines if line.startswith("error: "))
+    return f"YADE {how}; the last lines of {log}:\n" + "\n".join(f"  {line}" for line in lines[-LOG_TAIL:])
