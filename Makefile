@@ -39,10 +39,10 @@ test-long: setup
 
 # What is hard, and what goes wrong, at length: writes the pages of outcomes again. Hours on one core.
 hard-cases: setup
-	OMP_NUM_THREADS=1 $(BIN)/python tests/hard_cases_table.py -o comparison/gallery/hard_cases.md
-	OMP_NUM_THREADS=1 $(BIN)/python tests/random_laws_report.py -o comparison/gallery
-	OMP_NUM_THREADS=1 $(BIN)/python tests/fuzz_readers.py --count 10000 --write comparison/gallery/fuzz.md
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long tests/test_faults_of_yade.py tests/test_interruptions.py tests/test_damaged_results.py
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/hard_cases_table.py -o comparison/gallery/hard_cases.md
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/random_laws_report.py -o comparison/gallery
+	OMP_NUM_THREADS=1 $(BIN)/python tests/benchmarks/fuzz_readers.py --count 10000 --write comparison/gallery/fuzz.md
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long tests/yade/test_faults_of_yade.py tests/cli/test_interruptions.py tests/cli/test_damaged_results.py
 
 .PHONY: seed-paper test-browser viewer-library
 # The campaign after the seed paper by both methods, a quarter of an hour on two cores, and its report in the gallery.
@@ -55,15 +55,15 @@ seed-paper: setup
 # The browser's tests skip where there is none; this installs one (about 0.1 GB to fetch) and runs them.
 test-browser: setup
 	@{ command -v chromium || command -v chromium-browser || command -v google-chrome; } >/dev/null || $(APT_INSTALL) chromium || $(call ask,chromium)
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/test_viewer_in_browser.py
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/comparison/test_viewer_in_browser.py
 
-# comparison/web/three.min.js: what the viewer uses of three.js, bundled byte for byte the same by these versions; needs npm.
+# comparison/report/web/three.min.js: what the viewer uses of three.js, bundled byte for byte the same by these versions; needs npm.
 viewer-library:
 	npm install --no-save --no-fund --no-audit --prefix build/three three@0.187.0 esbuild@0.28.2
-	cp build/three/node_modules/three/LICENSE comparison/web/three.LICENSE
-	NODE_PATH=build/three/node_modules build/three/node_modules/.bin/esbuild comparison/web/three.entry.js --bundle --minify \
-		--format=iife --global-name=THREE --banner:js="/* three.js 0.187.0, shortened. $$(cat comparison/web/three.LICENSE) */" \
-		--outfile=comparison/web/three.min.js
+	cp build/three/node_modules/three/LICENSE comparison/report/web/three.LICENSE
+	NODE_PATH=build/three/node_modules build/three/node_modules/.bin/esbuild comparison/report/web/three.entry.js --bundle --minify \
+		--format=iife --global-name=THREE --banner:js="/* three.js 0.187.0, shortened. $$(cat comparison/report/web/three.LICENSE) */" \
+		--outfile=comparison/report/web/three.min.js
 
 lint: setup
 	$(BIN)/ruff check .

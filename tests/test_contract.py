@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from contract_list import contract
 
-BEFORE = json.loads((Path(__file__).parent / "contract.json").read_text(encoding="utf-8"))
+BEFORE = json.loads((Path(__file__).parent / "helpers" / "contract.json").read_text(encoding="utf-8"))
 
 
 def missing(before: Any, now: Any, where: str) -> Iterator[str]:

@@ -18,8 +18,8 @@ from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import alone_in, write_text
-from comparison.workflow import REPEATED, ROOT, Listener, run_scene
-from comparison.yade import read_results
+from comparison.workflow import REPEATED, Listener, run_scene
+from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, code_digest
 from la_core.limit import ClassicParameters, Drive, Status, iterate
 from la_core.model import assemble

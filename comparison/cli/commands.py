@@ -279,7 +279,3 @@ COMMANDS = {
     "doctor": _doctor,
     "completion": _completion,
 }
-
-
-if __name__ == "__main__":
-    sys.exit(main())

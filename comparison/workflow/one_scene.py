@@ -17,14 +17,13 @@ from comparison.judge import Check, Verdict, check_expected, check_run, comparis
 from comparison.report import viewer
 from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
 from comparison.workflow import finer_prediction, restored_effects
-from comparison.yade import Run, accuracy_settings, find_yade, read_results, read_run, run_yade
+from comparison.yade import ROOT, Run, accuracy_settings, find_yade, read_results, read_run, run_yade
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, accuracy, case_file, code_digest
 from la_core.analysis import digest as scene_digest
 from la_core.limit import Status
 from la_core.scene import Scene
 
-ROOT = Path(__file__).parents[2]
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
 REPEATED = ("timeout", "failed")  # outcomes of a machine, not of a scene: tried again by the next call
 

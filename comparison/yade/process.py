@@ -24,7 +24,8 @@ HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` holds it 
 LOG_TAIL = 8  # lines of the log that an error quotes
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
 PROBE_SECONDS = 60.0
-SCRIPTS = Path(__file__).parents[2] / "yade_scripts"
+ROOT = Path(__file__).parents[2]
+SCRIPTS = ROOT / "yade_scripts"
 
 
 _PROBE = """

@@ -24,8 +24,8 @@ ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's histo
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
-# Of the answer, over the number of steps: what friction's history owes to it. Of 128 walls (tests/benchmark_friction.py) 127 are within 5 %
-# in 2 steps, and 123 within 1 % in 8. Only what a doubling of the steps changed counts as an estimate.
+# Of the answer, over the number of steps: what friction's history owes to it. Of 128 walls (tests/benchmarks/benchmark_friction.py)
+# 127 are within 5 % in 2 steps, and 123 within 1 % in 8. Only what a doubling of the steps changed counts as an estimate.
 HISTORY_OF_STEPS = 0.08
 FEWEST_STEPS, MOST_STEPS = 2, 64
 # Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.

@@ -18,7 +18,7 @@ from la_core.limit import Drive, Solution, Status
 from la_core.measures import mechanism, residuals
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 
-STEPS = 8  # to the plateau; tests/benchmark_friction.py shows what fewer and more cost and bring
+STEPS = 8  # to the plateau; tests/benchmarks/benchmark_friction.py shows what fewer and more cost and bring
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
 SOFTEST = 0.05  # sag over the travel: the strain of softer joints passes for a mechanism
 DRIFT = 0.1  # largest change of the value over the last step: what changes more has no plateau within the travel

@@ -1,0 +1,242 @@
+"""How time and memory grow with the number of blocks: limit analysis, associated and Coulomb, and YADE, in the plane and in 3D.
+
+    python tests/benchmarks/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...]
+
+Running-bond walls, as many courses as blocks per course, a third of the base settling, all blocks modelled. Every size in a process of
+its own, small ones first. Writes growth.md and growth.png at the end, also where it is interrupted, and growth.json after every size:
+--resume measures what that lacks.
+CPU seconds, the best of several where one is quick; build: scene, contacts, assembly, matrices; solver: set-up and solution of cone
+programmes; rest: evidence and all else.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import json
+import os
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import benchmark_effects as effects
+import benchmark_scale as scale
+import growth_report as report
+import scenes
+from process_memory import peak_memory
+
+from comparison import provenance
+from comparison.figures import structure
+from comparison.yade import process
+from la_core.analysis import stage
+from la_core.analysis.case_file import write_case
+from la_core.coulomb import elastic_joints, interval, plateau
+from la_core.limit import associated, conic
+from la_core.limit.associated import Drive
+from la_core.model import assembly, joint_stiffness
+from la_core.scene.scene import Scene
+
+SIZES: dict[tuple[str, str], tuple[int, ...]] = {
+    ("associated", "plane"): (60, 120, 250, 500, 1000, 2000, 5000),
+    ("associated", "3D"): (60, 120, 250, 500, 1000, 2000),
+    ("Coulomb", "plane"): (60, 120, 250, 500),
+    ("Coulomb", "3D"): (60, 120, 250),
+    ("all of associated", "plane"): (120, 250, 500, 1000, 2000),
+    ("all of associated", "3D"): (120, 250, 500, 1000),
+    ("all of Coulomb", "plane"): (60, 120, 250),
+    ("all of Coulomb", "3D"): (60, 120),
+    ("step", "plane"): (20, 60, 120, 250, 500),
+    ("step", "3D"): (20, 60, 120, 250, 500),
+    ("YADE", "plane"): (20, 60, 120, 250),
+    ("YADE", "3D"): (20, 60, 120, 250),
+}
+OVERHEAD_SCENES = {"arch_spreading": "plane", "wall_third": "plane", "corner_settling_end": "3D"}
+QUICK = 130  # blocks of the largest size, with --quick
+DRIVER_ORDER = 100  # place of the driver's measurements among the sizes
+ROUNDS = 2  # of a run with the driver and one without
+REPEATS, ENOUGH = 5, 2.0  # times one size is solved; seconds after which it is not solved again
+STEPS = 100_000  # of YADE times blocks, timed to know what one step costs
+SOLVER = {"set-up": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve")}
+BUILD = {
+    "scene": (scenes, "build"),
+    "assembly": (assembly, "assemble"),
+    "bound's matrices": (associated, "scaled_problem"),
+    "elastic matrices": (elastic_joints.ElasticJoints, "__init__"),
+    "interval's matrices": (interval, "scaled_problem"),
+    "stiffness": (joint_stiffness, "joint_stiffness"),
+    "model of an analysis": (stage, "model"),
+    "matrices of an analysis": (stage, "scaled_problem"),
+}
+PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
+
+
+def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
+    """Limit analysis of one wall: the least reaction by the associated law, or that and the Coulomb prediction."""
+    scene = scale.wall(size, plane)
+    model = assembly.assemble(scene)
+    bound = associated.solve(model, Drive.YIELDING)
+    if method == "associated":
+        return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
+    answer = plateau.predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
+    return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
+
+
+def whole_analysis(method: str, plane: bool, size: int) -> dict[str, Any]:
+    """What the program does with such a scene: both bounds, with inset and sharp, and both predictions where friction asks for them."""
+    scene = scale.wall(size, plane, model=method.removeprefix("all of ").casefold())
+    analysis = stage.analyse(scene)
+    return {"blocks": len(scene.blocks), "status": (analysis.coulomb or analysis.rounded[analysis.main]).status.value}
+
+
+def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
+    """Seconds by part and peak memory of limit analysis; the best of several."""
+    before, best = peak_memory(), None
+    work, totals = whole_analysis if method.startswith("all of") else one_answer, []
+    while len(totals) < REPEATS and sum(totals) <= ENOUGH:
+        spent: Counter = Counter(dict.fromkeys({**SOLVER, **BUILD}, 0.0))
+        start = time.process_time()
+        with scale.patched({**SOLVER, **BUILD}, spent):
+            found = work(method, plane, size)
+        totals.append(time.process_time() - start)
+        solver, build = (sum(spent[name] for name in part) for part in (SOLVER, BUILD))
+        if totals[-1] == min(totals):
+            best = found | {"seconds": totals[-1], "build": build, "solver": solver, "rest": totals[-1] - build - solver}
+    assert best is not None
+    return best | {"outside": 1.0 - best["solver"] / best["seconds"], "peak": peak_memory(), "memory": peak_memory() - before}
+
+
+def written(scene: Scene, folder: Path) -> Path:
+    """case.h5 of a scene."""
+    write_case(folder / "case.h5", scene, stage.analyse(scene), "growth")
+    return folder / "case.h5"
+
+
+def yade_step(plane: bool, size: int, folder: Path) -> dict[str, Any]:
+    """One step of the settlement."""
+    found = effects.in_yade(effects.COST, written(scale.wall(size, plane, reach=False), folder), max(200, STEPS // size))
+    return {name: found[name] for name in ("blocks", "spheres", "build")} | {"step": 1e3 * found["step"]}
+
+
+def yade_verdict(plane: bool, size: int, folder: Path) -> dict[str, Any]:
+    """A whole run to its plateau; seconds are those of the whole process."""
+    found = effects.in_yade(PROTOCOL_COST, written(scale.wall(size, plane, reach=False), folder))
+    kept = {name: found[name] for name in ("blocks", "steps", "status")}
+    run, watching = found["protocol"][0], found["watching"][0]
+    memory = {"peak": found["memory"], "memory": found["memory"] - found["memory_before"]}
+    return kept | memory | {"seconds": found["total"], "run": run, "watched": watching / run}
+
+
+def overhead(name: str, folder: Path) -> dict[str, Any]:
+    """The driver against a bare loop of as many steps over the same bodies, in turn in one process."""
+    found = effects.in_yade(PROTOCOL_COST, written(scenes.shipped(name), folder), "--rounds", ROUNDS)
+    bare = found["bare"]
+    over = [with_driver / without - 1.0 for with_driver, without in zip(found["protocol"][1:], bare, strict=True)]
+    row = (median(found["protocol"][1:]) - median(bare)) / found["rows"]
+    spread = {"overhead": median(over), "least": min(over), "most": max(over)}
+    counts = {name: found[name] for name in ("blocks", "steps", "rows", "poses")}
+    constant = median(found["protocol"][1:]) / median(found["constant"]) - 1.0
+    return (
+        counts
+        | spread
+        | {"bare": median(bare), "constant": constant, "watched": median(found["watching"][1:]) / median(bare), "row": 1e3 * row}
+    )
+
+
+def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
+    """The measurement of one entry."""
+    with tempfile.TemporaryDirectory() as folder:
+        if method == "driver":
+            return overhead(dimension, Path(folder))
+        if method in ("step", "YADE"):
+            return (yade_step if method == "step" else yade_verdict)(dimension == "plane", size, Path(folder))
+        found: Any = scale.alone(measure, method, dimension == "plane", size)
+        return dict(found)
+
+
+def markdown(measured: list[dict[str, Any]], machine: str) -> str:
+    """The page: exponents first, then what they were fitted to, shares and the driver's overhead."""
+    series = by_series(measured)
+    _, command, words = (part.strip().replace("\n", " ") for part in __doc__.split("\n\n", 2))
+    sections = ["# Growth with the number of blocks", f"`{command}`", words, machine]
+    answers = {key: series[key] for key in series if key[0] in ("associated", "Coulomb")}
+    analyses = {key: series[key] for key in series if key[0].startswith("all of")}
+    steps, verdicts = ({key: series[key] for key in series if key[0] == name} for name in ("step", "YADE"))
+    quantities = ("seconds", "build", "solver", "rest", "memory", "steps", "step")
+    sections += ["## Exponents b of N^b, with standard errors", report.exponents(answers | analyses | steps | verdicts, quantities)]
+    parts = ("blocks", "status", "seconds", "build", "solver", "rest", "outside", "memory", "peak")
+    heads = ("method", "model", *parts[:-3], "outside the solver", "MiB", "peak MiB")
+    rows = [[*key, *(_share(one, part) for part in parts)] for key, many in (answers | analyses).items() for one in many]
+    sections += ["## Limit analysis; MiB: above what Python and its libraries take", report.table(heads, rows)]
+    rows = [[*key, *(one.get(part) for part in ("blocks", "spheres", "build", "step"))] for key, many in steps.items() for one in many]
+    sections += ["## YADE: a step of the settlement", report.table(("", "model", "blocks", "spheres", "build s", "ms a step"), rows)]
+    parts = ("blocks", "status", "steps", "seconds", "watched", "memory", "peak")
+    heads = ("", "model", "blocks", "status", "steps", "seconds", "inside the driver", "MiB", "peak MiB")
+    rows = [[*key, *(_share(one, part) for part in parts)] for key, many in verdicts.items() for one in many]
+    sections += ["## YADE: a verdict, from loading YADE to the plateau", report.table(heads, rows)]
+    parts = ("blocks", "steps", "rows", "poses", "bare", "overhead", "least", "most", "constant", "watched", "row")
+    heads = ("scene", "blocks", "steps", "rows", "states", "bare loop s", "overhead", "least", "most", "over one at constant speed")
+    heads += ("inside the driver", "ms a row")
+    rows = [[one["dimension"], *(_share(one, part) for part in parts)] for one in measured if one["method"] == "driver"]
+    sections += ["## The driver against a bare loop of YADE over the same bodies, the support moved alike", report.table(heads, rows)]
+    return "\n\n".join(sections) + "\n"
+
+
+def _share(one: dict[str, Any], part: str) -> Any:
+    value = one.get(part)
+    return f"{value:.1%}" if part in ("outside", "watched", "overhead", "least", "most", "constant") and value is not None else value
+
+
+def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict[str, Any]]]:
+    """Measurements by method and dimension, as they were asked for."""
+    found: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for key in SIZES:
+        mine = sorted((one for one in measured if (one["method"], one["dimension"]) == key), key=lambda one: one["blocks"])
+        found |= {key: mine} if mine else {}
+    return found
+
+
+def write(measured: list[dict[str, Any]], folder: Path) -> None:
+    """All three files."""
+    made = provenance.describe() | {"YADE": process.find_yade().version}
+    machine = f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
+    (folder / "growth.md").write_text(markdown(measured, machine))
+    series = by_series(measured)
+    answers = {key: many for key, many in series.items() if key[0] in ("associated", "Coulomb", "YADE")}
+    steps = {("YADE", key[1]): many for key, many in series.items() if key[0] == "step"}
+    panels = {
+        "CPU time of an answer (s)": ("seconds", answers),
+        "CPU time of a step of YADE (ms)": ("step", steps),
+        "peak memory above that of the libraries (MiB)": ("memory", answers),
+    }
+    structure.save(report.growth_figure(panels), folder / "growth.png")
+
+
+def main() -> None:
+    os.environ["OMP_NUM_THREADS"] = "1"  # for the processes started from here: idle threads would count as work
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--quick", action="store_true", help=f"no more than {QUICK} blocks")
+    names = list(dict.fromkeys([method for method, _ in SIZES] + ["driver"]))
+    parser.add_argument("--methods", nargs="+", choices=names, default=names, metavar="NAME", help=f"of {', '.join(names)}")
+    parser.add_argument("--resume", action="store_true", help="measure only what growth.json lacks")
+    options = parser.parse_args()
+    store = options.output / "growth.json"
+    measured = json.loads(store.read_text())["measured"] if options.resume and store.exists() else []
+    asked = [(method, dimension, size) for (method, dimension), sizes in SIZES.items() for size in sizes]
+    asked += [("driver", name, DRIVER_ORDER) for name in OVERHEAD_SCENES]
+    try:
+        for method, dimension, size in sorted(asked, key=lambda one: one[2]):  # what is broken off then has all smaller sizes
+            key = {"method": method, "dimension": dimension, "asked": size}
+            wanted = method in options.methods and not (options.quick and size > QUICK)
+            if wanted and not any(key.items() <= one.items() for one in measured):
+                began = time.monotonic()
+                measured.append(key | taken(method, dimension, size))
+                print(f"{method}, {dimension}, {size}: {time.monotonic() - began:.0f} s", flush=True)
+                store.write_text(json.dumps({"measured": measured}, indent=1) + "\n")
+    finally:
+        write(measured, options.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+"""Peers side by side in one run: our limit analysis against other solvers, and YADE against LMGC90.
+
+    python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md [--time-limit S] [--only SCENE ...]
+
+Needs `pip install -e '.[peers]'` and `pip install --no-deps compas_lmgc90`; what is missing has a row that says so. Every solver runs in a
+process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats.
+"""
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import peers_dynamics
+import peers_equilibrium
+import peers_limit
+from peers_dynamics import Run
+from peers_process import PeerEnded, PeerTooSlow, alone
+from peers_report import page
+from peers_scenes import SCENES
+from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record
+
+COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
+TIME_LIMIT = 20.0  # s of the processor, for one solve
+
+
+def limit_rows(scene: str, limit: float) -> Iterator[Row]:
+    """All solvers on one scene."""
+    for solver in peers_limit.SOLVERS:
+        yield from rows_of(peers_limit.measure, Row(scene, solver, "–", LEAST_REACTION, FAILED), limit)
+    for solver in peers_equilibrium.METHODS:
+        yield from rows_of(peers_limit.measure_equilibrium, Row(scene, solver, "–", EQUILIBRIUM, FAILED), limit)
+
+
+def rows_of(measure: Callable[..., Iterator[Row]], blank: Row, limit: float) -> list[Row]:
+    """The last state of each row that a solver has on a scene; the blank one with the reason where it has none."""
+    found: dict[str, Row] = {}
+    try:
+        for row in alone(measure, (blank.scene, blank.solver), limit):
+            found[row.key] = row
+    except PeerEnded as ended:
+        key = next(reversed(found), "")
+        last = found.get(key, blank)
+        bound = limit if isinstance(ended, PeerTooSlow) and not last.processor else math.nan
+        found[key] = replace(last, limit=bound, note="; then ".join(filter(None, (last.note, str(ended)))))
+    return list(found.values())
+
+
+def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
+    """Our prediction, YADE and LMGC90 on one scene."""
+    asked: list[tuple[Callable[..., Iterator[Run]], tuple, str, str]] = [
+        (peers_dynamics.predict, (), "limit analysis", "inset"),
+        (peers_dynamics.yade, (), "YADE", "derived settings"),
+        *((peers_dynamics.lmgc90, (step,), "LMGC90", peers_dynamics.words(step)) for step in peers_dynamics.STEPS),
+    ]
+    for run, arguments, method, setting in asked:
+        try:
+            yield from alone(run, (scene, *arguments), limit)
+        except PeerEnded as ended:
+            yield Run(scene, method, setting, FAILED, note=str(ended))
+
+
+def write(output: Path, limit: float, rows: list[Row], runs: list[Run]) -> None:
+    """Page and record of what is known so far; the last row is narrated."""
+    last = as_record((runs or rows)[-1])
+    print(" | ".join(f"{value}" for name, value in last.items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
+    record = {"limit analysis": [as_record(row) for row in rows], "in time": [as_record(run) for run in runs]}
+    output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    output.write_text(page(COMMAND, limit, rows, runs), encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.md")
+    parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the processor")
+    parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE")
+    options = parser.parse_args()
+    rows: list[Row] = []
+    runs: list[Run] = []
+    for scene in options.only:
+        for row in limit_rows(scene, options.time_limit):
+            rows.append(row)
+            write(options.output, options.time_limit, rows, runs)
+    for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC):
+        for run in dynamic_runs(scene, options.time_limit):
+            runs.append(run)
+            write(options.output, options.time_limit, rows, runs)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,147 @@
+"""Every hard case through limit analysis, YADE and the judge, and their outcomes as a table.
+
+    python tests/benchmarks/hard_cases_table.py [--quick] [-o comparison/gallery/hard_cases.md] [NAME ...]
+
+--quick leaves out YADE's long runs. A refusal or an `inconclusive` is an answer, a wrong one is not.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import math
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import scenes
+from hard_cases import FALLS, REFUSED, HardCase, catalogue
+from independent_mechanics import OtherSolvers, ask_other_solvers, drives
+from rich.console import Console
+
+from comparison.judge.verdict_table import with_uncertainty
+from comparison.progress import Narration
+from comparison.provenance import describe
+from comparison.workflow import one_scene
+from la_core.analysis.answer_values import EVIDENCE
+from la_core.errors import SceneError
+from la_core.model.assembly import assemble
+from la_core.text_table import number, over_weight
+
+LONGEST = 120.0  # s of wall time for YADE
+TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
+HEAD = (
+    "case",
+    "what is hard",
+    "known",
+    "limit analysis",
+    "R_min/W",
+    "R/W",
+    "residual",
+    "other solvers",
+    "YADE",
+    "R/W",
+    "verdict",
+    "reason",
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a case came to: comparison.json, or why the scene was refused."""
+
+    case: HardCase
+    summary: dict[str, Any] | None
+    refusal: str = ""
+    others: tuple[OtherSolvers, ...] = ()
+
+    @property
+    def sharp(self) -> float:
+        """Least reaction over the weight for sharp arrises, without dilatancy; NaN where there is none."""
+        assert self.summary is not None
+        analysis = self.summary["limit_analysis"]
+        value = (analysis["coulomb"] or analysis["associated"])["reaction_sharp"]
+        return math.nan if value is None else float(value / self.summary["weight"])
+
+    @property
+    def is_right(self) -> bool:
+        """Whether limit analysis says what is known, where something is."""
+        if self.case.known == REFUSED or self.summary is None:
+            return self.case.known == REFUSED and self.summary is None
+        if self.case.known == FALLS:
+            return bool(self.summary["limit_analysis"]["associated"]["status"] == "infeasible")
+        return not isinstance(self.case.known, float) or abs(self.sharp - self.case.known) <= TOLERANCE * max(self.case.known, 0.01)
+
+
+def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool = True) -> Outcome:
+    """Take a case through the workflow."""
+    try:
+        scene = scenes.load(case.text, name="case")
+        assembly = assemble(scene)
+        others = tuple(ask_other_solvers(assembly, drive) for drive in drives(assembly))
+        return Outcome(case, one_scene.run_scene(scene, folder, narration, with_yade and case.yade, time_limit=LONGEST), others=others)
+    except SceneError as error:
+        words = str(error).split("/case.toml: ", 1)[-1]
+        return Outcome(case, None, words)
+
+
+def row(found: Outcome) -> list[str]:
+    """Cells of a case."""
+    case, summary = found.case, found.summary
+    known = case.known if isinstance(case.known, str) else number(case.known, 5)
+    if summary is None:
+        return [case.name, case.what_is_hard, known, "refused", *["–"] * 7, found.refusal.split(";")[0]]
+    answer, coulomb, weight = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["weight"]
+    shared = answer.get("shared_inset", answer)
+    predicted = (coulomb or {}).get("shared_inset", coulomb or {}).get("reaction")
+    residual = max((answer[name] for name in EVIDENCE if answer[name] is not None), default=None)
+    values = [number(over_weight(shared["reaction"], weight), 5), number(over_weight(predicted, weight), 5), number(residual, 1)]
+    yade = summary["yade"] or {}
+    reaction, uncertainty = (over_weight(yade.get(name), weight) for name in ("reaction", "uncertainty"))
+    status = answer["status"] if answer["status"] != "solved" or coulomb is None else coulomb["status"]
+    ran = yade.get("status", "not run")
+    values.append(solvers_in_words(found.others))
+    return [case.name, case.what_is_hard, known, status, *values, ran, with_uncertainty(reaction, uncertainty), summary["verdict"] or "–",
+            summary["reason"].split(". ")[0]]  # fmt: skip
+
+
+def solvers_in_words(others: tuple[OtherSolvers, ...]) -> str:
+    """Whether the static form and HiGHS say the same of least and greatest reaction, and how far they are off, over the weight."""
+    verdict = "agree" if all(other.agree for other in others) else "DISAGREE"
+    off = max((other.beyond for other in others if not math.isnan(other.beyond)), default=None)
+    return verdict if off is None else f"{verdict}, {number(off, 1)}"
+
+
+def page(outcomes: list[Outcome], quick: bool = False) -> str:
+    """The table with the command and the machine that made it, as Markdown."""
+    facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")
+    command = f"python tests/benchmarks/hard_cases_table.py {'--quick ' if quick else ''}-o comparison/gallery/hard_cases.md"
+    lines = ["# Hard cases", "", f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
+    right = sum(one.is_right for one in outcomes)
+    lines += [f"{right} of {len(outcomes)} limit analyses say what is known, or what only laws can judge.", ""]
+    lines += [
+        "Other solvers: the static form by its own programme; HiGHS with pyramids for cones. Both bounds; the largest difference over W.",
+        "",
+    ]
+    lines += [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
+    lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in row(one)) + " |" for one in outcomes]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", help="parts of names")
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("-o", "--output", type=Path)
+    options = parser.parse_args()
+    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
+    cases = [case for case in catalogue() if not options.names or any(name in case.name for name in options.names)]
+    with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
+        outcomes = [outcome(case, Path(folder) / str(k), narration, not (options.quick and case.long)) for k, case in enumerate(cases)]
+    text = page(outcomes, options.quick)
+    print(text)
+    if options.output:
+        options.output.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,155 @@
+"""Holds every law of `test_random_laws.py` against many scenes and counts: a table in random_laws.md.
+
+    python tests/benchmarks/random_laws_report.py -o comparison/gallery [--scenes 500] [--laws WORD ...]
+
+Nothing is shrunk here, so that every scene counts once; `pytest --hypothesis-profile long` shrinks what fails.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import pickle
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import test_random_laws
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis.errors import UnsatisfiedAssumption
+from independent_mechanics import drives
+from random_scenes import random_scenes
+from rich.console import Console
+
+from la_core.coulomb.plateau import predict
+from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.static import coulomb_limits, optimise
+from la_core.model.assembly import assemble
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
+
+INTRODUCTION = """\
+# Laws under random structures
+
+Structures of 2 to 15 free blocks: walls with openings, piles, posts and lintels, arches, rubble and crossed beams, in the plane and
+in space, friction 0 to 1.5 and at times 1e-6 or 5, densities alike or mixed over 1 : 1000, gravity at times tilted, any part of the
+base settling in any direction or turning, or a live load; many cannot stand. *scenes*: those that the law has something to say of.
+Written by `python tests/benchmarks/random_laws_report.py -o comparison/gallery`.
+
+"""
+
+
+METHODS = ("kinematic form", "static form", "Coulomb prediction")
+
+
+@dataclass
+class Count:
+    """What became of the scenes of one law."""
+
+    law: str
+    scenes: int = 0
+    failures: list[Scene] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def laws(words: list[str]) -> Iterator[Callable]:
+    """The tests that hypothesis drives, those whose name has one of the words."""
+    for name, test in vars(test_random_laws).items():
+        if name.startswith("test_") and hasattr(test, "hypothesis") and (not words or any(word in name for word in words)):
+            yield test
+
+
+def many(scenes: int) -> settings:
+    """So many scenes, the same in every run, none of them shrunk."""
+    quiet = settings(max_examples=scenes, derandomize=True, deadline=None, database=None, phases=[Phase.generate])
+    return settings(quiet, suppress_health_check=list(HealthCheck))
+
+
+def words_of(test: Callable) -> str:
+    """The law in words."""
+    return (test.__doc__ or test.__name__).strip()
+
+
+def counted(test: Callable, scenes: int) -> Count:
+    """Hold one law against so many scenes, whatever fails."""
+    law = test.hypothesis.inner_test  # type: ignore[attr-defined]
+    count = Count(words_of(test))
+
+    def try_one(scene: Scene) -> None:
+        try:
+            law(scene)
+        except UnsatisfiedAssumption:
+            raise
+        except Exception:  # whatever goes wrong counts
+            count.failures.append(scene)
+        count.scenes += 1
+
+    start = time.perf_counter()
+    test.hypothesis.inner_test = try_one  # type: ignore[attr-defined]
+    many(scenes)(test)()
+    count.seconds = time.perf_counter() - start
+    return count
+
+
+def census(scenes: int) -> dict[str, Counter[str]]:
+    """How often each method ends with each status, over so many scenes; Coulomb's of those that stand."""
+    statuses = {method: Counter() for method in METHODS}
+
+    @many(scenes)
+    @given(scene=random_scenes())
+    def look(scene: Scene) -> None:
+        assembly = assemble(scene)
+        for drive in drives(assembly):
+            solution = solve(assembly, drive)
+            static = optimise(assembly, drive, *coulomb_limits(assembly))
+            for method, one in zip(METHODS, (solution, static), strict=False):
+                statuses[method][one.status.value] += 1
+            if solution.status is Status.SOLVED and drive is not Drive.PUSHING:
+                prediction = predict(assembly, joint_stiffness(assembly, assembly.inset, {}), solution)
+                statuses[METHODS[2]][prediction.status.value] += 1
+
+    look()
+    return statuses
+
+
+def write_page(path: Path, counts: list[Count], scenes: int) -> None:
+    """Write the page; laws that were not counted this time keep their rows."""
+    rows = {count.law: f"| {count.law} | {count.scenes} | {len(count.failures)} |" for count in counts}
+    before = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    lines = ["| law | scenes | failures |", "|---|---|---|"]
+    for law in (words_of(test) for test in laws([])):
+        lines += [rows[law]] if law in rows else [line for line in before if line.startswith(f"| {law} |")]
+    lines += [
+        "",
+        f"Answers by status, of {scenes} further scenes:",
+        "",
+        f"| method | {' | '.join(Status)} |",
+        "|---" * (len(Status) + 1) + "|",
+    ]
+    for method, found in census(scenes).items():
+        lines.append(f"| {method} | {' | '.join(str(found[status.value]) for status in Status)} |")
+    path.write_text(INTRODUCTION + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main() -> int:
+    """Count, write the table, and leave the scenes that failed beside it when asked to."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", "--output", type=Path, help="folder for random_laws.md")
+    parser.add_argument("--scenes", type=int, default=500, help="for each law")
+    parser.add_argument("--laws", nargs="*", default=[], help="only those whose name has one of these words; others keep their rows")
+    parser.add_argument("--failures", type=Path, help="file to pickle the scenes that failed into")
+    options = parser.parse_args()
+    console, counts = Console(stderr=True, soft_wrap=True), []
+    for test in laws(options.laws):
+        counts.append(counted(test, options.scenes))
+        console.print(f"{counts[-1].seconds:6.1f} s  {counts[-1].scenes:4d} scenes, {len(counts[-1].failures)} failures: {counts[-1].law}")
+    if options.failures:
+        options.failures.write_bytes(pickle.dumps({count.law: count.failures for count in counts}))
+    if options.output:
+        write_page(options.output / "random_laws.md", counts, options.scenes)
+    return 1 if any(count.failures for count in counts) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

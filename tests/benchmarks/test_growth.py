@@ -1,0 +1,99 @@
+"""What the benchmark of growth computes from its measurements, and that the driver's work is bounded by its rows, not by YADE's steps."""
+
+from pathlib import Path
+
+import benchmark_effects as effects
+import benchmark_growth
+import growth_report as report
+import numpy as np
+import pytest
+import scenes
+
+SIZES = (60, 120, 250, 500, 1000, 2000, 5000)
+NOISE = 0.05  # relative standard deviation of a measurement, as that of CPU seconds on a busy machine
+DRAWS = 400
+BIAS = 4.0 / np.sqrt(DRAWS)  # standard errors of a mean over the draws, four of them
+SAME_SPREAD = 0.25  # between the errors stated and the scatter seen: 5 sizes leave an error known to some 40 %, 400 draws to far less
+EXACT = 1e-12  # round-off
+
+
+def noisy(exponent: float, seed: int) -> list[float]:
+    noise = np.random.default_rng(seed).normal(0.0, NOISE, len(SIZES))
+    return list(3e-4 * np.array(SIZES) ** exponent * np.exp(noise))
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 1.7])
+def test_a_fit_finds_the_exponent_that_noise_hides_and_says_by_how_much_it_may_be_off(exponent: float) -> None:
+    fits = [report.fit(SIZES, noisy(exponent, seed)) for seed in range(DRAWS)]
+    found, stated = (np.array([getattr(one, name) for one in fits]) for name in ("exponent", "error"))
+    assert abs(found.mean() - exponent) < BIAS * found.std()
+    assert np.sqrt(np.mean(stated**2)) == pytest.approx(found.std(), rel=SAME_SPREAD)
+
+
+def test_what_small_sizes_cost_beyond_the_law_does_not_touch_the_exponent() -> None:
+    blocks = [20, 40, 500, 1000, 2000, 5000]
+    seconds = [1.0, 1.0, *(1e-6 * np.array(blocks[2:]) ** 1.5)]
+    growth = report.fit(blocks[::-1], seconds[::-1])
+    assert growth is not None and growth.sizes == (500, 1000, 2000, 5000)
+    assert (growth.exponent, growth.factor) == pytest.approx((1.5, 1e-6), rel=EXACT)
+    assert growth.error < EXACT
+
+
+def test_two_sizes_have_no_exponent_with_an_error() -> None:
+    assert report.fit([100, 200], [1.0, 2.0]) is None
+    assert report.fit([100, 200, 400], [0.0, 1.0, 2.0]) is None
+
+
+def made_up() -> list[dict]:
+    """Measurements as the benchmark stores them, of two methods; time as N^1.5, memory as N."""
+    measured: list[dict] = []
+    for size in (100, 200, 400):
+        shared = {"blocks": size, "asked": size, "seconds": 1e-3 * size**1.5, "memory": 0.1 * size, "peak": 140.0 + 0.1 * size}
+        split = {"build": 1e-4 * size, "solver": 9e-4 * size**1.5, "rest": 1e-4 * size, "outside": 0.123, "status": "solved"}
+        measured.append({"method": "associated", "dimension": "plane", **shared, **split})
+        measured.append({"method": "YADE", "dimension": "3D", **shared, "steps": 7 * size, "status": "no plateau", "watched": 0.0321})
+    spread = {"overhead": 0.0456, "least": 0.01, "most": 0.06, "constant": 0.07, "watched": 0.02, "bare": 2.0, "row": 0.3}
+    measured.append({"method": "driver", "dimension": "arch", "asked": 0, "blocks": 13, "steps": 83865, "rows": 440, "poses": 18, **spread})
+    return measured
+
+
+def test_the_page_shows_what_was_measured() -> None:
+    page = benchmark_growth.markdown(made_up(), "a machine")
+    assert "| associated | plane | 100 to 400 | 1.50 ± 0.00 | 1.00 ± 0.00 | 1.50 ± 0.00 | 1.00 ± 0.00 | 1.00 ± 0.00 |" in page
+    assert "| associated | plane | 400 | solved | 8 | 0.04 | 7.2 | 0.04 | 12.3% | 40 | 180 |" in page
+    assert "| YADE | 3D | 400 | no plateau | 2,800 | 8 | 3.2% | 40 | 180 |" in page
+    assert "| arch | 13 | 83,865 | 440 | 18 | 2 | 4.6% | 1.0% | 6.0% | 7.0% | 2.0% | 0.3 |" in page
+    assert "a machine" in page
+
+
+def test_every_line_of_a_table_has_as_many_cells() -> None:
+    for block in benchmark_growth.markdown(made_up(), "a machine").split("\n\n"):
+        if block.startswith("|"):
+            assert len({line.count("|") for line in block.splitlines()}) == 1
+
+
+def test_the_figure_names_methods_with_their_exponents_and_tells_them_apart_without_colour() -> None:
+    series = benchmark_growth.by_series(made_up())
+    axes = report.growth_figure({"seconds": ("seconds", series)}).axes[0]
+    lines = [line for line in axes.lines if not line.get_label().startswith("_")]
+    assert [line.get_label().split(":")[0] for line in lines] == ["associated, plane", "YADE, 3D"]
+    assert all("1.50" in line.get_label() for line in lines)
+    assert len({(line.get_marker(), line.get_linestyle()) for line in lines}) == len(lines)
+
+
+def test_a_finer_time_step_gives_the_driver_no_more_work(tmp_path: Path) -> None:
+    """Its rows and states follow the settlement: what it adds to YADE's own time is a share that falls with every step."""
+    counts = []
+    for share in (0.6, 0.3):
+        folder = tmp_path / str(share)
+        folder.mkdir()
+        scene = scenes.load(
+            scenes.text(*scenes.wall(3, 2, split=0.8), inset=0.001) + scenes.table("yade", time_step_share=share) + "\n", "wall"
+        )
+        counts.append(effects.in_yade(benchmark_growth.PROTOCOL_COST, benchmark_growth.written(scene, folder)))
+    coarse, fine = counts
+    assert coarse["status"] == fine["status"] == "plateau"
+    assert fine["steps"] > 1.5 * coarse["steps"]  # half the step: twice as many, but for where the stages end
+    # A row comes after a whole number of steps, so that the last one may fall on either side of the travel.
+    assert abs(fine["poses"] - coarse["poses"]) <= 1 and abs(fine["settling_rows"] - coarse["settling_rows"]) <= 1
+    assert 0.0 < fine["watching"][0] < fine["protocol"][0]

@@ -1,0 +1,195 @@
+"""The comparison with peers: the same problem for all, one judge for all, and a page that is what its record says."""
+
+import importlib.util
+import json
+import math
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import peers_dynamics
+import peers_equilibrium
+import peers_limit
+import pytest
+import scenes
+from peers_process import PeerEnded, alone
+from peers_report import dynamics_table
+from peers_scenes import SCENES
+from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, limit_table, number
+from scipy.optimize import linprog
+
+from la_core.limit.associated import ACCEPTED, Drive, DrivenProblem, Status, solve
+from la_core.model.assembly import Assembly, assemble
+
+PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "peers.md"
+SAME_REACTION = 2.0 * ACCEPTED  # both answers are certified to ACCEPTED of a mean block; two_pads has one block
+SAME_OVER_WEIGHT = 2.0 * 6.0 * ACCEPTED  # residuals of ACCEPTED in all freedoms of two answers, at speeds of up to one
+TIGHT = 1e-8  # asked of a solver, so that its residuals are below ACCEPTED
+FINE = 1e-4  # s: a third of the shortest solve
+LIMIT = 1.0  # s of the processor for a process that never comes back
+
+solver = pytest.mark.parametrize("name", [*peers_limit.FOREIGN])
+
+
+def pads() -> Assembly:
+    return assemble(scenes.shipped("two_pads"))
+
+
+def needs(package: str) -> None:
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} is not installed: pip install -e '.[peers]'")
+
+
+def by_scipy(driven: DrivenProblem, tolerance: float) -> peers_limit.Raw:
+    """The kinematic form as it is handed to peers, by HiGHS."""
+    bounds = (None, None)
+    answer = linprog(
+        -driven.power, A_ub=-driven.rows, b_ub=driven.offset, bounds=bounds, options={"primal_feasibility_tolerance": tolerance}
+    )
+    return answer.x, -answer.ineqlin.marginals, answer.nit
+
+
+@pytest.mark.parametrize("name", peers_limit.HIGHS)
+def test_highs_gets_the_problem_that_we_solve(name) -> None:
+    own, other = solve(pads(), Drive.YIELDING), peers_limit.highs(pads(), name, 4)
+    assert own.status is Status.SOLVED and other.residual <= ACCEPTED
+    assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
+
+
+def test_what_peers_are_handed_has_our_optimum_and_is_certified_by_our_judge(monkeypatch) -> None:
+    monkeypatch.setitem(peers_limit.FOREIGN, "scipy", by_scipy)
+    own, other = solve(pads(), Drive.YIELDING), peers_limit.foreign(pads(), "scipy", TIGHT)
+    assert other.residual <= ACCEPTED
+    assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
+
+
+def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
+    def careless(driven: DrivenProblem, tolerance: float) -> peers_limit.Raw:
+        x, multipliers, iterations = by_scipy(driven, tolerance)
+        return x, 1.01 * multipliers, iterations
+
+    monkeypatch.setitem(peers_limit.FOREIGN, "scipy", careless)
+    assert peers_limit.foreign(pads(), "scipy", TIGHT).residual > ACCEPTED
+
+
+@solver
+def test_a_peer_finds_our_reaction(name) -> None:
+    needs(name.lower())
+    own, other = solve(pads(), Drive.YIELDING), peers_limit.foreign(pads(), name, TIGHT)
+    assert other.residual <= ACCEPTED
+    assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
+
+
+def test_an_equilibrium_by_compas_cra_is_one_by_our_judge_and_lies_between_our_bounds() -> None:
+    needs("compas_cra")
+    assembly = assemble(scenes.shipped("wall_third"))
+    *_, forces, _, _ = peers_equilibrium.equilibrium(assembly, "compas_cra RBE")
+    assert peers_equilibrium.residual(assembly, forces) <= ACCEPTED
+    least, greatest = (solve(assembly, drive).value for drive in (Drive.YIELDING, Drive.PUSHING))
+    assert least < peers_limit.limit.evidence.reaction(assembly, forces) < greatest
+
+
+def spins() -> Iterator[int]:
+    yield 1
+    while True:
+        pass
+
+
+def aborts() -> Iterator[int]:
+    yield 1
+    os.abort()
+
+
+def stops() -> Iterator[int]:
+    yield 1
+    os._exit(3)
+
+
+def complains() -> Iterator[int]:
+    yield 1
+    raise ValueError("no such cone")
+
+
+def ticks() -> Iterator[float]:
+    start = time.process_time()
+    while time.process_time() == start:
+        pass
+    yield time.process_time() - start
+
+
+def counts() -> Iterator[int]:
+    yield from range(3)
+
+
+@pytest.mark.parametrize(
+    ("function", "reason"),
+    [(spins, "time limit of 1 s"), (aborts, "SIGABRT"), (stops, "exit code 3"), (complains, "ValueError: no such cone")],
+)
+def test_a_peer_that_dies_or_never_comes_back_ends_its_own_row_alone(function, reason) -> None:
+    found = []
+    with pytest.raises(PeerEnded, match=reason):
+        for one in alone(function, (), LIMIT):
+            found.append(one)
+    assert found == [1]
+
+
+def test_a_peer_that_behaves_is_heard_to_the_end() -> None:
+    assert list(alone(counts, (), LIMIT)) == [0, 1, 2]
+
+
+def test_a_watched_process_sees_fine_seconds_of_its_own() -> None:
+    """A limit that the system itself holds would let it see ticks of milliseconds, longer than a small solve."""
+    assert max(alone(ticks, (), LIMIT)) < FINE
+
+
+def test_a_number_has_two_digits_at_any_size() -> None:
+    assert [number(value) for value in (713.0, 0.0996, 1.04, 3.14e-4, 0.0, math.nan)] == ["710", "0.10", "1.0", "3.1e-04", "0", "–"]
+
+
+def restored(kind: type, record: dict) -> Row | peers_dynamics.Run:
+    """A row from its record: null is an undefined number, a list a tuple."""
+    content = {name: math.nan if value is None else tuple(value) if isinstance(value, list) else value for name, value in record.items()}
+    assert set(content) == {field.name for field in fields(kind)}
+    return kind(**content)
+
+
+@pytest.fixture(scope="module")
+def record() -> tuple[list[Row], list[peers_dynamics.Run]]:
+    stored = json.loads(PAGE.with_suffix(".json").read_text(encoding="utf-8"))
+    return [restored(Row, row) for row in stored["limit analysis"]], [restored(peers_dynamics.Run, run) for run in stored["in time"]]
+
+
+def test_every_peer_has_a_row_on_every_scene_that_says_how_it_went_or_why_not(record) -> None:
+    rows, runs = record
+    solvers = (*peers_limit.SOLVERS, *peers_equilibrium.METHODS)
+    assert {(row.scene, row.solver) for row in rows} == {(scene, name) for scene in SCENES for name in solvers}
+    assert {(run.scene, run.method) for run in runs} == {
+        (s, m) for s in peers_dynamics.DYNAMIC for m in ("limit analysis", "YADE", "LMGC90")
+    }
+    assert all(row.processor or row.note for row in rows)
+    assert all(run.processor > 0.0 or run.note for run in runs)
+
+
+def test_solved_in_the_record_means_certified_and_certified_reactions_agree(record) -> None:
+    rows, _ = record
+    assert all((row.residual <= ACCEPTED) == (row.status == SOLVED) for row in rows)
+    assert all(row.status == SOLVED for row in rows if row.solver == OURS)
+    for scene in SCENES:
+        found = [row.value for row in rows if (row.scene, row.status, row.posed) == (scene, SOLVED, LEAST_REACTION)]
+        assert np.ptp(found) <= SAME_OVER_WEIGHT
+
+
+def test_a_ratio_lies_between_what_the_repeats_allow(record) -> None:
+    rows, _ = record
+    timed = [row for row in rows if row.beside]
+    assert all(min(row.processor) / max(row.beside) <= row.ratio <= max(row.processor) / min(row.beside) for row in timed)
+    assert all(row.status == CANNOT or row.note for row in rows if not row.beside)
+
+
+def test_the_page_shows_the_record(record) -> None:
+    rows, runs = record
+    text = PAGE.read_text(encoding="utf-8")
+    assert limit_table(rows) in text and dynamics_table(runs) in text

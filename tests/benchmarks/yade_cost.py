@@ -1,0 +1,75 @@
+"""What a case costs in YADE: `/usr/bin/python3 yade_cost.py case.h5 STEPS [--profile]` prints one JSON object.
+
+Runs in YADE's own interpreter and takes STEPS settling steps right after the model is built, several times over, the best counting.
+"""
+
+import argparse
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "yade_scripts"))
+import run_case  # sets one thread before YADE loads
+
+REPEATS = 3
+CALLS = 5
+
+
+def measure(path: Path, steps: int, profile: bool) -> dict:
+    """Seconds per step, per recorded row and per stored pose; bodies, interactions and bytes."""
+    for package in ("la_core", "yade_scripts"):
+        run_case.load_package(package)
+    sys.path.append(run_case.find_yade())
+    from la_core import exchange
+    from yade_scripts import bodies, case, recorder, settings, support_motion
+
+    began = time.process_time()
+    one = case.from_fields(exchange.read(path, exchange.CASE_FIELDS))
+    chosen = settings.derive(one)
+    model = bodies.build(one, chosen, "pass")
+    model.watch.dead = True
+    built = time.process_time() - began
+    omega = bodies.Omega()
+    support_motion.set_speed(one, model.drive, chosen.speed)
+    omega.run(steps, True)  # warm: contacts are found, springs loaded
+    omega.timingEnabled = profile
+    step = min(timed(lambda: omega.run(steps, True)) for _ in range(REPEATS)) / steps
+    omega.timingEnabled = False
+    record = recorder.Record(one, model)
+    result = {
+        "engines": [type(engine).__name__ for engine in omega.engines],
+        "build": built,
+        "step": step,
+        "row": min(timed(lambda: record.read_row(recorder.SETTLEMENT)) for _ in range(CALLS)),
+        "pose": min(timed(record.store_pose) for _ in range(CALLS)),
+        "blocks": len(model.clump),
+        "spheres": len(model.sphere),
+        "interactions": len(list(omega.interactions.all())),
+        "real": omega.interactions.countReal(),
+        "pose_bytes": sum(array.nbytes for array in record.poses[-1][1:]),
+        "poses": chosen.poses,
+        "steps_of_travel": round(chosen.max_travel / chosen.speed / chosen.time_step),
+        "rows": chosen.record_rows,
+    }
+    if profile:
+        result["profile"] = {type(engine).__name__: engine.execTime / 1e9 / (REPEATS * steps) for engine in omega.engines}
+    return result
+
+
+def timed(call) -> float:
+    """Seconds of processor time, which other work on the machine does not count into."""
+    began = time.process_time()
+    call()
+    return time.process_time() - began
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Measure what a case costs in YADE.")
+    parser.add_argument("case", type=Path)
+    parser.add_argument("steps", type=int)
+    parser.add_argument("--profile", action="store_true")
+    options = parser.parse_args()
+    print(json.dumps(measure(options.case, options.steps, options.profile)), flush=True)
+    os._exit(0)

@@ -1,0 +1,119 @@
+"""What a verdict costs in YADE, and a bare loop of as many steps: `/usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N]`, JSON.
+
+Runs in YADE's own interpreter: the whole protocol, from bodies to plateau, then as many rounds as asked for of the protocol against the
+same bodies and engines without the driver, gravity and settlement each in a single `O.run`: once with the support's speed set as the driver
+set it, and once at a constant speed to the same travel, a motion that costs YADE itself less. CPU seconds.
+"""
+
+import argparse
+import json
+import os
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "yade_scripts"))
+import run_case  # sets one thread before YADE loads
+from process_memory import peak_memory
+
+for package in ("la_core", "yade_scripts"):
+    run_case.load_package(package)
+sys.path.append(run_case.find_yade())
+from la_core import exchange  # noqa: E402
+from yade_scripts import bodies, case, protocol, recorder, settings, support_motion  # noqa: E402
+
+
+@dataclass
+class Watched(protocol.Protocol):
+    """The protocol; `rested`: steps until it rests under gravity; `watching`: seconds inside the driver; `speeds`: set in turn."""
+
+    rested: int = 0
+    watching: float = 0.0
+    speeds: list[float] = field(default_factory=list)
+
+    def _set_speed(self, elapsed: float) -> None:
+        super()._set_speed(elapsed)
+        self.speeds.append(self._speed)
+
+    def _settle(self) -> None:
+        self.rested = bodies.Omega().iter
+        super()._settle()
+
+    def watch(self) -> None:
+        began = time.process_time()
+        super().watch()
+        self.watching += time.process_time() - began
+
+
+def driven(one: case.Case, chosen: settings.Settings, stream) -> tuple[Watched, float]:
+    """A run by the protocol, progress and all, and its seconds without those of building the model."""
+    model = bodies.build(one, chosen, "watch()")
+    run = Watched(one, chosen, model, recorder.Record(one, model), run_case.Reporter(stream).progress)
+    sys.modules["__main__"].__dict__["watch"] = run.watch
+    began = time.process_time()
+    run.run()
+    return run, time.process_time() - began
+
+
+def bare(run: Watched, steps: int, speeds: list[float]) -> float:
+    """Seconds of a loop of as many steps without the driver; speeds: of the support, set in turn where the driver recorded a row."""
+    one, left = run.case, speeds[:0:-1]
+    model, omega = bodies.build(one, run.settings, "watch()"), bodies.Omega()
+
+    def watch() -> None:
+        support_motion.set_speed(one, model.drive, left.pop())
+        model.watch.dead = not left
+
+    sys.modules["__main__"].__dict__["watch"] = watch
+    model.watch.dead = True
+    began = time.process_time()
+    omega.run(run.rested, True)
+    model.integrator.damping = 0.0
+    support_motion.set_speed(one, model.drive, speeds[0])
+    model.watch.dead, model.watch.iterPeriod = not left, run.model.watch.iterPeriod
+    omega.run(steps - run.rested, True)
+    return time.process_time() - began
+
+
+def measure(path: Path, rounds: int) -> dict:
+    memory_before = peak_memory()
+    one = case.from_fields(exchange.read(path, exchange.CASE_FIELDS))
+    chosen = settings.derive(one)
+    with Path(os.devnull).open("w") as nowhere:
+        run, seconds = driven(one, chosen, nowhere)
+        result = {
+            "total": time.process_time(),  # of the whole process so far, loading YADE and building the model included
+            "protocol": [seconds],
+            "watching": [run.watching],
+            "bare": [],
+            "constant": [],
+            "status": run.status.value,
+            "steps": bodies.Omega().iter,
+            "rested": run.rested,
+            "rows": len(run.record.rows),
+            "settling_rows": sum(row.stage == recorder.SETTLEMENT for row in run.record.rows),
+            "poses": len(run.record.poses),
+            "blocks": len(one.role),
+            "contacts": len(one.host),
+            "memory": peak_memory(),
+            "memory_before": memory_before,
+        }
+        first, steps = run, result["steps"]
+        constant = first.record.settlement() / ((steps - first.rested) * chosen.time_step)
+        for _ in range(rounds):
+            result["bare"].append(bare(first, steps, first.speeds))
+            result["constant"].append(bare(first, steps, [constant]))
+            run, seconds = driven(one, chosen, nowhere)
+            result["protocol"].append(seconds)
+            result["watching"].append(run.watching)
+    return result
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Measure what a verdict costs in YADE, and a bare loop of as many steps.")
+    parser.add_argument("case", type=Path)
+    parser.add_argument("--rounds", type=int, default=0)
+    options = parser.parse_args()
+    print(json.dumps(measure(options.case, options.rounds)), flush=True)
+    os._exit(0)

@@ -1,0 +1,142 @@
+"""Full disks, folders that cannot be written and memory at an end are named, leave nothing half written, and the next call recovers."""
+
+import resource
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished, wait_for
+
+from comparison.cli.commands import main
+
+
+def failing_writes(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Iterator[int]:
+    """Patches so that the first, second, ... file is written half and then fails; ends when a whole run writes fewer files."""
+    written = 0
+    original = Path.write_bytes
+
+    def fail(path: Path, content: bytes) -> int:
+        nonlocal written
+        written += 1
+        if written != number:
+            return original(path, content)
+        original(path, content[: len(content) // 2])
+        raise error
+
+    for number in range(1, 100):
+        written = 0
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, "write_bytes", fail)
+            yield number
+        if written < number:
+            return
+
+
+STOPS = {
+    "disk full": (OSError(28, "No space left on device"), TOOL, "No space"),
+    "interrupted": (KeyboardInterrupt(), INTERRUPTED, "stopped"),
+}
+
+
+@pytest.mark.parametrize(("error", "code", "word"), STOPS.values(), ids=STOPS)
+def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
+    error: BaseException,
+    code: int,
+    word: str,
+    plain_figures: None,
+    without_yade: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    files = 0
+    for number in failing_writes(monkeypatch, error):
+        out = tmp_path / str(number)
+        command = ["run", "two_pads", "-o", str(out), "--no-yade", "-q"]
+        found = main(command)
+        said = capsys.readouterr().err
+        if found == 0:
+            break
+        files += 1
+        assert found == code
+        one_message(said, word)
+        assert not unfinished(out)
+        with monkeypatch.context() as patch:
+            patch.undo()
+            assert main(command) == 0
+        assert answer(out) == answer(without_yade)
+    assert files == 8  # scene, case, figure, view, comparison, three reports
+
+
+def limited(size: int) -> Callable[[], None]:
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
+    """No file may be larger than the limit, which is what a full disk does to whoever writes."""
+    with crosscheck("run", "two_pads", "-o", str(tmp_path / "out"), preexec_fn=limited(100)) as process:
+        _, said = process.communicate()
+    assert process.returncode == TOOL
+    one_message(said, "scene.toml: File too large")
+    assert not unfinished(tmp_path)
+
+
+def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
+    """YADE's process inherits the limit, below which everything but its result fits."""
+    case, run = ((undisturbed / "two_pads" / name).stat().st_size for name in ("case.h5", "run.h5"))
+    assert case < run
+    out = tmp_path / "out"
+    with crosscheck("run", "two_pads", "-o", str(out), preexec_fn=limited(run - 1)) as process:
+        _, said = process.communicate()
+    assert process.returncode == TOOL and "Traceback" not in said
+    assert said.count("YADE: failed") == 1 and "File too large" in said and "run.h5" in said
+    assert not unfinished(out) and not (out / "two_pads" / "run.h5").exists()
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert answer(out) == answer(undisturbed)
+
+
+def test_a_full_disk_behind_standard_output_is_named() -> None:
+    with Path("/dev/full").open("w") as full, crosscheck("solve", "two_pads", "--json", "-q", stdout=full) as process:
+        _, said = process.communicate()
+    assert process.returncode == TOOL
+    one_message(said, "standard output: No space left on device")
+
+
+def test_a_log_that_cannot_be_written_is_named(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake_python("echo something; sleep 600")
+    monkeypatch.setattr("comparison.yade.process._report", lambda line: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out"), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, "yade.log: No space left on device")
+    wait_for(lambda: not processes_about(tmp_path / "out"))
+
+
+def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def hungry(*arguments: Any, **options: Any) -> None:
+        raise MemoryError("Unable to allocate 1 TiB")
+
+    monkeypatch.setattr("comparison.cli.solve", hungry)
+    assert main(["solve", "two_pads"]) == TOOL
+    one_message(capsys.readouterr().err, "the memory does not suffice")
+
+
+@pytest.mark.parametrize("where", ["below a file", "below /proc", "a file for a scene's folder", "a folder for a result"])
+def test_a_folder_that_cannot_be_written_is_named(where: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = {"below a file": tmp_path / "file" / "out", "below /proc": Path("/proc/nowhere")}.get(where, tmp_path / "out")
+    (tmp_path / "file").touch()
+    if where == "a file for a scene's folder":
+        out.mkdir()
+        (out / "two_pads").touch()
+    if where == "a folder for a result":
+        (out / "two_pads" / "case.h5" / "x").mkdir(parents=True)
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == TOOL
+    one_message(capsys.readouterr().err, str(out))
+
+
+@pytest.mark.parametrize("command", [["show", "two_pads"], ["solve", "two_pads"], ["export", "two_pads"]])
+def test_an_output_that_cannot_be_written_is_named(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").touch()
+    assert main([*command, "-q", "-o", str(tmp_path / "file" / "figure.png")]) == TOOL
+    one_message(capsys.readouterr().err, str(tmp_path / "file"), "Not a directory")

@@ -1,0 +1,285 @@
+"""What others wrote is data: nothing listens, nothing outside of a folder is touched, nothing in a text is obeyed, sizes are bounded."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scenes
+from processes import listening, tree
+
+from comparison.cli.commands import main
+from la_core import exchange
+from la_core.errors import SceneError, visible
+from la_core.exchange import checksummed_file
+from la_core.scene import scene
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+ROOT = Path(__file__).parents[2]
+
+
+# --- nothing listens ----------------------------------------------------------------------------------------------------------
+
+
+def test_what_listens_is_seen() -> None:
+    """The test below could fail."""
+    program = "import socket, time; s = socket.create_server(('127.0.0.1', 0)); print(1, flush=True); time.sleep(60)"
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stdout.readline()
+        assert len(listening(tree(os.getpid()))) == 1
+        process.kill()
+
+
+def test_nothing_listens_during_a_run(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "comparison", "run", "two_pads", "-o", str(tmp_path / "out"), "-q"]
+    seen, most = set(), 0
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL) as process:
+        while process.poll() is None:
+            processes = tree(process.pid)
+            most = max(most, len(processes))
+            seen |= listening(processes)
+            time.sleep(0.02)
+    assert process.returncode == 0
+    assert most >= 2  # YADE's process was among them
+    assert not seen
+
+
+# --- texts --------------------------------------------------------------------------------------------------------------------
+
+OBEYED = {"escape": "\\u001b[2J", "C1": "\\u009b2J", "bell": "\\u0007", "backspace": "\\b", "carriage return": "\\r", "override": "\\u202e"}
+
+
+@pytest.mark.parametrize("control", OBEYED.values(), ids=OBEYED)
+@pytest.mark.parametrize("key", ['title   = "', 'name    = "', 'source  = "', '[settlement]\n"'])
+def test_what_a_terminal_obeys_is_refused_and_not_repeated(
+    control: str, key: str, tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "scene.toml"
+    text = two_pads.replace("[settlement]\n", '[settlement]\n"odd" = 1\n') if key.startswith("[") else two_pads
+    assert key in text
+    path.write_text(text.replace(key, key + control, 1))
+    assert main(["solve", str(path)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == "" and captured.err.startswith("error: ") and visible(captured.err) == captured.err
+
+
+def test_new_lines_tabs_and_letters_of_any_script_are_harmless(tmp_path: Path, two_pads: str) -> None:
+    title = "Zwei Böcke\\n\\tδύο 二 \U0001f9f1 می‌خواهم"
+    path = tmp_path / "scene.toml"
+    path.write_text(two_pads.replace('title   = "', f'title   = "{title}', 1))
+    assert load_scene(path).title.startswith("Zwei Böcke\n\tδύο")
+
+
+def test_a_file_s_name_is_not_obeyed_either(tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("\x1b[2J", "\u202ex", os.fsdecode(b"\xff")):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(two_pads)
+        assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+        said = capsys.readouterr().err
+        assert "must be printable text" in said and visible(said) == said
+    assert not (tmp_path / "out").exists()
+
+
+MARKUP = "[red]a[/blue] [/] \\\\[bold] :smile: <script>alert(1)</script> <img src=x onerror=y> ![x](y) `c` | &amp; {{ 7 * 7 }} %s $HOME"
+
+
+class Page(HTMLParser):
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.data: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        assert not [name for name, _ in attrs if name.startswith("on")]
+
+    def handle_data(self, data: str) -> None:
+        self.data.append(data)
+
+
+def test_markup_in_titles_and_names_stays_text_wherever_it_is_shown(
+    tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "[red]x[bold].toml"
+    text = two_pads.split("[expected]", maxsplit=1)[0].replace('name    = "block"', f'name    = "{MARKUP}"')
+    shown = MARKUP.replace("\\\\", "\\")
+    overhang = ("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]"), ("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
+    for old, new in overhang:  # so that the block falls, and its name is in every answer
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text.replace('title   = "', f'title   = "{MARKUP} ', 1))
+    for command in (["solve", str(path)], ["show", str(path), "-o", str(tmp_path / "f.png")]):
+        assert main(command) == 0
+        assert shown in " ".join(capsys.readouterr().out.split())
+    out = tmp_path / "out"
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    captured = capsys.readouterr()
+    assert "[red]x[bold]" in captured.out and "[red]x[bold]" in captured.err
+    page = Page((out / "report.html").read_text(encoding="utf-8"))
+    assert page.tags.count("script") == 3 and shown in " ".join("".join(page.data).split())
+    markdown = (out / "report.md").read_text(encoding="utf-8")
+    assert "script" in markdown and "<script" not in markdown.replace("\\<", "") and "![x]" not in markdown and "[red]x" not in markdown
+
+
+# --- files --------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_s_name_is_a_name_and_no_path(tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("...toml", "report.html.toml"):
+        (tmp_path / name).write_text(two_pads)
+        assert main(["run", str(tmp_path / name), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+        assert "cannot name a folder of results" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_links_in_the_place_of_results_are_replaced_and_not_followed(tmp_path: Path) -> None:
+    victim, out = tmp_path / "victim", tmp_path / "out"
+    victim.write_text("untouched")
+    (out / "two_pads").mkdir(parents=True)
+    names = ("scene.toml", "case.h5", "run.h5", "comparison.json", "yade.log", "assembly.png", "viewer.json", ".lock")
+    for name in names:
+        (out / "two_pads" / name).symlink_to(victim)
+    for name in ("report.html", "report.md", "report.json"):
+        (out / name).symlink_to(victim)
+    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert victim.read_text() == "untouched"
+
+
+def test_meshes_are_not_copied_through_a_link(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, elsewhere = tmp_path / "out" / "wall", tmp_path / "elsewhere"
+    out.mkdir(parents=True)
+    elsewhere.mkdir()
+    (out / "stones").symlink_to(elsewhere)
+    (tmp_path / "stones").mkdir()
+    shutil.copy(scenes.SHIPPED / "rubble_wall.obj", tmp_path / "stones")
+    text = (scenes.SHIPPED / "rubble_wall.toml").read_text()
+    assert '"rubble_wall.obj"' in text
+    (tmp_path / "wall.toml").write_text(text.replace('"rubble_wall.obj"', '"stones/rubble_wall.obj"'))
+    assert main(["run", str(tmp_path / "wall.toml"), "-o", str(tmp_path / "out"), "--no-yade", "-q"]) == 2
+    assert "through a link" in capsys.readouterr().err
+    assert not list(elsewhere.iterdir())
+
+
+def test_a_scene_that_is_no_file_is_not_waited_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "zero.toml").symlink_to("/dev/zero")
+    for name in ("pipe.toml", "zero.toml"):
+        assert main(["solve", str(tmp_path / name)]) == 2
+        assert "might never end" in capsys.readouterr().err
+
+
+# --- sizes --------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_s_text_and_blocks_are_limited(tmp_path: Path, two_pads: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(two_pads + "".join(f'\n[[wall]]\nname = "{k}"\nbond = "stack"\n{WALL}' for k in range(3)))
+    with monkeypatch.context() as patch:
+        patch.setattr(scene, "MOST_BLOCKS", 20)
+        with pytest.raises(SceneError, match="has more than 20 blocks; take larger ones or fewer"):
+            load_scene(path)
+    monkeypatch.setattr(scene, "LARGEST_FILE", 100)
+    with pytest.raises(SceneError, match="larger than 100 bytes"):
+        load_scene(path)
+
+
+WALL = "origin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 3\ncourses = 3\n"
+
+
+def test_a_result_s_file_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "file.h5"
+    exchange.write(path, FIELDS, {"a/values": np.zeros((3, 3))}, "")
+    monkeypatch.setattr(checksummed_file, "LARGEST_FILE", 100)
+    with pytest.raises(exchange.ExchangeError, match="larger than 100 bytes, so none of this program's"):
+        exchange.read(path, FIELDS)
+
+
+# --- HDF5 from another hand ---------------------------------------------------------------------------------------------------
+
+FIELDS = (exchange.Field("a/values", "f8", ("N", 3), "m", "some values"),)
+
+
+def _external_link(file: h5py.File, other: Path) -> None:
+    file["a/values"] = h5py.ExternalLink(str(other), "/a/values")
+
+
+def _external_group(file: h5py.File, other: Path) -> None:
+    del file["a"]
+    file["a"] = h5py.ExternalLink(str(other), "/a")
+
+
+def _soft_link(file: h5py.File, other: Path) -> None:
+    file["b"] = h5py.ExternalLink(str(other), "/a/values")
+    file["a/values"] = h5py.SoftLink("/b")
+
+
+def _external_storage(file: h5py.File, other: Path) -> None:
+    file.create_dataset("a/values", (3, 3), "f8", external=[(str(other), 0, 72)])
+
+
+def _virtual(file: h5py.File, other: Path) -> None:
+    layout = h5py.VirtualLayout((3, 3), "f8")
+    layout[:] = h5py.VirtualSource(str(other), "/a/values", (3, 3))
+    file.create_virtual_dataset("a/values", layout)
+
+
+def _references(file: h5py.File, other: Path) -> None:
+    file["b"] = h5py.ExternalLink(str(other), "/a/values")
+    file.create_dataset("a/values", data=np.full((3, 3), file["a"].ref, dtype=object), dtype=h5py.ref_dtype)
+
+
+def _huge_and_empty(file: h5py.File, other: Path) -> None:
+    file.create_dataset("a/values", (10**12, 3), "f8", chunks=(1000, 3), fillvalue=1.0)
+
+
+def _huge_and_never_written(file: h5py.File, other: Path) -> None:
+    file.create_dataset("a/values", (10**11, 3), "f8", fillvalue=1.0)
+
+
+def _packed(file: h5py.File, other: Path) -> None:
+    file.create_dataset("a/values", data=np.zeros((10**6, 3)), compression="gzip")
+
+
+HANDS = (
+    _external_link, _external_group, _soft_link, _external_storage, _virtual, _references, _huge_and_empty, _huge_and_never_written,
+    _packed,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("hand", HANDS)
+def test_a_sealed_file_of_another_hand_reads_no_other_file_and_fills_no_memory(
+    hand: Callable[[h5py.File, Path], None], tmp_path: Path
+) -> None:
+    """What it leads to is a whole file with just what is asked for, so that following would succeed."""
+    other, path = tmp_path / "other.h5", tmp_path / "file.h5"
+    for each in (other, path):
+        exchange.write(each, FIELDS, {"a/values": np.ones((3, 3))}, "")
+    with h5py.File(path, "r+") as file:
+        del file["a/values"]
+        hand(file, other)
+    checksummed_file.write_sealed(path, path.read_bytes())
+    with pytest.raises(exchange.ExchangeError, match=r"missing|not stored as it is|holds object"):
+        exchange.read(path, FIELDS)
+
+
+def test_a_report_of_stored_results_touches_nothing_outside_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Results may come from others: their scene's meshes may not lead elsewhere."""
+    out = tmp_path / "out"
+    assert main(["run", "rubble_wall", "-o", str(out), "--no-yade", "-q"]) == 0
+    folder = out / "rubble_wall"
+    shutil.move(folder / "rubble_wall.obj", tmp_path / "rubble_wall.obj")
+    (folder / "rubble_wall.obj").symlink_to(tmp_path / "rubble_wall.obj")
+    capsys.readouterr()
+    assert main(["report", str(out), "-q"]) == 2
+    assert "a link that leads out" in capsys.readouterr().err
+    assert find("rubble_wall").exists() and json.loads((folder / "comparison.json").read_text())["scene"] == "rubble_wall"

@@ -1,0 +1,133 @@
+"""The ladder of accuracy against time: what its rungs come to, what they are held against, and what the user gets."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+
+from comparison.cli.commands import main
+from comparison.studies import cost
+from comparison.studies.cost import Ladder, Rung, climb, prediction_inset
+from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
+from comparison.studies.cost_yade import yade_methods
+from comparison.yade import process
+from la_core.limit.associated import Drive, Status, solve
+from la_core.model.assembly import assemble
+from la_core.model.contact_grid import with_grid
+
+REDUNDANT = 1e-6  # of the reaction: solver tolerance
+ROUNDING = 0.05  # of an error: what YADE adds to that of rounded arrises
+
+
+@pytest.fixture(autouse=True)
+def once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values do not depend on how often a rung is timed."""
+    monkeypatch.setattr(cost, "REPEATS", 1)
+
+
+def chosen(name: str, *families: str) -> Ladder:
+    scene = scenes.shipped(name)
+    methods = [m for m in limit_analysis_methods(scene, prediction_inset(scene)) if m.family in (*families, "cone programme")]
+    return climb(scene, methods, lambda number, words: None)
+
+
+def errors(ladder: Ladder, family: str, word: str = "") -> np.ndarray:
+    return np.array([rung.error for rung in ladder.rungs if rung.family == family and word in rung.setting])
+
+
+@pytest.mark.parametrize("plane", [True, False])
+def test_points_between_the_corners_add_nothing_where_joints_do_not_twist(plane: bool) -> None:
+    assembly = assemble(scenes.build(*scenes.wall(4, 3, 1.0), plane=plane, inset=0.001))
+    finer = with_grid(assembly, 3)
+    assert len(finer.points) == len(assembly.interfaces) * (3 if plane else 9)
+    values = [solve(one, Drive.YIELDING).value for one in (assembly, with_grid(assembly, 2), finer)]
+    assert values[1:] == pytest.approx([values[0]] * 2, rel=REDUNDANT)
+
+
+def test_an_answer_is_as_good_as_it_was_asked_to_be() -> None:
+    assembly = assemble(scenes.shipped("wall_third"))
+    asked = (1e-3, 1e-6, 1e-8)
+    solutions = [solve(assembly, Drive.YIELDING, accuracy=accuracy) for accuracy in asked]
+    for accuracy, solution in zip(asked, solutions, strict=True):
+        assert solution.status is Status.SOLVED
+        assert max(solution.equilibrium_residual, solution.duality_gap, solution.mechanism_violation) <= accuracy
+    assert solutions[0].iterations < solutions[-1].iterations
+
+
+def test_facets_bracket_the_cone_and_close_on_it() -> None:
+    """The width of the bracket falls as one over the square of the facets."""
+    ladder = chosen("corner_settling_end", "linearised")
+    reference, _ = ladder.references[ASSOCIATED]
+    for word, sign in (("inscribed", 1.0), ("circumscribed", -1.0)):
+        values = np.array([rung.value for rung in ladder.rungs if rung.family == "linearised" and rung.setting.endswith(f" {word}")])
+        assert (sign * (values - reference) >= -REDUNDANT * reference).all()
+    widths = errors(ladder, "linearised", " inscribed") + errors(ladder, "linearised", "circumscribed")
+    assert widths[0] > 100.0 * widths[-1]
+
+
+def test_errors_are_held_against_the_exact_value_where_there_is_one() -> None:
+    exact, computed = chosen("two_pads", "Coulomb", "inset"), chosen("wall_tall", "Coulomb")
+    assert exact.references[PREDICTION] == (pytest.approx(1.0 / 6.0, abs=1e-5), "the exact value, for sharp arrises")
+    assert "Coulomb prediction in 32 steps, at the inset that both methods share, 1 mm" in computed.references[PREDICTION][1]
+    assert (errors(exact, "Coulomb") <= 1e-4).all()
+    sizes, found = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1], errors(exact, "inset")
+    assert found / found[0] == pytest.approx(np.array(sizes) / sizes[0], rel=ROUNDING)  # a lever arm loses what is drawn in
+
+
+def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
+    scene = scenes.shipped("two_pads")
+    exact = scene.expected.reaction_over_weight * scene.weight  # type: ignore[union-attr,operator]
+
+    def made(total: float, error: float, status: str = "solved") -> Method:
+        return Method("made up", f"{total} {error}", PREDICTION, lambda: Outcome(exact * (1.0 + error), status, 0.0, total))
+
+    cone = Method("cone programme", "made up", ASSOCIATED, lambda: Outcome(exact, "solved", 0.0, 1.0))
+    methods = [cone, made(1.0, 0.1), made(2.0, 0.2), made(3.0, 0.01), made(4.0, 0.01), made(0.5, 0.5), made(0.1, 0.0, "failed")]
+    found = climb(scene, methods, lambda number, words: None).rungs[1:]
+    assert [one.pareto for one in found] == [True, False, True, False, True, False]
+    assert math.isnan(found[-1].error)
+    assert all(isinstance(one, Rung) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
+
+
+def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
+    """Rounded arrises cost what limit analysis says they do, and YADE no more."""
+    scene = scenes.shipped("two_pads")
+    wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
+    methods = [m for m in yade_methods(scene, process.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
+    cone = [m for m in limit_analysis_methods(scene, 0.0) if m.family == "cone programme"]
+    found = {one.setting: one for one in climb(scene, [*cone, *methods], lambda number, words: None).rungs if one.family == "YADE"}
+    assert found["derived settings"].error == pytest.approx(0.01, rel=ROUNDING)
+    assert found["inset x 0.2"].error == pytest.approx(0.002, rel=ROUNDING)
+    assert all(one.status == "plateau" and one.uncertainty > 0.0 for one in found.values())
+
+
+def test_the_command_writes_figure_and_numbers_and_prints_both_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cost", "two_pads", "--no-yade", "-o", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "associated; errors are relative to" in printed and "prediction; errors are relative to" in printed
+    stored = json.loads((tmp_path / "two_pads-cost.json").read_text())
+    assert {one["family"] for one in stored["rungs"]} >= {"cone programme", "linearised", "inset", "contact points", "Coulomb", "path"}
+    assert stored["provenance"] and (tmp_path / "two_pads-cost.png").stat().st_size > 10_000
+    assert main(["cost", "two_pads", "--no-yade", "-o", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["ladders"][0]["scene"] == "two_pads"
+
+
+def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A support beside a block that stands without it: what round-off leaves of its reaction is no measure."""
+    toml = scenes.text(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (0.8, 1.0, 0.3)), inset=0.001)
+    (tmp_path / "idle.toml").write_text(toml)
+    assert main(["cost", str(tmp_path / "idle.toml"), "--no-yade", "-o", str(tmp_path), "--json"]) == 0
+    (stored,) = json.loads(capsys.readouterr().out)["ladders"]
+    assert all(rung["error"] is None and not rung["pareto"] for rung in stored["rungs"])
+    assert any(rung["value"] == pytest.approx(0.0, abs=1e-8) for rung in stored["rungs"])
+    assert (tmp_path / "idle-cost.png").exists()
+
+
+def test_a_structure_that_cannot_stand_has_no_ladder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    falls = tmp_path / "falls.toml"
+    falls.write_text(scenes.text(scenes.arch(11, 0.05), settlement=(1.0, 0.0, 0.0)))
+    assert main(["cost", str(falls), "-o", str(tmp_path)]) == 2
+    assert "nothing to climb to" in capsys.readouterr().err

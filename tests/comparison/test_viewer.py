@@ -1,0 +1,151 @@
+"""Laws of the interactive view: what it is given is what both methods found, and the page admits its own scripts and nothing else."""
+
+import base64
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import CrossChecked
+from scenes import load, shipped
+
+from comparison.figures.canvas import size
+from comparison.figures.motion import DRAWN, motions
+from comparison.report import viewer
+from comparison.report.report import write_report
+from la_core.analysis.stage import analyse
+
+SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
+HOSTILE = "</script><script>alert(1)</script><!-- <b> ]]> {{ 7 * 7 }} \u2028"
+ELEMENT = re.compile(r"<script([^>]*)>(.*?)</script>", re.DOTALL)
+
+
+def array(text: str, dtype: str, *shape: int) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(text), dtype).reshape(shape)
+
+
+def data_of(found: CrossChecked) -> dict[str, Any]:
+    return dict(json.loads(viewer.viewer_text(found.scene, found.analysis, found.run)))
+
+
+def test_the_triangles_enclose_each_block() -> None:
+    scene = shipped("arch_spreading")
+    analysis = analyse(scene)
+    data, blocks = json.loads(viewer.viewer_text(scene, analysis, None)), analysis.assembly.blocks
+    vertices = array(data["vertices"], "<f4", -1, 3).astype(float)
+    triangles, owner = array(data["triangles"], "<u4", -1, 3), array(data["owner"], "<u4", -1)
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    volume = np.bincount(owner[triangles[:, 0]], weights=np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0)
+    assert volume == pytest.approx(blocks.volume, rel=100.0 * SINGLE)
+    edges = array(data["edges"], "<u4", -1, 2)
+    assert np.all(owner[edges[:, 0]] == owner[edges[:, 1]])
+    # Euler: vertices less edges and faces of every block come to 2.
+    assert len(vertices) - len(edges) + len(blocks.face_block) == 2 * len(blocks)
+
+
+def test_yade_moves_as_it_recorded_from_rest_and_limit_analysis_by_its_mechanism(cross_checked: Callable[[str], CrossChecked]) -> None:
+    found = cross_checked("two_pads")
+    data, run, blocks = data_of(found), found.run, len(found.analysis.assembly.blocks)
+    limit_analysis, yade = data["methods"]
+    moved = array(yade["displacement"], "<f4", -1, blocks, 6)
+    poses = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)
+    assert moved == pytest.approx(poses - poses[0], rel=SINGLE, abs=SINGLE * np.abs(poses).max())
+    assert array(yade["settlement"], "<f4", -1) == pytest.approx(run.poses["settlement"], rel=SINGLE)
+    assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(run.poses["forces"], rel=SINGLE, abs=1e-3)
+    assert found.analysis.coulomb is not None
+    last = array(limit_analysis["displacement"], "<f4", 2, blocks, 6)[1]
+    assert last == pytest.approx(data["end"] * found.analysis.coulomb.twists, rel=SINGLE, abs=1e-12)
+    assert data["end"] == run.poses["settlement"][-1]
+
+
+def test_the_fastest_point_is_drawn_to_move_a_fixed_share_of_the_size(two_pads: str) -> None:
+    analysis = analyse(load(two_pads))
+    shown, blocks = motions(analysis, None), analysis.assembly.blocks
+    (method,) = shown.methods
+    moved = shown.magnification * method.at(shown.end)
+    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    speed = np.linalg.norm(moved[owner, :3] + np.cross(moved[owner, 3:], blocks.vertices - blocks.centroid[owner]), axis=1)
+    assert speed.max() == pytest.approx(DRAWN * size(blocks))
+    assert not np.any(method.at(0.0))
+    assert method.at(0.25 * shown.end) == pytest.approx(0.25 * method.at(shown.end))
+
+
+def test_a_collapse_stays_in_the_picture(cross_checked: Callable[[str], CrossChecked]) -> None:
+    found = cross_checked("two_pads")
+    blocks = found.analysis.assembly.blocks
+    (free,) = np.flatnonzero(blocks.free)
+    for fall, drawn in ((0.01, 0.5 * size(blocks)), (3.0, 3.0)):  # m
+        displacement = found.run.poses["displacement"].copy()
+        displacement[-1, free, 2] -= fall
+        run = replace(
+            found.run, result={**found.run.result, "plateau_start": np.nan}, poses={**found.run.poses, "displacement": displacement}
+        )
+        shown = motions(found.analysis, run)
+        moved = shown.magnification * shown.methods[1].at(shown.end)[free]
+        assert np.linalg.norm(moved[:3]) == pytest.approx(drawn, rel=0.05)  # its corners move a little more
+
+
+def test_large_states_are_fewer_and_the_first_and_last_are_kept(
+    cross_checked: Callable[[str], CrossChecked], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = cross_checked("two_pads")
+    assembly = found.analysis.assembly
+    each = 4 * (6 * len(assembly.blocks) + 3 * len(assembly.points))
+    for count in (2, 5):
+        monkeypatch.setattr(viewer, "LARGEST", count * each)
+        settlement = array(data_of(found)["methods"][1]["settlement"], "<f4", -1)
+        assert len(settlement) == count
+        assert settlement[[0, -1]] == pytest.approx(found.run.poses["settlement"][[0, -1]], rel=SINGLE)
+
+
+def test_what_cannot_stand_is_shown_at_rest_with_its_reason(two_pads: str) -> None:
+    scene = load(
+        two_pads.replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]").replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
+    )
+    data = json.loads(viewer.viewer_text(scene, analyse(scene), None))
+    (method,) = data["methods"]
+    assert (data["start"], data["end"], method["note"]) == (0.0, 0.0, "cannot stand under its own weight")
+    assert not np.any(array(method["displacement"], "<f4", -1)) and not np.any(array(method["forces"], "<f4", -1))
+    assert data["palette"][array(method["looks"], "u1", -1)[2]]["name"].startswith("falls")
+    assert np.all(array(method["contacts"], "i1", -1) == -1)
+
+
+def page_of(folder: Path, *texts: str) -> str:
+    """A report of so many scenes with these views, "" for none."""
+    for number, text in enumerate(texts):
+        (folder / f"scene{number}").mkdir()
+        if text:
+            (folder / f"scene{number}" / viewer.FILE).write_text(text, encoding="utf-8")
+    comparisons = [{"scene": f"scene{number}", "verdict": None} for number in range(len(texts))]
+    return write_report(folder, comparisons, {}).read_text(encoding="utf-8")
+
+
+def test_the_page_runs_its_own_scripts_and_no_other(tmp_path: Path) -> None:
+    page = page_of(tmp_path, json.dumps({"title": HOSTILE}), json.dumps({"title": HOSTILE}))
+    elements = ELEMENT.findall(page)
+    views, (library, script) = elements[:-2], [text for _, text in elements[-2:]]
+    assert len(views) == 2 and page.count("<script") == 4 and "alert(1)</" not in page  # one library, however many scenes
+    assert all('type="application/json"' in attributes and json.loads(text) == {"title": HOSTILE} for attributes, text in views)
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)
+    digests = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'" for text in (library, script))
+    assert policy == f"default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src {digests}"
+    assert (viewer.WEB / "three.LICENSE").read_text(encoding="utf-8").strip() in library
+    for text in (library, script):
+        assert "<!--" not in text and not re.search(r"\beval\(|new Function|innerHTML", text)
+
+
+def test_without_a_view_the_page_has_no_script(tmp_path: Path) -> None:
+    page = page_of(tmp_path, "", "{ broken", "[" * 100_000)
+    assert "<script" not in page and "script-src" not in page and "viewer-data" not in page
+
+
+def test_the_page_of_a_small_scene_stays_small(cross_checked: Callable[[str], CrossChecked], tmp_path: Path) -> None:
+    found = cross_checked("two_pads")
+    page = page_of(tmp_path, viewer.viewer_text(found.scene, found.analysis, found.run))
+    assert len(page) < 0.7e6  # the library is 0.57 MB of it
+    assert "The view needs scripts and WebGL; the figures below show the same without." in page

@@ -1,0 +1,258 @@
+"""Reach: what the support's motion cannot touch may be set aside without any answer changing, and it is noticed where it may not."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+from conftest import Silent
+
+from comparison.judge.check import Verdict
+from comparison.judge.reduced_model import check_reach
+from comparison.judge.tolerances import HISTORY
+from comparison.workflow.one_scene import run_scene
+from comparison.yade import read_results
+from comparison.yade.run_record import Run
+from la_core import exchange
+from la_core.analysis import reach
+from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.plateau import ACCEPTED, predict
+from la_core.errors import SceneError
+from la_core.limit.associated import Drive, Status, solve
+from la_core.measures import residuals
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene import shipped
+from la_core.scene.scene import Scene, load_scene
+from yade_scripts import case as yade_case
+
+SAME = 1e-9  # of the value: one and the same computation
+SOLVER = 1e-6  # of the weight: two solutions of one programme
+INSET = 0.001
+
+
+def end_settles(**options: Any) -> Scene:
+    """A wall of 30 x 6 blocks whose right end settles."""
+    return scenes.build(*scenes.wall(30, 6, split=11.2), **{"inset": INSET, "model": "coulomb", **options})
+
+
+def middle_settles(**options: Any) -> Scene:
+    """A wall of 40 x 6 blocks that settles on the four in its middle."""
+    below = (
+        scenes.box("left", (0.0, 0.0, -0.2), (7.2, 0.3, 0.0), "fixed"),
+        scenes.box("support", (7.2, 0.0, -0.2), (8.8, 0.3, 0.0), "support"),
+        scenes.box("right", (8.8, 0.0, -0.2), (16.0, 0.3, 0.0), "fixed"),
+    )
+    return scenes.build(scenes.wall(40, 6)[0], *below, inset=INSET, model="coulomb", **options)
+
+
+def window_beside(**options: Any) -> Scene:
+    """A wall of 30 x 8 blocks with two windows far from its settling end and one near to it."""
+    openings = [{"from": [x, 0.4], "to": [x + 0.8, 1.0], "bearing": 0.2} for x in (1.2, 4.0, 8.0)]
+    return scenes.build(*scenes.wall(30, 8, split=11.2, opening=openings), inset=INSET, model="coulomb", **options)
+
+
+def pushed_row(**options: Any) -> Scene:
+    """A wall of 20 x 2 blocks that slides off as a whole, pushed at its left end."""
+    push = scenes.box("support", (-0.4, 0.0, 0.0), (0.0, 0.3, 0.2), "support")
+    return scenes.build(*scenes.wall(20, 2), push, settlement=(1.0, 0.0, 0.0), inset=INSET, model="coulomb", **options)
+
+
+def reaction(analysis: LimitAnalysis) -> float:
+    assert analysis.coulomb is not None
+    return analysis.coulomb.value
+
+
+def reduced(scene: Scene, layers: int) -> tuple[Assembly, Assembly]:
+    """The whole assembly, and the region with `layers` around it, taken without any guard."""
+    whole = assemble(scene)
+    return whole, reach.set_aside(whole, whole.blocks.free & ~reach.region(whole, layers))
+
+
+# --- agreement -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", [end_settles, middle_settles, window_beside])
+def test_setting_aside_changes_no_answer(scene) -> None:
+    part, whole = analyse(scene(reach="auto")), analyse(scene(reach=False))
+    assert part.assembly.effects.reach and not whole.assembly.effects.reach
+    assert part.assembly.aside.sum() >= reach.LEAST_BLOCKS
+    weight = whole.assembly.weight
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert part.rounded[drive].value == pytest.approx(whole.rounded[drive].value, abs=SOLVER * weight)
+        assert part.sharp[drive].value == pytest.approx(whole.sharp[drive].value, abs=SOLVER * weight)
+    assert part.coulomb is not None and whole.coulomb is not None and part.coulomb_sharp is not None and whole.coulomb_sharp is not None
+    assert part.coulomb.status is Status.SOLVED
+    assert part.coulomb.value == pytest.approx(whole.coulomb.value, rel=HISTORY)
+    assert part.coulomb_sharp.value == pytest.approx(whole.coulomb_sharp.value, rel=HISTORY)
+    assert whole.coulomb.interval[0] <= part.coulomb.value <= whole.coulomb.interval[1]
+    assert part.coulomb.at_rest == pytest.approx(whole.coulomb.at_rest, rel=SAME)
+
+
+def test_where_no_joint_may_slide_the_answer_is_the_same_too() -> None:
+    part, whole = (analyse(end_settles(model="none-slides", reach=asked)) for asked in (True, False))
+    assert part.assembly.effects.reach
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert part.rounded[drive].status is whole.rounded[drive].status
+    assert part.rounded[Drive.YIELDING].value == pytest.approx(whole.rounded[Drive.YIELDING].value, abs=SOLVER * whole.assembly.weight)
+
+
+def test_a_wall_far_away_is_set_aside_whole_and_leaves_the_reaction_as_it_is() -> None:
+    near = scenes.wall(10, 6, split=2.8)
+    far = (scenes.box("far base", (20.0, 0.0, -0.2), (24.0, 0.3, 0.0), "fixed"),)
+    row = [
+        scenes.box(f"far {i} {k}", (20.0 + 0.4 * i, 0.0, 0.2 * k), (20.4 + 0.4 * i, 0.3, 0.2 * k + 0.2))
+        for i in range(10)
+        for k in range(6)
+    ]
+    alone = analyse(scenes.build(*near, inset=INSET, model="coulomb"))
+    both = analyse(scenes.build(*near, *far, *row, inset=INSET, model="coulomb", reach=True))
+    names = np.array(both.assembly.blocks.names)
+    assert set(names[both.assembly.aside]) >= {name for name in names if name.startswith("far ") and name != "far base"}
+    assert reaction(both) == pytest.approx(reaction(alone), rel=HISTORY)
+
+
+def test_both_parts_together_are_a_state_of_the_whole_structure() -> None:
+    scene = end_settles()
+    part = analyse(scene)
+    assert part.coulomb is not None
+    whole = assemble(scene)
+    lifted, _ = reach.lift(whole, part.assembly, part.coulomb.forces)
+    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED
+    assert residuals.cone_violation(whole, lifted) <= ACCEPTED
+    assert residuals.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
+
+
+def test_what_is_set_aside_rests_and_the_support_s_blocks_never_are() -> None:
+    part = analyse(end_settles())
+    assert part.coulomb is not None
+    assert not np.any(part.coulomb.twists[part.assembly.aside])
+    a, b = part.assembly.contact_blocks
+    touching = np.union1d(b[part.assembly.blocks.role[a] == exchange.SUPPORT], a[part.assembly.blocks.role[b] == exchange.SUPPORT])
+    assert len(touching) and not part.assembly.aside[touching].any()
+
+
+def test_shares_of_the_mass_are_of_all_free_blocks() -> None:
+    scene = end_settles()
+    assert analyse(scene).assembly.movable_mass * np.linalg.norm(scene.gravity) == pytest.approx(scene.weight, rel=1e-12)
+
+
+# --- difference and guard ------------------------------------------------------------------------------------------------------
+
+
+def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
+    scene = middle_settles(reach=False)
+    whole, part = reduced(scene, 0)
+    analysis = analyse(scene)
+    wrong = predict(part, analysis.stiffness, analysis.rounded[Drive.YIELDING])
+    assert wrong.value < 0.5 * reaction(analysis)  # between blocks that cannot yield the wall hangs by friction
+    assert "on the support" in reach.obstacle(whole, part, wrong.twists, wrong.forces)
+
+
+def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
+    whole, part = reduced(pushed_row(), reach.LAYERS[0])
+    assert part.aside.any()
+    asked, plain = analyse(pushed_row(reach=True)), analyse(pushed_row(reach=False))
+    effects = asked.assembly.effects
+    assert not effects.reach and not asked.assembly.aside.any()
+    assert "after all" in effects.reasons["reach"] and 'block "' in effects.reasons["reach"]
+    assert reaction(asked) == pytest.approx(reaction(plain), rel=SAME)
+    assert reaction(asked) == pytest.approx(-0.6 * whole.weight, rel=HISTORY)  # the whole row slides on its bed
+
+
+def test_a_part_that_cannot_stand_is_found_although_it_could_be_set_aside() -> None:
+    ledge = scenes.box("ledge", (20.0, 0.0, -0.2), (20.4, 0.3, 0.0), "fixed")
+    overhang = scenes.box("overhang", (20.3, 0.0, 0.0), (20.9, 0.3, 0.2))
+    scene = scenes.build(*scenes.wall(30, 6, split=11.2), ledge, overhang, inset=INSET, model="coulomb", reach=True)
+    analysis = analyse(scene)
+    assert analysis.rounded[Drive.YIELDING].status is Status.INFEASIBLE
+    assert analysis.rounded[Drive.YIELDING].falling == ("overhang",)
+    whole, part = reduced(scene, reach.LAYERS[0])
+    assert part.aside[whole.blocks.names.index("overhang")]
+    answer = solve(part, Drive.YIELDING)  # the region knows nothing of it
+    assert answer.status is Status.SOLVED
+    assert '"overhang"' in reach.obstacle(whole, part, np.full((len(whole.blocks), 6), np.nan), answer.forces)
+
+
+# --- when ----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
+def test_small_shipped_scenes_are_modelled_whole(name: str) -> None:
+    scene = load_scene(shipped.find(name))
+    masks, why = reach.choices(scene, assemble(scene))
+    assert masks == [] and why
+
+
+def test_a_live_load_reaches_every_block() -> None:
+    parts = scenes.wall(3, 3)
+    assert "every block" in analyse(scenes.build(*parts, live=(1.0, 0.0, 0.0))).assembly.effects.reasons["reach"]
+    with pytest.raises(SceneError, match=r"effects.reach.*live load"):
+        analyse(scenes.build(*parts, live=(1.0, 0.0, 0.0), reach=True))
+
+
+# --- case.h5 and YADE ----------------------------------------------------------------------------------------------------------
+
+
+def test_case_file_keeps_what_was_set_aside_and_yade_lays_no_body_it_does_not_need(tmp_path: Path) -> None:
+    scene = end_settles()
+    analysis = analyse(scene)
+    write_case(tmp_path / "case.h5", scene, analysis, "")
+    again = read_case(tmp_path / "case.h5", scene)
+    assert again.assembly.effects == analysis.assembly.effects
+    assert np.array_equal(again.assembly.aside, analysis.assembly.aside)
+    assert np.array_equal(again.assembly.points.position, analysis.assembly.points.position)
+    assert reaction(again) == reaction(analysis)
+    one = yade_case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))
+    assert one.total == len(scene.blocks) > len(one.index)
+    assert np.array_equal(one.centroid, scene.blocks.centroid[one.index])
+    assert np.array_equal(one.index[one.block_a], analysis.assembly.contact_blocks[0])
+    assert len(one.free) == analysis.assembly.blocks.free.sum()
+    assert set(np.flatnonzero(analysis.assembly.aside)) > set(one.index[one.role == exchange.FIXED][1:])
+
+
+def plateau_of(analysis: LimitAnalysis, forces: np.ndarray) -> Run:
+    """A run whose plateau carries these forces (C, 3) and whose blocks move by the Coulomb mechanism."""
+    assert analysis.coulomb is not None
+    moved = np.stack([np.zeros_like(analysis.coulomb.twists), analysis.coulomb.twists])
+    poses = {"settlement": np.array([0.0, 1.0]), "forces": np.stack([forces, forces])}
+    poses |= {"displacement": moved[..., :3], "rotation": moved[..., 3:]}
+    return Run({"status": "plateau", "plateau_start": 0.0}, {}, poses, np.zeros((0, 2), dtype=int), {})
+
+
+def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> None:
+    scene = end_settles()
+    analysis = analyse(scene)
+    assert analysis.coulomb is not None
+    (check,) = check_reach(scene, analysis, plateau_of(analysis, analysis.coulomb.forces))
+    assert check.verdict is Verdict.AGREE
+    a, b = analysis.assembly.contact_blocks
+    thrust = np.where(
+        (analysis.assembly.aside[a] | analysis.assembly.aside[b])[:, None], analysis.assembly.weight * analysis.assembly.normal, 0.0
+    )
+    (check,) = check_reach(scene, analysis, plateau_of(analysis, analysis.coulomb.forces + thrust))
+    assert check.verdict is Verdict.INCONCLUSIVE
+    assert "would not stand" in check.reason and "reach = false" in check.reason
+    whole = replace(analysis, assembly=assemble(scene))
+    assert list(check_reach(scene, whole, plateau_of(analysis, analysis.coulomb.forces))) == []
+
+
+def test_yade_agrees_with_itself_whether_a_part_is_set_aside_or_not(tmp_path: Path) -> None:
+    found = {}
+    for asked in (True, False):
+        path = tmp_path / f"reach_{asked}.toml".lower()
+        path.write_text(scenes.text(*scenes.wall(20, 3, split=7.2), inset=INSET, model="coulomb", reach=asked))
+        summary = run_scene(load_scene(path), tmp_path / path.stem, Silent(), with_yade=True)
+        assert summary["verdict"] == "agree", summary["reason"]
+        _, analysis, run = read_results(tmp_path / path.stem)
+        assert run is not None
+        found[asked] = run
+        assert analysis.assembly.effects.reach is asked
+        assert not np.any(run.poses["displacement"][:, analysis.assembly.aside])
+    part, whole = found[True].result, found[False].result
+    tolerance = HISTORY * abs(whole["reaction"]) + whole["uncertainty"] + part["uncertainty"]
+    assert part["reaction"] == pytest.approx(whole["reaction"], abs=tolerance)
+    assert found[True].poses["forces"].shape[1] < found[False].poses["forces"].shape[1]

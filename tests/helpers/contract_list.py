@@ -1,0 +1,108 @@
+"""What users type, write and read, as one list: verbs, options, exit codes, scene and campaign keys, JSON keys, HDF5 paths, columns.
+
+`python tests/helpers/contract_list.py` prints it. `tests/helpers/contract.json` was written so by version 0.2.0; what it names must stay.
+"""
+
+import argparse
+import contextlib
+import io
+import json
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import comparison
+import la_core
+from comparison.campaign.columns import COSTS, result_columns
+from comparison.campaign.definition import CampaignFile
+from comparison.cli.arguments import parser
+from comparison.cli.commands import COMMANDS, main
+from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
+from comparison.run_folder import WRITTEN
+from comparison.settings import Settings
+from la_core import exchange
+from la_core.scene.schema.scene_file import SceneFile
+
+FREE_KEYS = ("settings", "provenance", "reasons", "shared_inset", "saved")  # objects whose keys depend on the scene
+SOLVED = {"wall_third": ("--path",), "ferris_tin_loi_1": (), "two_pads": ()}
+
+
+def contract() -> dict[str, Any]:
+    """The whole list; runs limit analysis on SOLVED and both methods on one scene."""
+    (commands,) = [action for action in parser(COMMANDS)._actions if isinstance(action, argparse._SubParsersAction)]
+    fields = [*exchange.CASE_FIELDS, *exchange.solution_fields("G"), *exchange.coulomb_fields("G"), *exchange.PATH_FIELDS]
+    return {
+        "verbs": {name: sorted(words(sub)) for name, sub in commands.choices.items()},
+        "exit codes": {
+            "agree": AGREE, "disagree": DISAGREE, "usage": USAGE, "tool": TOOL, "inconclusive": INCONCLUSIVE, "interrupted": INTERRUPTED,
+        },
+        "settings": sorted(Settings.model_fields),
+        "scene keys": sorted(schema_keys(SceneFile.model_json_schema())),
+        "campaign keys": sorted(schema_keys(CampaignFile.model_json_schema())),
+        "yade settings": sorted(exchange.SETTINGS),
+        "case.h5": {field.path: f"{field.dtype}, {field.unit}" for field in fields},
+        "run.h5": {field.path: f"{field.dtype}, {field.unit}" for field in exchange.RUN_FIELDS},
+        "results.csv": list(result_columns(())),
+        "costs.csv": list(COSTS),
+        "files": sorted(WRITTEN),
+        "stable names": {package.__name__: package.__all__ for package in (la_core, comparison)},
+        "solve --json": {scene: sorted(set(json_keys(solved(scene, *options)))) for scene, options in SOLVED.items()},
+        "comparison.json": sorted(set(json_keys(compared()))),
+    }  # fmt: skip
+
+
+def words(command: argparse.ArgumentParser) -> Iterator[str]:
+    """Options of a command, and names of its positional arguments as the help shows them."""
+    for action in command._actions:
+        yield from action.option_strings or [str(action.metavar)]
+
+
+def schema_keys(schema: dict[str, Any]) -> Iterator[str]:
+    """Dotted keys of a JSON Schema, `[]` for the entries of an array of tables."""
+
+    def below(node: dict[str, Any], path: str) -> Iterator[str]:
+        for part in (node, *node.get("anyOf", ()), *node.get("allOf", ())):
+            reference = part.get("$ref")
+            if reference:
+                yield from below(schema["$defs"][reference.rsplit("/", 1)[1]], path)
+            if isinstance(part.get("items"), dict):
+                yield from below(part["items"], f"{path}[]")
+            for name, child in part.get("properties", {}).items():
+                key = f"{path}.{name}".removeprefix(".")
+                values = [f"{key}={value}" for choice in (child, *child.get("anyOf", ())) for value in choice.get("enum", ())]
+                yield from [key, *values]
+                yield from below(child, key)
+
+    return below(schema, "")
+
+
+def json_keys(value: Any, path: str = "") -> Iterator[str]:
+    """Dotted keys of an object, `[]` for the entries of an array."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            key = f"{path}.{name}".removeprefix(".")
+            yield key
+            if name not in FREE_KEYS:
+                yield from json_keys(item, key)
+    elif isinstance(value, list):
+        for item in value:
+            yield from json_keys(item, f"{path}[]")
+
+
+def solved(scene: str, *options: str) -> dict[str, Any]:
+    """What `crosscheck solve --json` prints."""
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        main(["solve", scene, "--json", "-q", *options])
+    return dict(json.loads(printed.getvalue()))
+
+
+def compared() -> dict[str, Any]:
+    """What `crosscheck run` stores of a scene that both methods know."""
+    with tempfile.TemporaryDirectory() as folder:
+        main(["run", "two_pads", "-q", "-o", folder])
+        return dict(json.loads((Path(folder) / "two_pads" / "comparison.json").read_text(encoding="utf-8")))
+
+
+if __name__ == "__main__":
+    print(json.dumps(contract(), indent=1))

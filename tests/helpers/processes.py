@@ -1,0 +1,32 @@
+"""Which processes a process started, and which of their sockets listen, as the kernel says."""
+
+from pathlib import Path
+
+LISTENS = "0A"  # state of a socket in /proc/net/tcp
+
+
+def tree(root: int) -> set[int]:
+    """A process and all that descend from it."""
+    parents = {}
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit():
+                parents[int(entry.name)] = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+        except OSError:
+            continue  # it ended just now
+    found = {root}
+    while more := {child for child, parent in parents.items() if parent in found} - found:
+        found |= more
+    return found
+
+
+def listening(processes: set[int]) -> set[str]:
+    """Sockets that listen, of some processes."""
+    held = set()
+    for process in processes:
+        try:
+            held |= {str(link.readlink()) for link in Path(f"/proc/{process}/fd").iterdir()}
+        except OSError:
+            continue
+    rows = [line.split() for name in ("tcp", "tcp6") for line in Path(f"/proc/net/{name}").read_text().splitlines()[1:]]
+    return held & {f"socket:[{row[9]}]" for row in rows if row[3] == LISTENS}

@@ -1,0 +1,312 @@
+"""Barrel vaults and domes: volumes, plane faces, the plane answer in 3D, symmetries, and what cannot be built."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+from scipy.optimize import linprog
+
+from la_core.errors import SceneError
+from la_core.geometry.shapes import Blocks
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.model.assembly import assemble
+from la_core.scene.scene import Scene
+
+ROUND_OFF = 1e-12  # of a length, an area or a volume
+EXACT = 1e-6  # of the weight: residuals up to 1e-6 of a block's weight are accepted
+RIGHT = (1.0, 0.0, 0.0)
+ROUGH = 0.9  # friction with which no joint of these arches slides
+
+
+def vault(**changes: Any) -> str:
+    entries = {
+        "centre": (0.3, -1.0, 0.5), "radius": 2.0, "thickness": 0.4, "length": 3.0, "voussoirs": 7, "rings": 3, "bond": "running",
+        "embrace": 140.0, "springers": {"left": "fixed", "right": "support"},
+    }  # fmt: skip
+    return scenes.table("[vault]", **{key: value for key, value in (entries | changes).items() if value is not None})
+
+
+def dome(**changes: Any) -> str:
+    entries = {
+        "centre": (0.3, -1.0, 0.5), "radius": 2.0, "thickness": 0.4, "courses": 4, "lunes": 12, "embrace": 80.0, "oculus": 20.0,
+        "sector": 120.0, "sides": "fixed", "support": (2, 3),
+    }  # fmt: skip
+    return scenes.table("[dome]", **{key: value for key, value in (entries | changes).items() if value is not None})
+
+
+WHOLE = {"sector": 360.0, "sides": None}
+CLOSED = WHOLE | {"oculus": 0.0}
+
+
+def free_volume(scene: Scene) -> float:
+    return float(scene.blocks.volume[scene.blocks.free].sum())
+
+
+def face_gaps(blocks: Blocks) -> np.ndarray:
+    """Distance (L,) of every corner of every face from the face's plane, m."""
+    face = np.repeat(np.arange(len(blocks.face_offset)), np.diff(blocks.face_start))
+    return np.sum(blocks.vertices[blocks.face_vertex] * blocks.face_normal[face], axis=1) - blocks.face_offset[face]
+
+
+def heights_above_faces(blocks: Blocks) -> np.ndarray:
+    """Largest distance (B,) of a block's vertices outside any plane of its own faces, m."""
+    highest = np.full(len(blocks), -np.inf)
+    for face, block in enumerate(blocks.face_block):
+        own = blocks.vertices[blocks.vertex_start[block] : blocks.vertex_start[block + 1]]
+        highest[block] = max(highest[block], (own @ blocks.face_normal[face]).max() - blocks.face_offset[face])
+    return highest
+
+
+def solved(scene: Scene, drive: Drive = Drive.YIELDING) -> Solution:
+    solution = solve(assemble(scene), drive)
+    assert solution.status is Status.SOLVED
+    return solution
+
+
+def ratio(scene: Scene, drive: Drive = Drive.YIELDING) -> float:
+    return solved(scene, drive).value / scene.weight
+
+
+# --- geometry ----------------------------------------------------------------------------------------------------------------
+
+BUILT = {
+    "running vault": vault(),
+    "stacked vault": vault(bond="stack", embrace=180.0),
+    "sector": dome(),
+    "free sector": dome(sides="free"),
+    "hemisphere": dome(**CLOSED, embrace=90.0),
+    "open dome": dome(**WHOLE),
+    "closed sector": dome(oculus=0.0),
+    "closed half": dome(oculus=0.0, sector=180.0),
+    "wide sector": dome(oculus=50.0, sector=240.0),
+}
+
+every_shell = pytest.mark.parametrize("name", BUILT)
+
+
+@every_shell
+def test_voussoirs_and_springers_have_plane_faces_and_are_convex(name: str) -> None:
+    blocks = scenes.build(BUILT[name], settlement=RIGHT).blocks
+    assert (blocks.volume > 0.0).all()
+    assert np.abs(face_gaps(blocks)).max() <= ROUND_OFF * 10.0
+    assert heights_above_faces(blocks).max() <= ROUND_OFF * 10.0
+
+
+def test_volume_of_a_vault_is_that_of_its_straight_sided_ring_times_its_length() -> None:
+    opening = math.radians(140.0) / 7
+    ring = 7 * 0.5 * math.sin(opening) * (2.2**2 - 1.8**2)
+    for bond in ("running", "stack"):
+        assert free_volume(scenes.build(vault(bond=bond), settlement=RIGHT)) == pytest.approx(3.0 * ring, rel=ROUND_OFF)
+
+
+def frustum_volume(inner: float, outer: float, lunes: int, above: float, below: float) -> float:
+    """Volume of a voussoir: pyramids about the centre over a trapezoid with corners on the unit sphere, one less the other."""
+    return (outer**3 - inner**3) / 6.0 * math.sin(2.0 * math.pi / lunes) * (math.sin(above) + math.sin(below)) * math.sin(below - above)
+
+
+def test_volume_of_a_dome_is_that_of_its_frusta() -> None:
+    parallels = np.radians(np.linspace(20.0, 80.0, 5))
+    lune = sum(frustum_volume(1.8, 2.2, 12, *parallels[k : k + 2]) for k in range(4))
+    assert free_volume(scenes.build(dome(), settlement=RIGHT)) == pytest.approx(4 * lune, rel=ROUND_OFF)
+    parallels = np.radians(np.linspace(0.0, 80.0, 5))  # now a keystone from 0 to 20 degrees, with flat faces
+    keystone = (2.2**3 - 1.8**3) / 6.0 * math.sin(math.pi / 6.0) * math.sin(parallels[1]) ** 2 * math.cos(parallels[1])
+    lune = keystone + sum(frustum_volume(1.8, 2.2, 12, *parallels[k : k + 2]) for k in range(1, 4))
+    for changes, lunes in ((CLOSED, 12), ({"oculus": 0.0}, 4), ({"oculus": 0.0, "sector": 180.0}, 6)):
+        assert free_volume(scenes.build(dome(**changes), settlement=RIGHT)) == pytest.approx(lunes * lune, rel=ROUND_OFF)
+
+
+SECOND_ORDER = 0.05  # of the factor four by which half the voussoir's size divides the error: terms of the fourth order
+
+
+def test_volume_of_a_dome_tends_to_that_of_the_shell_at_second_order() -> None:
+    shell = 2.0 * math.pi / 3.0 * (2.2**3 - 1.8**3) * (1.0 - math.cos(math.radians(80.0)))
+    missing = [
+        shell - free_volume(scenes.build(dome(**CLOSED, courses=courses, lunes=3 * courses), settlement=RIGHT)) for courses in (6, 12, 24)
+    ]
+    assert missing[0] / missing[1] == pytest.approx(4.0, rel=SECOND_ORDER)
+    assert missing[1] / missing[2] == pytest.approx(4.0, rel=SECOND_ORDER)
+
+
+@pytest.mark.parametrize(("bond", "heads"), [("stack", 7 * 2), ("running", 4 * 2 + 3 * 3)])
+def test_joints_of_a_vault_are_closed_all_over(bond: str, heads: int) -> None:
+    """Eight radial joints over the whole length, and a head joint between every two voussoirs of a course."""
+    opening = math.radians(140.0) / 7
+    expected = 8 * 0.4 * 3.0 + heads * 0.5 * math.sin(opening) * (2.2**2 - 1.8**2)
+    assembly = assemble(scenes.build(vault(bond=bond), settlement=RIGHT))
+    assert assembly.interfaces.area.sum() == pytest.approx(expected, rel=ROUND_OFF * 10.0)
+
+
+def bed_area(lunes: int, phi: float) -> float:
+    """Area of a bed joint of the test's dome: triangles about the centre over a chord of the parallel, one less the other."""
+    half_chord = math.sin(phi) * math.sin(math.pi / lunes)
+    return (2.2**2 - 1.8**2) * half_chord * math.sqrt(1.0 - half_chord**2)
+
+
+@pytest.mark.parametrize(
+    ("changes", "lunes", "meridians", "courses"),
+    [({}, 4, 5, 4), ({"sides": "free"}, 4, 3, 4), (WHOLE, 12, 12, 4), (CLOSED, 12, 12, 3), ({"sector": 180.0}, 6, 7, 4)],
+)
+def test_joints_of_a_dome_are_closed_all_over(changes: dict[str, Any], lunes: int, meridians: int, courses: int) -> None:
+    """Below every voussoir and every side of the keystone a bed, between every two voussoirs of a course a piece of meridian."""
+    parallels = np.radians(np.linspace(0.0 if changes is CLOSED else 20.0, 80.0, 5))
+    beds = lunes * sum(bed_area(12, phi) for phi in parallels[1:])
+    joints = meridians * courses * 0.5 * math.sin(parallels[1] - parallels[0]) * (2.2**2 - 1.8**2)
+    assembly = assemble(scenes.build(dome(**changes), settlement=RIGHT))
+    assert assembly.interfaces.area.sum() == pytest.approx(beds + joints, rel=ROUND_OFF * 10.0)
+
+
+# --- vaults: 3D gives the plane answer ---------------------------------------------------------------------------------------
+
+
+def plane_arch(**changes: Any) -> Scene:
+    """The arch that a ring of the test's vault is."""
+    entries = {"depth": 0.7, "length": None, "rings": None, "bond": None} | changes
+    return scenes.build(vault(**entries).replace("[[vault]]", "[[arch]]"), friction=ROUGH, settlement=RIGHT)
+
+
+@pytest.mark.parametrize("drive", [Drive.YIELDING, Drive.PUSHING])
+@pytest.mark.parametrize(("rings", "bond"), [(1, "stack"), (4, "stack"), (1, "running"), (3, "running")])
+def test_a_vault_thrusts_as_its_arch_does(rings: int, bond: str, drive: Drive) -> None:
+    """In running bond, too: without sliding every ring, and every half voussoir, moves by the arch's mechanism."""
+    scene = scenes.build(vault(rings=rings, bond=bond), friction=ROUGH, settlement=RIGHT, plane=False)
+    assert ratio(scene, drive) == pytest.approx(ratio(plane_arch(), drive), abs=EXACT)
+
+
+@pytest.mark.parametrize(("direction", "known"), [((1.0, 0.0, 0.0), 0.17443), ((0.0, 0.0, -1.0), 0.48827), ((1.0, 0.0, -1.0), 0.47689)])
+def test_a_vault_of_eleven_courses_has_the_thrust_of_the_known_arch(direction: tuple[float, float, float], known: float) -> None:
+    """Computed by an independent prototype for t/R = 0.15, five digits (arch_spreading, arch_settling and arch_diagonal)."""
+    barrel = vault(thickness=0.3, embrace=180.0, voussoirs=11, rings=2)
+    assert ratio(scenes.build(barrel, friction=0.7, settlement=direction)) == pytest.approx(known, abs=1e-5)
+
+
+def test_running_bond_ties_the_rings_of_a_vault_together() -> None:
+    """Pads under half of the springing: the ring over them may drop alone in stack bond, in running bond its neighbours hold it."""
+    held = vault(rings=2, springers=None, embrace=180.0, centre=(0.0, 0.0, 0.0), thickness=0.6)
+    pads = [scenes.box("left", (-2.4, 0.0, -0.3), (-1.6, 3.0, 0.0), "fixed")]
+    pads += [scenes.box(role, (1.6, y, -0.3), (2.4, y + 1.5, 0.0), role) for role, y in (("fixed", 0.0), ("support", 1.5))]
+    reaction = {}
+    for bond in ("stack", "running"):
+        reaction[bond] = ratio(scenes.build(held.replace("running", bond), *pads, friction=ROUGH))
+    assert reaction["running"] < reaction["stack"] - 1e-3  # more than any residual
+
+
+# --- domes: symmetries and equilibrium ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [30.0, 77.0, 211.0])
+@pytest.mark.parametrize("direction", [(0.0, 0.0, -1.0), (1.0, 2.0, -1.0)])
+def test_a_sector_of_a_dome_answers_alike_wherever_it_looks(angle: float, direction: tuple[float, float, float]) -> None:
+    scene = scenes.build(dome(support=(1, 2), sides="fixed"), friction=0.6, settlement=direction)
+    turned = scenes.moved(scene, turn=scenes.rotation((0.0, 0.0, 1.0), math.radians(angle)))
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert ratio(turned, drive) == pytest.approx(ratio(scene, drive), abs=EXACT)
+
+
+def test_a_sector_answers_alike_where_its_first_and_where_its_last_lunes_settle() -> None:
+    first, last = (scenes.build(dome(support=lunes)) for lunes in ((1, 1), (4, 4)))
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert ratio(first, drive) == pytest.approx(ratio(last, drive), abs=EXACT)
+
+
+@pytest.mark.parametrize("changes", [WHOLE, CLOSED | {"embrace": 90.0}])
+def test_a_whole_dome_rests_on_all_its_springers(changes: dict[str, Any]) -> None:
+    scene = scenes.build(dome(**changes, support=(1, 12)))
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert ratio(scene, drive) == pytest.approx(1.0, abs=EXACT)
+
+
+def test_what_some_springers_do_not_carry_the_others_do() -> None:
+    """The springers' vertical forces add up to the weight: the least of some is the weight less the greatest of the others."""
+    some, others = (scenes.build(dome(**CLOSED, support=lunes)) for lunes in ((1, 5), (6, 12)))
+    assert ratio(some) + ratio(others, Drive.PUSHING) == pytest.approx(1.0, abs=EXACT)
+    assert ratio(others) + ratio(some, Drive.PUSHING) == pytest.approx(1.0, abs=EXACT)
+
+
+# --- the thinnest dome -------------------------------------------------------------------------------------------------------
+
+
+def lune_stands(thickness: float, lunes: int, courses: int) -> bool:
+    """Whether a thrust line fits into one lune of a closed hemisphere of radius 1 that gets no help from its neighbours.
+
+    Plane statics in the lune's middle plane, x outwards: the keystone gives its share of weight, any thrust and any moment; at each
+    bed joint the resultant of all above passes between intrados and extrados. Volumes and centroids of frusta about the centre.
+    """
+    inner, outer = 1.0 - thickness / 2.0, 1.0 + thickness / 2.0
+    parallels = np.linspace(0.0, math.pi / 2.0, courses + 1)[1:]
+    joint = np.stack([np.sin(parallels) * math.cos(math.pi / lunes), np.cos(parallels)], axis=1)  # mid points of chords, radius 1
+    width, sector = np.sin(parallels), (outer**3 - inner**3) / 6.0 * math.sin(2.0 * math.pi / lunes)
+    keystone = sector * width[0] ** 2 * math.cos(parallels[0])
+    weight = sector * (width[:-1] + width[1:]) * np.sin(np.diff(parallels))
+    below = (width[:-1] + 2.0 * width[1:]) / (3.0 * (width[:-1] + width[1:]))  # centroid of a trapezoid, from the upper joint
+    arm = 0.75 * (outer**4 - inner**4) / (outer**3 - inner**3) * (joint[:-1, 0] + below * np.diff(joint[:, 0]))
+    rows, most = [], []
+    for k in range(courses):
+        for edge, sign in ((inner * joint[k], 1.0), (outer * joint[k], -1.0)):
+            weights = edge[0] * keystone - np.sum((arm[:k] - edge[0]) * weight[:k])
+            rows.append([sign * edge[1], sign])  # moments of the unit thrust along the centre's level, and of the moment
+            most.append(-sign * weights)
+    return bool(linprog([0.0, 0.0], A_ub=rows, b_ub=most, bounds=[(None, None)] * 2).success)
+
+
+def thinnest(lunes: int, courses: int) -> float:
+    """Least thickness over the radius of a lune that stands, by bisection to seven digits."""
+    low, high = 0.01, 0.2
+    while high - low > 1e-7 * high:
+        middle = (low + high) / 2.0
+        low, high = (low, middle) if lune_stands(middle, lunes, courses) else (middle, high)
+    return high
+
+
+def test_thinnest_lune_is_heyman_s() -> None:
+    """Heyman 1967: 0.042 for orange slices; two digits, the weight on the middle surface."""
+    assert thinnest(400, 400) == pytest.approx(0.042, abs=1e-3)
+
+
+@pytest.mark.parametrize(("lunes", "courses"), [(8, 6), (12, 6), (16, 9)])
+@pytest.mark.parametrize(("over", "status"), [(0.99, Status.INFEASIBLE), (1.01, Status.SOLVED)])
+@pytest.mark.parametrize("model", ["associated", "none-slides"])
+def test_a_hemisphere_stands_exactly_if_its_lunes_do(lunes: int, courses: int, over: float, status: Status, model: str) -> None:
+    """Above the least thickness lunes without hoop forces are a safe state; below, the lunes part as they fall, and nothing holds them."""
+    entries = CLOSED | {"radius": 1.0, "thickness": over * thinnest(lunes, courses), "embrace": 90.0, "lunes": lunes, "courses": courses}
+    scene = scenes.build(dome(**entries, support=(1, lunes)), friction=ROUGH, model=model)
+    assert solve(assemble(scene), Drive.YIELDING).status is status
+
+
+# --- what cannot be built ----------------------------------------------------------------------------------------------------
+
+IMPOSSIBLE = {
+    "vault thicker than its circle": (vault(thickness=4.0), 'vault[1]: `thickness` must be less than twice `radius`'),
+    "vault of one slab": (vault(voussoirs=1), "vault[1]: a voussoir may span at most 120 degrees; take more `voussoirs`"),
+    "vault beyond a semicircle": (vault(embrace=181.0), "vault[1].embrace = 181.0: must be less than or equal to 180"),
+    "vault without rings": (vault(rings=0), "vault[1].rings = 0: must be greater than or equal to 1"),
+    "vault without a bond": (vault(bond=None), "vault[1].bond: missing"),
+    "vault of an unknown bond": (vault(bond="english"), "vault[1].bond = 'english': must be 'running' or 'stack'"),
+    "vault of a free springer": (vault(springers={"left": "free", "right": "fixed"}), "vault[1].springers.left = 'free': must be"),
+    "vault of too many blocks": (vault(voussoirs=1000, rings=1000), "vault[1]: `voussoirs` times `rings` may be at most 50000"),
+    "vault with a depth": (vault(depth=1.0), "vault[1].depth: unknown key"),
+    "dome thicker than its sphere": (dome(thickness=4.0), "dome[1]: `thickness` must be less than twice `radius`"),
+    "dome that is all oculus": (dome(oculus=80.0), "dome[1]: `oculus` must be less than `embrace`, else nothing is left of the dome"),
+    "dome beyond a hemisphere": (dome(embrace=91.0), "dome[1].embrace = 91.0: must be less than or equal to 90"),
+    "dome of a keystone alone": (dome(oculus=0.0, courses=1), "dome[1]: `courses` must be at least 2 where a keystone closes the dome"),
+    "dome of two lunes": (dome(lunes=2), "dome[1].lunes = 2: must be greater than or equal to 3"),
+    "sector that cuts a lune": (dome(sector=100.0), "dome[1]: `sector` must be a multiple of a lune, which is 30 degrees wide"),
+    "sector narrower than a lune": (dome(sector=1e-8), "dome[1]: `sector` must be a multiple of a lune"),
+    "keystone that is not convex": (dome(sector=240.0, oculus=0.0), "dome[1]: the keystone of a `sector` between 180 and 360 degrees"),
+    "whole dome with sides": (dome(sector=360.0), 'dome[1]: `sides = "fixed"` or `"free"` belongs to a `sector` of less than 360'),
+    "sector without sides": (dome(sides=None), 'dome[1]: `sides = "fixed"` or `"free"` belongs to a `sector` of less than 360'),
+    "support beyond the sector": (dome(support=(4, 5)), "dome[1]: `support` must be the first and the last of some lunes"),
+    "support the wrong way": (dome(support=(3, 2)), "dome[1]: `support` must be the first and the last of some lunes, which are"),
+    "support that is no lune": (dome(support=(0, 2)), "dome[1].support[1] = 0: must be greater than or equal to 1"),
+    "dome of too many blocks": (dome(courses=1000, lunes=1200), "dome[1]: `courses` times `lunes` may be at most 50000"),
+    "abutments in each other's way": (dome(sector=330.0, oculus=10.0), "overlap by"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_built_is_refused_by_name(name: str) -> None:
+    part, expected = IMPOSSIBLE[name]
+    with pytest.raises(SceneError) as error:
+        assemble(scenes.build(part, settlement=RIGHT))
+    assert expected in str(error.value)

@@ -1,0 +1,234 @@
+"""Bad scenes: each is refused by a message that names file, block or key, value where there is one, and rule."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import scenes
+
+from la_core.errors import SceneError
+from la_core.model.assembly import assemble
+from la_core.scene.scene import load_scene
+
+WriteScene = Callable[[str], Path]
+
+SHAPE = "box     = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }"
+MOTION = "[settlement]\ndirection = [0.0, 0.0, -1.0]"
+LIVE = "[live]\ndirection = [1.0, 0.0, 0.0]"
+WALL = '[[wall]]\nbond = "running"\norigin = [5.0, 0.0, 0.0]\nblock = [0.4, 0.2, 0.2]\nper_course = 4\ncourses = 4\n'
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(SceneError) as error:
+        assemble(load_scene(path))
+    message = str(error.value)
+    assert message.startswith(str(path))
+    assert "\n" not in message and "pydantic" not in message and "constrained" not in message
+    return message
+
+
+def swapped(text: str, *swaps: tuple[str, str]) -> str:
+    for old, new in swaps:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+def prism(profile: str, y: str = "[0.0, 0.2]") -> str:
+    return f"prism = {{ profile = {profile}, y = {y} }}"
+
+
+# What is changed in the contract's example, and what the message must say: place, value, rule, next step.
+CHANGED = {
+    "unknown key of a table": (("friction = 0.6", "friction = 0.6\nfricton = 0.6"), 'joint.fricton: unknown key; did you mean "friction"?'),
+    "misspelt required key": (("friction = 0.6", "fricton = 0.6"), 'joint.fricton: unknown key; did you mean "friction"?'),
+    "unknown key of a block": (("density = 2200.0", "densty = 2200.0"), 'block "block".densty: unknown key; did you mean "density"?'),
+    "unknown key of a shape": (("to = [1.0, 0.2, 0.5]", "too = [1.0, 0.2, 0.5]"), 'block "block".box.too: unknown key; did you mean "to"?'),
+    "unknown key like no other": (
+        ("direction = [0.0", "qqq = 1.0\ndirection = [0.0"),
+        "settlement.qqq: unknown key; valid keys: direction, axis, point",
+    ),
+    "unknown table": (("[joint]", "[joints]"), 'joints: unknown key; did you mean "joint"?'),
+    "no friction": (("friction = 0.6", ""), "joint.friction: missing"),
+    "no joint": (("[joint]\nfriction = 0.6", ""), "joint: missing"),
+    "no density": (
+        ("[stone]\ndensity = 2000.0", "", "density = 2200.0", ""),
+        'block "block": density: missing; give it one, or give all blocks one by [stone] density',
+    ),
+    "no name": (('name    = "block"', ""), "block[3].name: missing"),
+    "negative density": (("2200.0", "-2200.0"), 'block "block".density = -2200.0: must be greater than 0'),
+    "zero density": (("2200.0", "0.0"), 'block "block".density = 0.0: must be greater than 0'),
+    "negative friction": (("= 0.6", "= -0.6"), "joint.friction = -0.6: must be greater than or equal to 0"),
+    "negative inset": (("= 0.6", "= 0.6\ninset = -0.001"), "joint.inset = -0.001: must be greater than or equal to 0"),
+    "nan": (("= 0.6", "= nan"), "joint.friction = nan: must be a finite number"),
+    "infinite density": (("2200.0", "inf"), 'block "block".density = inf: must be a finite number'),
+    "infinite coordinate": (("0.2, 0.5]", "0.2, -inf]"), 'block "block".box.to[3] = -inf: must be a finite number'),
+    "flat box": (("0.2, 0.5]", "0.2, 0.0]"), 'block "block".box: every coordinate of `to` must be greater'),
+    "inverted box": (("0.2, 0.5]", "0.2, -0.5]"), 'block "block".box: every coordinate of `to` must be greater'),
+    "prism without depth": ((SHAPE, prism("[[0, 0], [1, 0], [1, 1]]", "[0.2, 0.2]")), 'block "block".prism: `y` must rise'),
+    "prism on a line": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]]")), 'block "block": the profile has no area'),
+    "prism of two points": (
+        (SHAPE, prism("[[0.0, 0.0], [1.0, 0.0]]")),
+        'block "block".prism.profile = [[0.0, 0.0], [1.0, 0.0]]: has too few entries, 2 where at least 3 belong',
+    ),
+    "prism not convex": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.0], [0.5, 0.1], [0.5, 0.5]]")), 'block "block": the profile is not convex'),
+    "prism that crosses itself": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.5], [1.0, 0.0], [0.0, 0.5]]")), 'block "block": the profile is not'),
+    "prism wound twice": (
+        (SHAPE, prism("[[0, 0], [1, 0.1], [1.2, 1], [0.5, 1.5], [-0.2, 1], [0.1, 0.05], [0.9, 0], [1.1, 1], [0.5, 1.4]]")),
+        'block "block": the profile is not convex',
+    ),
+    "flat polyhedron": (
+        (SHAPE, "polyhedron = { vertices = [[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [0, 0.2, 0]] }"),
+        'block "block": the polyhedron has no volume',
+    ),
+    "polyhedron of one point": (
+        (SHAPE, "polyhedron = { vertices = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]] }"),
+        'block "block": the polyhedron has no volume',
+    ),
+    "two shapes": ((SHAPE, SHAPE + "\n" + prism("[[0, 0], [1, 0], [1, 1]]")), 'block "block": needs exactly one shape: box, prism or'),
+    "no shape": ((SHAPE, ""), 'block "block": needs exactly one shape: box, prism or polyhedron'),
+    "overlap": (("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, -0.05], to = [1.0"), 'blocks "fixed pad" and "block": overlap by'),
+    "floating": (
+        ("from = [0.0, 0.0, 0.0], to = [1.0", "from = [0.0, 0.0, 0.012], to = [1.0"),
+        '"block": touches nothing: no face lies on another block\'s face; "fixed pad" is nearest to "block", about 0.012 m away',
+    ),
+    "inset too large": (
+        ("= 0.6", "= 0.6\ninset = 0.3"),
+        'joint.inset = 0.3: larger than half the interface between "fixed pad" and "block"',
+    ),
+    "name given twice": (('name    = "block"', 'name = "fixed pad"'), 'block "fixed pad": the name is used twice'),
+    "no support": (
+        ('role = "support"', 'role = "fixed"'),
+        'settlement: no block has the role of support; give a [[block]] role = "support"',
+    ),
+    "no free block": (('name    = "block"', 'name = "block"\nrole = "fixed"'), "block: no block is free"),
+    "misspelt role": (('"support"', '"suport"'), "block \"settling pad\".role = 'suport': must be 'free', 'fixed' or 'support'"),
+    "zero direction": (("0.0, -1.0]", "0.0, 0.0]"), "settlement.direction = [0.0, 0.0, 0.0]: must not be the zero vector"),
+    "zero gravity": (("-9.81", "0.0"), "gravity = [0.0, 0.0, 0.0]: must not be the zero vector"),
+    "two numbers for a direction": (("[0.0, 0.0, -1.0]", "[0.0, -1.0]"), "settlement.direction = [0.0, -1.0]: has too few entries"),
+    "four numbers for a direction": (
+        ("0.0, -1.0]", "0.0, -1.0, 2.0]"),
+        "settlement.direction = [0.0, 0.0, -1.0, 2.0]: has too many entries",
+    ),
+    "text for a number": (("= 0.6", '= "0.6"'), "joint.friction = '0.6': must be a number"),
+    "bool for a number": (("= 0.6", "= true"), "joint.friction = true: must be a number"),
+    "text for a coordinate": (("0.2, 0.5]", '0.2, "0.5"]'), "block \"block\".box.to[3] = '0.5': must be a number"),
+    "number for a name": (('name    = "block"', "name = 3"), "block[3].name = 3: must be text in quotes"),
+    "number for a table": (
+        (
+            "[stone]\ndensity = 2000.0",
+            "stone = 2000.0\n",
+        ),
+        "stone = 2000.0: must be a table",
+    ),
+    "array of tables for a table": (("[joint]", "[[joint]]"), "must be a table"),
+    "neither motion nor load": ((MOTION, ""), "scene: needs either a [settlement] or a [live] table"),
+    "motion and load": ((MOTION, MOTION + "\n" + LIVE), "scene: needs either a [settlement] or a [live] table"),
+    "support under a live load": ((MOTION, LIVE), 'live: a [live] scene has no support; give its held blocks role = "fixed"'),
+    "axis without point": ((MOTION, "[settlement]\naxis = [0.0, 1.0, 0.0]"), "settlement: needs either `direction` (translation) or both"),
+    "motion given twice": ((MOTION, MOTION + "\naxis = [0, 1, 0]\npoint = [0, 0, 0]"), "settlement: needs either `direction`"),
+    "neither auto nor bool": ((MOTION, MOTION + '\n[effects]\nplane = "yes"'), "effects.plane = 'yes': must be 'auto', true or false"),
+    "number for a bool": ((MOTION, MOTION + "\n[effects]\nplane = 1"), "effects.plane = 1: must be 'auto', true or false"),
+    "misspelt friction model": (
+        (MOTION, MOTION + '\n[effects]\nfriction = "colomb"'),
+        "effects.friction = 'colomb': must be 'auto', 'coulomb', 'associated' or 'none-slides'",
+    ),
+    "kind of expectation": (('"exact"', '"guess"'), "expected.kind = 'guess': must be 'exact', 'published' or 'computed'"),
+    "part of a block": (
+        (MOTION, WALL.replace("per_course = 4", "per_course = 2.5") + MOTION),
+        "wall[1].per_course = 2.5: must be a whole number",
+    ),
+    "unknown bond": ((MOTION, WALL.replace("running", "english") + MOTION), "wall[1].bond = 'english': must be 'running' or 'stack'"),
+    "opening off the courses": (
+        (MOTION, WALL + "opening = [{ from = [0.4, 0.1], to = [0.8, 0.4], bearing = 0.1 }]\n" + MOTION),
+        'wall "wall": opening = ((0.4, 0.1), (0.8, 0.4)): bottom and top must lie on course lines, multiples of 0.2 m',
+    ),
+    "opening without a lintel": (
+        (MOTION, WALL + "opening = [{ from = [0.4, 0.2], to = [0.8, 0.8], bearing = 0.1 }]\n" + MOTION),
+        "must leave a course for the lintel",
+    ),
+    "not TOML": ((MOTION, MOTION + "\n[["), "not valid TOML"),
+    "key given twice": (("friction = 0.6", "friction = 0.6\nfriction = 0.7"), "not valid TOML"),
+}
+
+
+@pytest.mark.parametrize("case", CHANGED)
+def test_bad_scene_is_refused_by_name(case, tmp_path, two_pads) -> None:
+    changes, expected = CHANGED[case]
+    path = tmp_path / "bad.toml"
+    path.write_text(swapped(two_pads, *zip(changes[::2], changes[1::2], strict=True)), encoding="utf-8")
+    assert expected in refusal(path)
+
+
+def test_unchanged_scene_is_accepted(write_scene: WriteScene, two_pads) -> None:
+    assert len(assemble(load_scene(write_scene(two_pads))).points) == 4
+
+
+def test_integers_are_numbers(write_scene: WriteScene, two_pads) -> None:
+    """TOML tells 1 from 1.0; a user need not."""
+    scene = load_scene(write_scene(swapped(two_pads, ("= 0.6", "= 1"), ("to = [1.0, 0.2, 0.5]", "to = [1, 0.2, 0.5]"))))
+    assert scene.friction == 1.0 and isinstance(scene.friction, float)
+
+
+def test_support_that_touches_nothing_free(write_scene: WriteScene, two_pads) -> None:
+    idle = scenes.box("idle pad", (1.0, 0.0, -0.1), (1.2, 0.2, 0.0), "support")
+    text = swapped(two_pads, ('role = "support"', 'role = "fixed"'), (MOTION, idle + "\n" + MOTION))
+    assert "settlement: no support block touches a free block, so its motion changes nothing" in refusal(write_scene(text))
+
+
+def test_plane_model_of_a_3d_scene(write_scene: WriteScene, two_pads) -> None:
+    asked = (MOTION, MOTION + "\n[effects]\nplane = true")
+    shallow = swapped(two_pads, asked, ("to = [0.4, 0.2, 0.0]", "to = [0.4, 0.1, 0.0]"))
+    assert 'effects.plane = true: block "fixed pad" does not span the whole depth' in refusal(write_scene(shallow))
+    askew = swapped(two_pads, asked, ("direction = [0.0, 0.0, -1.0]", "direction = [0.0, 0.1, -1.0]"))
+    assert "effects.plane = true: the support does not move in the xz plane" in refusal(write_scene(askew))
+    tilted = swapped(two_pads, asked, ("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 1.0, -9.81]"))
+    assert "effects.plane = true: gravity has a component along y" in refusal(write_scene(tilted))
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        ({}, ""),
+        ({"settlement": (0.0, 1e-3, -1.0)}, "the support does not move in the xz plane"),
+        ({"settlement": {"axis": (1.0, 0.0, 0.0), "point": (0.0, 0.0, 0.0)}}, "the support does not move in the xz plane"),
+        ({"settlement": {"axis": (0.0, 1.0, 0.0), "point": (0.0, 0.0, 0.0)}}, ""),
+        ({"gravity": (0.0, 0.01, -9.81)}, "gravity has a component along y"),
+        ({"live": (1.0, 0.01, 0.0)}, "the live load has a component along y"),
+        ({"live": (1.0, 0.0, 0.5)}, ""),
+    ],
+)
+def test_plane_model_is_taken_where_the_scene_allows_it(options, reason) -> None:
+    scene = scenes.build(*scenes.wall(3, 3, split=None if "live" in options else 0.4), **options)
+    effects = assemble(scene).effects
+    assert effects.plane is (reason == "")
+    assert reason in effects.reasons["plane"]
+
+
+def test_file_that_is_missing(tmp_path) -> None:
+    message = refusal(tmp_path / "nowhere.toml")
+    assert "cannot be read: No such file" in message and "crosscheck scenes" in message
+
+
+def test_folder_for_a_file(tmp_path) -> None:
+    assert "cannot be read: Is a directory" in refusal(tmp_path)
+
+
+def test_file_that_is_not_text(tmp_path, two_pads) -> None:
+    path = tmp_path / "latin.toml"
+    path.write_bytes(two_pads.replace("Right", "Tässä").encode("latin-1"))
+    assert "not UTF-8 text" in refusal(path)
+
+
+def test_empty_file(write_scene: WriteScene) -> None:
+    assert "joint: missing" in refusal(write_scene(""))
+
+
+def test_long_values_are_cut_short(write_scene: WriteScene, two_pads) -> None:
+    message = refusal(write_scene(swapped(two_pads, ("= 0.6", f'= "{"x" * 5000}"'))))
+    assert "joint.friction" in message and len(message) < 400
+
+
+def test_held_block_may_lack_a_density(write_scene: WriteScene, two_pads) -> None:
+    scene = load_scene(write_scene(swapped(two_pads, ("[stone]\ndensity = 2000.0", ""))))
+    assert scene.weight == pytest.approx(220.0 * 9.81)

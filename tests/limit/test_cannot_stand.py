@@ -1,0 +1,170 @@
+"""Structures without equilibrium: the status says so and names the blocks that fall; and supports that nothing lets move."""
+
+import numpy as np
+import pytest
+import scenes
+
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.model.assembly import Assembly, assemble
+from la_core.scene.scene import Scene
+
+PADS = (
+    scenes.box("fixed pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed"),
+    scenes.box("settling pad", (3.0, 0.0, -0.1), (4.0, 1.0, 0.0), "support"),
+)
+STANDING = scenes.box("standing", (3.0, 0.0, 0.0), (4.0, 1.0, 1.0))
+
+both_models = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+both_drives = pytest.mark.parametrize("drive", [Drive.YIELDING, Drive.PUSHING])
+
+
+def without_value(solution: Solution) -> bool:
+    """Undefined is NaN, never a number that could pass."""
+    numbers = [
+        solution.value,
+        solution.equilibrium_residual,
+        solution.cone_violation,
+        solution.mechanism_violation,
+        solution.duality_gap,
+    ]
+    return bool(np.isnan(numbers).all() and np.isnan(solution.twists).all() and np.isnan(solution.forces).all())
+
+
+def falling(model: Scene | Assembly, drive: Drive = Drive.YIELDING) -> set[str]:
+    solution = solve(assemble(model) if isinstance(model, Scene) else model, drive)
+    assert solution.status is Status.INFEASIBLE
+    assert without_value(solution)
+    return set(solution.falling)
+
+
+@both_models
+@both_drives
+def test_overhang_topples_and_its_neighbour_stands(plane, drive) -> None:
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))  # centroid at 1.05, the pad ends at 1
+    assert falling(scenes.build(*PADS, STANDING, overhang, plane=plane), drive) == {"overhang"}
+
+
+@both_models
+def test_overhang_stands_while_its_centroid_is_on_the_pad(plane) -> None:
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.79, 1.0, 0.5))  # centroid at 0.995
+    assert solve(assemble(scenes.build(*PADS, STANDING, overhang, plane=plane)), Drive.YIELDING).status is Status.SOLVED
+
+
+@both_models
+@both_drives
+def test_block_on_a_slope_too_smooth_for_it_slides(plane, drive) -> None:
+    slope = scenes.block("slope", "fixed", prism=([(0.0, 0.0), (1.0, 0.0), (1.0, 0.7)], (0.0, 1.0)))  # tan = 0.7
+    sitting = scenes.block("slider", prism=([(0.2, 0.14), (0.8, 0.56), (0.8, 0.7), (0.2, 0.28)], (0.0, 1.0)))
+    for friction, stands in ((0.69, False), (0.71, True)):
+        scene = scenes.build(PADS[1], STANDING, slope, sitting, friction=friction, plane=plane)
+        if stands:
+            assert solve(assemble(scene), drive).status is Status.SOLVED
+        else:
+            assert falling(scene, drive) == {"slider"}
+
+
+@both_models
+def test_what_rests_on_a_falling_block_falls_with_it(plane) -> None:
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
+    rider = scenes.box("rider", (1.2, 0.0, 0.5), (1.7, 1.0, 0.8))
+    assert falling(scenes.build(*PADS, STANDING, overhang, rider, plane=plane)) == {"overhang", "rider"}
+
+
+@both_models
+def test_counterweight_keeps_the_overhang_up(plane) -> None:
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
+    counterweight = scenes.box("counterweight", (0.2, 0.0, 0.5), (0.6, 1.0, 1.5))
+    scene = scenes.build(*PADS, STANDING, overhang, counterweight, plane=plane)
+    assert solve(assemble(scene), Drive.YIELDING).status is Status.SOLVED
+
+
+@both_models
+def test_thin_arch_names_its_voussoirs_and_not_the_pier_beside_it(plane) -> None:
+    pad = scenes.box("pad", (5.0, 0.0, -0.1), (6.0, 1.0, 0.0), "fixed")
+    pier = scenes.box("pier", (5.0, 0.0, 0.0), (6.0, 1.0, 1.0))
+    scene = scenes.build(scenes.arch(21, 0.05), pad, pier, settlement=(1.0, 0.0, 0.0), plane=plane)
+    names = falling(scene)
+    assert names and names <= {f"arch {k}" for k in range(1, 22)}
+
+
+@both_models
+def test_two_overhangs_may_both_fall(plane) -> None:
+    parts = [
+        scenes.box("left", (-0.95, 0.0, 0.0), (0.5, 1.0, 0.5)),
+        scenes.box("right", (0.5, 0.0, 0.0), (1.95, 1.0, 0.5)),
+    ]
+    names = falling(scenes.build(*PADS, STANDING, *parts, plane=plane))
+    assert names and names <= {"left", "right"}
+
+
+@both_models
+def test_live_load_on_what_cannot_stand(plane) -> None:
+    """A multiplier below zero would hold the structure up: that is no structure that stands under its own weight."""
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
+    scene = scenes.build(PADS[0], overhang, live=(1.0, 0.0, 0.2), plane=plane)
+    assert falling(scene, Drive.LIVE) == {"overhang"}
+
+
+def test_sliding_askew_to_every_axis() -> None:
+    loose = scenes.box("loose", (0.2, 0.2, 0.0), (0.8, 0.8, 0.3))
+    for friction, stands in ((0.101, True), (0.099, False)):  # tan(0.1) = 0.1003
+        gravity = scenes.rotation((1.0, 2.0, 0.0), 0.1) @ np.array([0.0, 0.0, -9.81])
+        scene = scenes.build(*PADS, STANDING, loose, friction=friction, gravity=gravity, plane=False)
+        if stands:
+            assert solve(assemble(scene), Drive.YIELDING).status is Status.SOLVED
+        else:
+            assert falling(scene) == {"loose", "standing"}
+
+
+def test_stage_reports_one_status_for_all_drives() -> None:
+    overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
+    analysis = analyse(scenes.build(*PADS, STANDING, overhang, inset=0.001))
+    for solutions in (analysis.rounded, analysis.sharp):
+        assert {s.status for s in solutions.values()} == {Status.INFEASIBLE}
+        assert {s.falling for s in solutions.values()} == {("overhang",)}
+
+
+@both_models
+def test_jammed_support_bears_any_push(plane) -> None:
+    """A flat arch pushed from both sides: nothing lets the abutment move inward."""
+    parts = (
+        scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.4), "fixed"),
+        scenes.box("voussoir", (0.0, 0.0, 0.0), (0.6, 1.0, 0.4)),
+        scenes.box("right", (0.6, 0.0, 0.0), (1.6, 1.0, 0.4), "support"),
+    )
+    assembly = assemble(scenes.build(*parts, settlement=(1.0, 0.0, 0.0), friction=1.2, plane=plane))
+    jammed = solve(assembly, Drive.PUSHING)
+    assert jammed.status is Status.UNBOUNDED and without_value(jammed) and jammed.falling == ()
+    assert solve(assembly, Drive.YIELDING).status is Status.SOLVED
+
+
+@both_models
+def test_jammed_support_beside_what_cannot_stand(plane) -> None:
+    """Nothing lets the abutment move inward, but the overhang beside it falls all the same."""
+    parts = (
+        scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.4), "fixed"),
+        scenes.box("voussoir", (0.0, 0.0, 0.0), (0.6, 1.0, 0.4)),
+        scenes.box("right", (0.6, 0.0, 0.0), (1.6, 1.0, 0.4), "support"),
+        scenes.box("overhang", (-1.9, 0.0, 0.4), (-0.2, 1.0, 0.9)),
+    )
+    scene = scenes.build(*parts, settlement=(1.0, 0.0, 0.0), friction=1.2, plane=plane)
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert falling(scene, drive) == {"overhang"}
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1, 1e-4])
+@both_models
+def test_all_that_falls_is_named_however_light(share, plane) -> None:
+    heavy = scenes.box("heavy", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
+    light = scenes.box("light", (2.1, 0.0, 0.0), (3.0, 1.0, 0.5), density=2000.0 * share)
+    pads = (PADS[0], scenes.box("settling pad", (2.8, 0.0, -0.1), (4.0, 1.0, 0.0), "support"))
+    scene = scenes.build(*pads, scenes.box("standing", (3.1, 0.0, 0.0), (4.0, 1.0, 1.0)), heavy, light, plane=plane)
+    assert falling(scene) == {"heavy", "light"}
+
+
+@both_models
+def test_live_load_that_only_presses_is_borne_without_end(plane) -> None:
+    scene = scenes.build(PADS[0], scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), live=scenes.DOWN, plane=plane)
+    solution = solve(assemble(scene), Drive.LIVE)
+    assert solution.status is Status.UNBOUNDED and without_value(solution)

@@ -1,0 +1,107 @@
+"""The energy audit of a YADE run: by hand on a made-up one, and on real ones, where nothing may be lost or come from nowhere."""
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import scenes
+from conftest import CrossChecked
+
+from comparison.judge.check import Verdict
+from comparison.judge.energy import DRIFT, audit, check_energy
+from comparison.report.details import energies
+from comparison.yade.run_record import Run
+from la_core.exchange.fields import SUPPORT
+from la_core.model.assembly import Assembly, assemble
+
+CrossCheck = Callable[[str], CrossChecked]
+ADDS_UP = 1e-9  # relative: round-off
+ACCOUNTED = 5e-3  # of the turnover: forces between stored states are taken as the mean of both
+WEDGED = 2e-2  # the same where joints give up the thrust they were wedged in with before the second state is stored
+SINK, NORMAL, SHEAR = 1e-3, 2e6, 1e6  # m, N/m
+
+
+def sliding_column() -> tuple[Assembly, float]:
+    """A column on its support beside a fixed one, and its weight."""
+    assembly = assemble(scenes.shipped("two_blocks"))
+    return assembly, float(-assembly.dead_load[np.flatnonzero(assembly.blocks.free)[-1], 2])
+
+
+def made_up(assembly: Assembly, friction: float) -> Run:
+    """The settling side sinks rigidly while the upright joint carries `friction` up and as much across, shared by its points."""
+    names = assembly.blocks.names
+    moving = np.array([k for k, role in enumerate(assembly.blocks.role) if role == SUPPORT] + [names.index("settling block")])
+    joint = np.abs(assembly.normal[:, 0]) > 0.5
+    forces = np.zeros((len(assembly.points), 3))
+    forces[joint] = (assembly.normal[joint] + np.array([0.0, 0.0, 1.0])) * friction / joint.sum()
+    poses = {
+        "settlement": np.array([0.0, 0.5 * SINK, SINK]),
+        "displacement": np.zeros((3, len(names), 3)),
+        "rotation": np.zeros((3, len(names), 3)),
+        "forces": np.array([forces] * 3),
+    }
+    poses["displacement"][1:, moving, 2] = [[-0.5 * SINK], [-SINK]]
+    weight = -assembly.dead_load[names.index("settling block"), 2]
+    rows = 9
+    record = {
+        "stage": np.array([0] + [1] * rows),
+        "settlement": np.concatenate([[0.0], np.linspace(0.0, SINK, rows)]),
+        "reaction": np.full(rows + 1, weight - friction),
+        "kinetic_energy": np.zeros(rows + 1),
+    }
+    return Run({}, record, poses, np.zeros((0, 2)), {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
+
+
+def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> None:
+    assembly, weight = sliding_column()
+    found = audit(assembly, made_up(assembly, 0.2 * weight))
+    assert found.weights == pytest.approx(weight * SINK, rel=ADDS_UP)
+    assert found.support == pytest.approx(-0.8 * weight * SINK, rel=ADDS_UP)
+    assert found.friction == pytest.approx(0.2 * weight * SINK, rel=ADDS_UP)
+    assert (found.elastic, found.kinetic) == (0.0, 0.0) and abs(found.viscous) <= ADDS_UP * weight * SINK
+    assert abs(found.drift) <= ADDS_UP
+
+
+def test_energy_from_nowhere_is_seen() -> None:
+    assembly, weight = sliding_column()
+    run = made_up(assembly, 0.2 * weight)
+    louder = dataclasses.replace(run, record=run.record | {"reaction": 1.3 * run.record["reaction"]})
+    (check,) = check_energy(assembly, louder)
+    assert check.verdict is Verdict.INCONCLUSIVE and "not accounted for" in check.reason
+    (check,) = check_energy(assembly, run)
+    assert check.verdict is Verdict.AGREE and check.tolerance == DRIFT
+
+
+def test_without_motion_there_is_nothing_to_audit() -> None:
+    assembly, weight = sliding_column()
+    run = made_up(assembly, 0.2 * weight)
+    first = dataclasses.replace(run, poses={name: values[:1] for name, values in run.poses.items()})
+    assert np.isnan(audit(assembly, first).drift) and not list(check_energy(assembly, first))
+
+
+@pytest.mark.parametrize(
+    ("name", "accounted"),
+    [("two_pads", ACCOUNTED), ("two_blocks", ACCOUNTED), ("wall_third", ACCOUNTED), ("rubble_wall", ACCOUNTED), ("flat_arch", WEDGED)],
+)
+def test_a_run_loses_no_energy_and_finds_none(name: str, accounted: float, cross_checked: CrossCheck) -> None:
+    found = cross_checked(name)
+    energy = audit(found.analysis.assembly, found.run)
+    assert abs(energy.drift) <= accounted
+    assert energy.friction >= -accounted * energy.turnover and energy.kinetic <= 1e-3 * energy.turnover
+    assert found.summary["energy"]["drift"] == pytest.approx(energy.drift)
+
+
+def test_friction_takes_what_the_mechanism_says_it_takes(cross_checked: CrossCheck) -> None:
+    """On the way to the plateau and on it: the share of the settling weights' work is that of YADE's mechanism, within its transient."""
+    found = cross_checked("wall_third")
+    energy, measures = audit(found.analysis.assembly, found.run), found.summary["mechanism_measures"]["yade"]
+    assert energy.friction / energy.weights == pytest.approx(measures["dissipated_share"], rel=0.2)
+
+
+def test_the_report_s_energies_add_up(cross_checked: CrossCheck) -> None:
+    """What was put in is what it went to, with what is not accounted for named."""
+    rows = {row["name"]: row["joule"] for row in energies(cross_checked("wall_third").summary)}
+    put_in = rows.pop("work of the weights") + rows.pop("work of the support")
+    assert put_in == pytest.approx(sum(rows.values()), rel=ADDS_UP)
+    assert energies({"energy": None}) == []

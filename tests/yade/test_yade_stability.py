@@ -1,0 +1,87 @@
+"""YADE stays stable where it should, and says so where it cannot: long holds, time steps, penetration."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+from conftest import CrossChecked
+
+from comparison.cli.commands import main
+from comparison.yade import process
+from la_core.analysis.accuracy import analyse
+from la_core.analysis.case_file import write_case
+
+CrossCheck = Callable[[str], CrossChecked]
+HOLD = Path(__file__).parents[1] / "benchmarks" / "yade_hold.py"
+STEPS = 40_000  # of a hold: most of what a wall takes to its plateau
+PENETRATION = 0.1  # of a sphere's radius: twice what the joints' stiffness is chosen for, glued under the weights
+MOST_PENETRATION = 0.5  # the same on the way to the plateau, where few points carry what many did
+
+
+def with_settings(name: str, path: Path, **settings: float) -> Path:
+    text = scenes.shipped(name).text
+    table = "\n".join(["[yade]", *(f"{key} = {value}" for key, value in settings.items())])
+    path.write_text(f"{text}\n{table}\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["arch_spreading", "slab_four_corners", "wall_third", "rubble_wall"])
+def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
+    scene = scenes.shipped(name)
+    write_case(tmp_path / "case.h5", scene, analyse(scene), "hold")
+    yade = process.find_yade()
+    command = [str(part) for part in (yade.python, "-s", HOLD, tmp_path / "case.h5", STEPS)]
+    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=True)
+    found = json.loads(done.stdout.splitlines()[-1])
+    held = np.array(found["held"])
+    assert len(held) >= 40
+    assert held.max() <= max(found["at rest"], found["rest_energy"])  # no more than what counts as rest
+    assert held[-10:].max() <= 0.01 * found["rest_energy"]  # the joints' own damping has taken what was left
+    assert found["moved"] <= 0.05 * found["sag"]
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+@pytest.mark.parametrize("name", ["two_pads", "trilith", "slab_four_corners"])
+def test_the_time_step_moves_no_reaction(name: str, share: float, cross_checked: CrossCheck, tmp_path: Path) -> None:
+    path = with_settings(name, tmp_path / f"{name}.toml", time_step_share=share)
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
+    yade = json.loads((tmp_path / "out" / name / "comparison.json").read_text())["yade"]
+    derived = cross_checked(name).run.result
+    assert abs(yade["reaction"] - derived["reaction"]) <= yade["uncertainty"] + derived["uncertainty"]
+
+
+@pytest.mark.parametrize("settings", [{"time_step_share": 1.01}, {"time_step": 1.0}])
+def test_a_time_step_beyond_the_stable_one_is_refused(
+    settings: dict[str, float], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = with_settings("two_pads", tmp_path / "fast.toml", **settings)
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 3
+    said = capsys.readouterr()
+    assert "time_step is" in said.err + said.out and "at most" in said.err + said.out
+    assert not (tmp_path / "out" / "fast" / "run.h5").exists()
+
+
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "rubble_wall", "slab_four_corners", "corner_settling_end"])
+def test_spheres_sink_in_by_a_small_share_of_their_radius(name: str, cross_checked: CrossCheck) -> None:
+    found = cross_checked(name)
+    settings, assembly = found.run.settings, found.analysis.assembly
+    normal = np.einsum("pci,ci->pc", found.run.poses["forces"], assembly.normal)
+    sunk = normal.max(axis=1) / settings["normal_stiffness"] / settings["sphere_radius"]
+    assert sunk[0] <= PENETRATION and sunk.max() <= MOST_PENETRATION
+
+
+@pytest.mark.parametrize("factor", [0.1, 100.0])
+def test_much_softer_or_stiffer_joints_agree_or_say_why_not(factor: float, cross_checked: CrossCheck, tmp_path: Path) -> None:
+    found = cross_checked("trilith")
+    path = with_settings("trilith", tmp_path / "joints.toml", normal_stiffness=factor * found.run.settings["normal_stiffness"])
+    code = main(["run", str(path), "-o", str(tmp_path / "out"), "-q", "--time-limit", "120"])
+    summary = json.loads((tmp_path / "out" / "joints" / "comparison.json").read_text())
+    if code == 0:
+        assert summary["yade"]["reaction"] == pytest.approx(found.run.result["reaction"], rel=5e-3)
+    else:
+        assert code == 4 and summary["reason"]
