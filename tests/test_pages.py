@@ -24,8 +24,9 @@ from comparison.cli.study_verbs.campaign import find as find_campaign
 from comparison.judge.effects_table import effects_summary
 from la_core import text_table
 from la_core.analysis.stage import analyse, settled
-from la_core.limit.associated import Drive, Status
+from la_core.limit.associated import Status
 from la_core.limit.classic_iteration import ClassicParameters, iterate
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene import shipped
 from la_core.scene.full_model import full_model

@@ -99,23 +99,17 @@ def _support_work(run: Run, stored: np.ndarray) -> float:
     return -float(np.trapezoid(np.interp(stations, settlement, reaction), stations))
 
 
-def _split(assembly: Assembly, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors (P, C, 3) at the contact points as components along the normals (P, C) and across them (P, C, 3)."""
-    along = np.einsum("pci,ci->pc", vectors, assembly.normal)
-    return along, vectors - along[:, :, None] * assembly.normal
-
-
 def _taken(assembly: Assembly, forces: np.ndarray, steps: np.ndarray) -> np.ndarray:
     """Energy (2,) that contacts took out of the motion, J: across the joints, and along them."""
     moved = np.array([assembly.relative_velocity(step) for step in steps])
-    normal, tangential = _split(assembly, 0.5 * (forces[1:] + forces[:-1]))
-    closing, sliding = _split(assembly, moved)
+    normal, tangential = assembly.split(0.5 * (forces[1:] + forces[:-1]))
+    closing, sliding = assembly.split(moved)
     return -np.array([np.sum(normal * closing), np.sum(tangential * sliding)])
 
 
 def _stored(assembly: Assembly, ends: np.ndarray, settings: Mapping[str, float]) -> np.ndarray:
     """Change (2,) of the joints' elastic energy between two states of force (2, C, 3), J: across and along them."""
-    normal, tangential = _split(assembly, ends)
+    normal, tangential = assembly.split(ends)
     squares = np.array([np.sum(normal**2, axis=1), np.sum(tangential**2, axis=(1, 2))])
     stiffness = np.array([settings["normal_stiffness"], settings["shear_stiffness"]])
     halves = np.divide(0.5, stiffness, out=np.zeros(2), where=stiffness > 0.0)

@@ -17,7 +17,7 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.coulomb import FIRST_SAGS, STEPS, CoulombSolution, slides_in_mechanism
 from la_core.errors import SceneError
 from la_core.limit import Solution, Status
-from la_core.model import Assembly, support_motion, support_reach
+from la_core.model import Assembly
 from la_core.scene import Scene, scene_of_text
 
 ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's history", "dilatancy", "elastic settlement", "duality gap"
@@ -78,7 +78,7 @@ def scale(analysis: LimitAnalysis) -> float:
 
 def _unit(assembly: Assembly, weight: float) -> float:
     """A weight in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
-    return 1.0 if assembly.has_live_load else weight * support_motion(assembly, 1.0)[0]
+    return 1.0 if assembly.has_live_load else weight * assembly.support_speed
 
 
 def has_history(analysis: LimitAnalysis) -> bool:
@@ -91,7 +91,7 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     (rounded, sharp), stiffness = answers(analysis), analysis.stiffness
     return {
         ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
-        ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * support_reach(analysis.assembly)),
+        ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
     }
 
 

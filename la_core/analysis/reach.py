@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from la_core.coulomb import ACCEPTED
 from la_core.exchange import FIXED, SUPPORT
-from la_core.geometry import ContactPoints, Interfaces
+from la_core.geometry import Interfaces
 from la_core.limit import box_limits, maximise, scaled_problem
 from la_core.measures import MOVING_SHARE, block_speeds, residuals
 from la_core.model import Assembly, global_forces, twists_of
@@ -143,7 +143,7 @@ def lift(whole: Assembly, part: Assembly, forces: np.ndarray) -> tuple[np.ndarra
     rest = _hold(whole, others)
     own = ~held[kept_points(whole, others)]  # the region's contact points have their forces
     load = np.where(part.aside[:, None], whole.dead_load + whole.contact_wrenches(lifted), 0.0)
-    alone = replace(rest, points=_subset(rest.points, own), dead_load=load)
+    alone = replace(rest, points=rest.points.subset(own), dead_load=load)
     problem, count = scaled_problem(alone), int(part.aside.sum())
     rows, offset, cones = box_limits(problem)
     answer = maximise(problem.power * count, rows, offset, cones, TOLERANCE, equilibrate=False, refine=False)
@@ -168,10 +168,6 @@ def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
         polygon=interfaces.polygon[np.repeat(keep, corners)],
         polygon_start=np.concatenate([[0], np.cumsum(corners[keep])]),
     )
-    points = _subset(assembly.points, keep[assembly.points.interface])
+    points = assembly.points.subset(keep[assembly.points.interface])
     points = replace(points, interface=(np.cumsum(keep) - 1)[points.interface])
     return replace(assembly, blocks=blocks, interfaces=left, points=points, dead_load=np.where(held[:, None], 0.0, assembly.dead_load))
-
-
-def _subset(points: ContactPoints, chosen: np.ndarray) -> ContactPoints:
-    return ContactPoints(points.interface[chosen], points.position[chosen], points.friction[chosen])

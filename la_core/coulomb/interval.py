@@ -12,7 +12,6 @@ from scipy import sparse
 
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.fixed_point import Step
-from la_core.geometry import ContactPoints
 from la_core.limit import Answer, Outcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
@@ -40,7 +39,7 @@ def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold
 
 
 def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[tuple[float, float], float]:
-    sticking = replace(assembly, points=_subset(assembly.points, ~parting & ~sliding))
+    sticking = replace(assembly, points=assembly.points.subset(~parting & ~sliding))
     problem = scaled_problem(sticking)
     guided = sparse.vstack([_guide(assembly, edge)[sliding] for edge in _fan(direction)]).tocsr()
     split = problem.cones.equalities
@@ -84,7 +83,3 @@ def _value(answer: Answer, power: np.ndarray) -> float:
     if answer.outcome is Outcome.OPTIMUM:
         return float(power @ answer.x)
     return -np.inf if answer.outcome is Outcome.EMPTY else float("nan")
-
-
-def _subset(points: ContactPoints, chosen: np.ndarray) -> ContactPoints:
-    return ContactPoints(points.interface[chosen], points.position[chosen], points.friction[chosen])

@@ -124,7 +124,7 @@ def value_of(joints: ElasticJoints, step: Step) -> float:
     """Reaction (N or N m) or multiplier at the end of a step."""
     if joints.live:
         return joints.value(step.trial)
-    return joints.value(step.trial) * joints.assembly.weight * support_motion(joints.assembly, 1.0)[0]
+    return joints.value(step.trial) * joints.assembly.weight * joints.assembly.support_speed
 
 
 def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:

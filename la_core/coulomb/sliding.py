@@ -111,5 +111,5 @@ def _joint(assembly: Assembly, power: np.ndarray) -> str:
 def _sliding_joint(assembly: Assembly, solution: Solution) -> str:
     """Name of the joint in which friction dissipates most."""
     _, speed = mechanism.contact_speeds(assembly, solution.twists)
-    compression = np.maximum(np.sum(solution.forces * assembly.normal, axis=1), 0.0)
+    compression = np.maximum(assembly.split(solution.forces)[0], 0.0)
     return _joint(assembly, compression * assembly.points.friction * speed)

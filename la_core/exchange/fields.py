@@ -8,31 +8,9 @@ centroid unless a field says otherwise. Contact (a, b) has its normal from a to 
 compression positive along the normal. An undefined number is NaN, never 0.
 """
 
-import contextlib
-import io
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
-
-import h5py
-import numpy as np
-
-from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, read_sealed, write_sealed
 
 FREE, FIXED, SUPPORT = 0, 1, 2
-POSES = 40  # states of a YADE run over its full travel
-TRAVEL_PERIODS = 600.0  # the full travel in YADE takes this many periods of the structure sagging under its weights
-PLATEAU_SHARE = 0.4  # of the travel is covered before a run in YADE may stop
-RADIUS_OVER_INSET = 0.5  # of a contact sphere in YADE: it stays clear of the neighbour's face across a joint
-
-# Settings of a YADE run that a case may carry in `scene/settings`; `yade_scripts.settings` says what each means.
-SETTINGS = (
-    "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
-    "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
-    "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
-    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -83,7 +61,6 @@ CASE_FIELDS = (
     Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
     Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
 )
-
 _SOLUTION = (
     ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
     ("value", "f8", (), "N, N m or -", "reaction for a settlement, multiplier for a live load"),
@@ -97,8 +74,6 @@ _SOLUTION = (
     ("iterations", "i8", (), "", "solver iterations"),
     ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
 )
-
-
 _COULOMB = (
     ("status", "str", (), "", "solved, inaccurate, failed, or why the associated answer has no value"),
     ("value", "f8", (), "N, N m or -", "reaction or multiplier with friction that does not dilate"),
@@ -115,7 +90,6 @@ _COULOMB = (
     ("iterations", "i8", (), "", "associated programmes solved"),
     ("steps", "i8", (), "", "steps from rest to the plateau, as asked for"),
 )
-
 # Dimension P of a path: rest, then one entry an increment.
 PATH_FIELDS = (
     Field("path/settlement", "f8", ("P",), "m or rad", "motion of the support, or mean displacement along the live load"),
@@ -174,106 +148,6 @@ RUN_FIELDS = (
     Field("extra_contacts/blocks", "i8", ("E", 2), "", "block pairs that touched in YADE at a point the case does not list"),
     Field("extra_contacts/position", "f8", ("E", 3), "m", "where they touched first"),
 )
-
-
-def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
-    """Write `values` (one per field path); `inputs` is the digest of what made them. The file is whole or what was there before."""
-    missing = [field.path for field in fields if field.path not in values]
-    if missing:
-        raise ExchangeError(f"{path}: not written: no value for {', '.join(missing)}")
-    content = io.BytesIO()
-    with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
-        file.attrs["version"] = VERSION
-        file.attrs["inputs"] = np.bytes_(inputs.encode())
-        for field in fields:
-            dataset = file.create_dataset(field.path, data=_stored(field, values[field.path]))
-            dataset.attrs["unit"] = field.unit
-            dataset.attrs["meaning"] = field.meaning
-    write_sealed(path, content.getvalue())
-
-
-def _stored(field: Field, value: Any) -> np.ndarray:
-    """A value as it lies in the file; texts as UTF-8 of fixed length, for a damaged heap of texts can catch HDF5 in an endless loop."""
-    if field.dtype != "str":
-        return np.asarray(value, dtype=field.dtype)
-    texts = np.char.encode(np.asarray(value, dtype=str), "utf-8")
-    return texts.astype(h5py.string_dtype("utf-8", max(1, texts.dtype.itemsize)))
-
-
-def inputs_digest(path: Path) -> str:
-    """Digest of the inputs that made `path`, or "" when there is no whole file of this version."""
-    try:
-        with _opened(path) as file:
-            return bytes(file.attrs["inputs"]).decode()
-    except ExchangeError:
-        return ""
-
-
-def holds(path: Path, group: str) -> bool:
-    """Whether the file can be read and has this group."""
-    try:
-        with _opened(path) as file:
-            return group in file
-    except ExchangeError:
-        return False
-
-
-def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
-    """Read and check every field: present, of its kind, of its shape. Strings come as `str`, arrays as numpy."""
-    with _opened(path) as file:
-        sizes: dict[str, int] = {}
-        return {field.path: _checked(path, file, field, sizes) for field in fields}
-
-
-@contextlib.contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """The HDF5 file of a content whose seal holds; whatever HDF5 stumbles over in it is an ExchangeError."""
-    content = read_sealed(path)
-    try:
-        with h5py.File(h5py.h5f.open_file_image(content)) as file:
-            yield file
-    except ExchangeError:
-        raise
-    except Exception as error:
-        raise ExchangeError(f"{path}: not HDF5 as this program writes it ({type(error).__name__}: {error}); run it again") from error
-
-
-@contextlib.contextmanager
-def values_of(path: Path) -> Iterator[None]:
-    """Whatever Python stumbles over in the values of a file is an ExchangeError."""
-    try:
-        yield
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
-        raise ExchangeError(f"{path}: a value is none that this program writes ({type(error).__name__}: {error}); run it again") from error
-
-
-def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
-    dataset = _own_dataset(file, field.path)
-    if dataset is None:
-        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
-    if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
-        raise ExchangeError(f"{path}: {field.path} is not stored as it is, in one piece in this file; run it again")
-    text_type = h5py.check_string_dtype(dataset.dtype)
-    is_text = text_type is not None and text_type.length is not None
-    if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
-        raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}")
-    expected = tuple(n if isinstance(n, int) else sizes.setdefault(n, size) for n, size in zip(field.shape, dataset.shape, strict=False))
-    if dataset.ndim != len(field.shape) or dataset.shape != expected:
-        raise ExchangeError(f"{path}: {field.path} has shape {dataset.shape}, the schema says {field.shape} = {expected}")
-    if is_text:
-        text = dataset.asstr()[()]
-        return text if field.shape == () else [str(item) for item in text]
-    return dataset[()]
-
-
-def _own_dataset(file: Any, path: str) -> Any:
-    """The dataset at a path, None where there is none; links are not followed, for they may lead to other files."""
-    place = file
-    for step in path.split("/"):
-        if not isinstance(place, h5py.Group) or not isinstance(place.get(step, getlink=True), h5py.HardLink):
-            return None
-        place = place[step]
-    return place if isinstance(place, h5py.Dataset) else None
 
 
 def schema_table(fields: tuple[Field, ...]) -> str:

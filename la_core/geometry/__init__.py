@@ -1,19 +1,15 @@
 """Convex blocks, the interfaces at which they touch, and the contact points there."""
 
 from la_core.geometry import shapes
-from la_core.geometry.interfaces import (
-    ContactPoints,
-    Interfaces,
-    contact_points,
-    find_interfaces,
-    near_pairs,
-    plane_axes,
-    separation_by_faces,
-)
-from la_core.geometry.shapes import FACE_FLATNESS, Blocks, Shape, box, loft, polyhedron, prism
+from la_core.geometry.blocks import ROLES, Blocks
+from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, separation_by_faces
+from la_core.geometry.points import ContactPoints, contact_points
+from la_core.geometry.polygons import plane_axes
+from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, loft, polyhedron, prism
 
 __all__ = [
     "FACE_FLATNESS",
+    "ROLES",
     "Blocks",
     "ContactPoints",
     "Interfaces",

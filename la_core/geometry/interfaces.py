@@ -12,7 +12,8 @@ from scipy.optimize import linprog
 from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
-from la_core.geometry.shapes import Blocks
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, polygons_of, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom carry more digits
 OPPOSITE = 1e-3  # rad: candidate faces; whether they touch is then decided by distance, all over the overlap
@@ -31,18 +32,6 @@ class Interfaces:
 
     def __len__(self) -> int:
         return len(self.block_a)
-
-
-@dataclass(frozen=True)
-class ContactPoints:
-    """interface of each point (C,), position (C, 3) in m, friction coefficient (C,)."""
-
-    interface: np.ndarray
-    position: np.ndarray
-    friction: np.ndarray
-
-    def __len__(self) -> int:
-        return len(self.interface)
 
 
 def find_interfaces(blocks: Blocks) -> Interfaces:
@@ -65,7 +54,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     overlap = overlap[keep]
     counts = np.bincount(ring, minlength=len(overlap))
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = _polygon_areas(corners, ring, start, blocks.face_normal[face_a[overlap]])
+    area = polygon_areas(corners, ring, start, blocks.face_normal[face_a[overlap]])
     a, b = pairs[pair[overlap]].T
     return Interfaces(a, b, blocks.face_normal[face_a[overlap]], area, corners, start)
 
@@ -92,12 +81,6 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def _expand(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For groups of the given sizes: the group of each member and its place within the group."""
-    group = np.repeat(np.arange(len(counts)), counts)
-    return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
-
-
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
     """Separating faces settle almost every pair; for the few left, a linear programme seeks the largest ball in both blocks."""
     apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
@@ -116,9 +99,9 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
     """Largest distance (P,), m, of the whole second block of each pair (P, 2) from a face of the first, positive outside."""
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     first, second = pairs.T
-    pair, place = _expand(np.diff(face_start)[first])
+    pair, place = group_members(np.diff(face_start)[first])
     face = face_start[first[pair]] + place
-    row, place = _expand(np.diff(blocks.vertex_start)[second[pair]])
+    row, place = group_members(np.diff(blocks.vertex_start)[second[pair]])
     vertex = blocks.vertices[blocks.vertex_start[second[pair[row]]] + place]
     distance = np.einsum("ij,ij->i", vertex, blocks.face_normal[face[row]]) - blocks.face_offset[face[row]]
     nearest = np.full(len(face), np.inf)
@@ -134,7 +117,7 @@ def _opposite_faces(
     """Candidate face pairs: the pair they belong to, the face of its first and of its second block."""
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     counts = np.diff(face_start)
-    pair, place = _expand(counts[pairs[:, 0]] * counts[pairs[:, 1]])
+    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
     faces_b = counts[pairs[pair, 1]]
     face_a = face_start[pairs[pair, 0]] + place // faces_b
     face_b = face_start[pairs[pair, 1]] + place % faces_b
@@ -147,15 +130,6 @@ def _opposite_faces(
     return pair[near], face_a[near], face_b[near]
 
 
-def plane_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit tangents (N, 3) each, right-handed with the unit normals (N, 3); the first is horizontal in the xz plane
-    for normals in that plane."""
-    seed = np.where(np.abs(normal[:, 1:2]) < 0.9, np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]))
-    first = np.cross(seed, normal)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return first, np.cross(normal, first)
-
-
 def _overlap_polygons(
     blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -164,15 +138,15 @@ def _overlap_polygons(
     origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]
 
     def polygons(face: np.ndarray) -> np.ndarray:
-        row, place = _expand(np.diff(blocks.face_start)[face])
+        row, place = group_members(np.diff(blocks.face_start)[face])
         arm = blocks.vertices[blocks.face_vertex[blocks.face_start[face[row]] + place]] - origin[row]
         flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
-        return _polygons(flat, np.diff(blocks.face_start)[face])
+        return polygons_of(flat, np.diff(blocks.face_start)[face])
 
     overlap = shapely.intersection(polygons(face_a), polygons(face_b))
     wide = shapely.area(overlap) > tolerance[pair] * shapely.length(overlap) / 2.0
     kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
-    flat, owner = _corners(overlap[kept], tolerance[pair[kept]])
+    flat, owner = true_corners(overlap[kept], tolerance[pair[kept]])
     row = kept[owner]
     corners = origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row]
     # Nearly coplanar faces touch only if they are close at every corner of the overlap.
@@ -181,47 +155,6 @@ def _overlap_polygons(
     np.logical_or.at(far, owner, gap > tolerance[pair[row]])
     touches = ~far[owner]
     return kept[~far], corners[touches], (np.cumsum(~far) - 1)[owner[touches]]
-
-
-def _polygons(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Polygons (N,) from their corners (Q, 2), polygon after polygon, `counts` (N,) of them each."""
-    row, place = _expand(counts + 1)  # shapely wants the first corner again at the end
-    start = np.cumsum(counts) - counts
-    closed = flat[start[row] + place % counts[row]]
-    rings = np.concatenate([[0], np.cumsum(counts + 1)])
-    return np.asarray(shapely.from_ragged_array(shapely.GeometryType.POLYGON, closed, (rings, np.arange(len(rings)))))
-
-
-def _corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """True corners (Q, 2) of convex polygons and the polygon of each: vertices on a straight edge or doubled are dropped."""
-    flat, owner = shapely.get_coordinates(polygons, return_index=True)
-    closing = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
-    flat, owner = flat[~closing], owner[~closing]
-    before, _ = _ring_neighbours(owner)
-    doubled = np.linalg.norm(flat - flat[before], axis=1) <= tolerance[owner]
-    flat, owner = flat[~doubled], owner[~doubled]
-    before, after = _ring_neighbours(owner)
-    chord, arm = flat[after] - flat[before], flat - flat[before]
-    height = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
-    straight = height <= tolerance[owner] * np.linalg.norm(chord, axis=1)
-    return flat[~straight], owner[~straight]
-
-
-def _ring_neighbours(owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of the vertex before and after each vertex of its ring; `owner` (Q,) is sorted."""
-    _, ring, count = np.unique(owner, return_inverse=True, return_counts=True)
-    start, place = (np.cumsum(count) - count)[ring], _expand(count)[1]
-    return start + (place - 1) % count[ring], start + (place + 1) % count[ring]
-
-
-def _polygon_areas(corners: np.ndarray, ring: np.ndarray, start: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Areas (I,) of plane polygons in space, by the shoelace formula about their first corner."""
-    arm = corners - corners[start[ring]]
-    last = start[1:][ring] - 1
-    following = np.where(np.arange(len(ring)) == last, start[ring], np.arange(len(ring)) + 1)
-    doubled = np.zeros((len(normal), 3))
-    np.add.at(doubled, ring, np.cross(arm, arm[following]))
-    return np.abs(np.sum(doubled * normal, axis=1)) / 2.0
 
 
 def _refuse_floating(blocks: Blocks, touching: np.ndarray, size: np.ndarray) -> None:
@@ -238,46 +171,3 @@ def _refuse_floating(blocks: Blocks, touching: np.ndarray, size: np.ndarray) -> 
             "touches nothing: no face lies on another block's face",
             hint=f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min():.3g} m away',
         )
-
-
-def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inset: float, plane: bool) -> ContactPoints:
-    """Contact points at the corners of each interface, drawn in from its edges by `inset` (m): two in a plane scene.
-
-    Raises SceneError when an interface is too small for the inset.
-    """
-    position, interface = (_plane_points if plane else _solid_points)(blocks, interfaces, inset)
-    return ContactPoints(interface, position, np.full(len(interface), friction))
-
-
-def _plane_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
-    tangent, _ = plane_axes(interfaces.normal)
-    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
-    start = interfaces.polygon_start[:-1]
-    middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
-    along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
-    low, high = np.minimum.reduceat(along, start) + inset, np.maximum.reduceat(along, start) - inset
-    _refuse_small(blocks, interfaces, high <= low, inset)
-    place = np.stack([low, high], axis=1)
-    position = middle[:, None, :] + place[:, :, None] * tangent[:, None, :]
-    return position.reshape(-1, 3), np.repeat(np.arange(len(interfaces)), 2)
-
-
-def _solid_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
-    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
-    if inset == 0.0:
-        return interfaces.polygon, owner
-    first, second = plane_axes(interfaces.normal)
-    origin = interfaces.polygon[interfaces.polygon_start[:-1]]
-    arm = interfaces.polygon - origin[owner]
-    flat = np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1)
-    shrunk = shapely.buffer(_polygons(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
-    _refuse_small(blocks, interfaces, shapely.is_empty(shrunk), inset)
-    flat, owner = _corners(shrunk, np.full(len(shrunk), 1e-3 * inset))
-    return origin[owner] + flat[:, :1] * first[owner] + flat[:, 1:] * second[owner], owner
-
-
-def _refuse_small(blocks: Blocks, interfaces: Interfaces, small: np.ndarray, inset: float) -> None:
-    if small.any():
-        k = int(np.argmax(small))
-        a, b = blocks.names[interfaces.block_a[k]], blocks.names[interfaces.block_b[k]]
-        raise SceneError("joint.inset", f'larger than half the interface between "{a}" and "{b}"', value=inset, hint="take a smaller inset")

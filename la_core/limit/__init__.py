@@ -1,11 +1,12 @@
 """Associated limit analysis and its relatives; the only room that talks to the conic solver."""
 
 from la_core.limit import section_forces
-from la_core.limit.associated import ACCEPTED, Drive, Solution, Status, box_limits, scaled_problem, solve
+from la_core.limit.associated import Solution, Status, solve
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, iterate
 from la_core.limit.conic import Answer, Outcome, Programme, maximise, optimum
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.plane_in_space import residual_in_space
+from la_core.limit.problem import ACCEPTED, Drive, box_limits, scaled_problem
 from la_core.limit.static import consistent_reaction
 
 __all__ = [

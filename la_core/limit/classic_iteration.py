@@ -13,9 +13,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from la_core.limit.associated import Drive, Status
-from la_core.limit.static import StaticSolution, coulomb_limits, normal_and_tangential, optimise
-from la_core.measures import block_speeds, residuals
+from la_core.limit.associated import Status
+from la_core.limit.problem import Drive
+from la_core.limit.static import StaticSolution, coulomb_limits, optimise
+from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly
 
 LOADED = 1e-6  # of the mean block weight: a contact point with a larger normal force carries some
@@ -87,7 +88,7 @@ def iterate(assembly: Assembly, drive: Drive, parameters: ClassicParameters | No
         if converged or iterations == chosen.iterations:
             break
         share = chosen.relaxation if iterations > 1 else 1.0
-        normal = share * normal_and_tangential(assembly, step.forces)[0].clip(min=0.0) + (1.0 - share) * normal
+        normal = share * assembly.split(step.forces)[0].clip(min=0.0) + (1.0 - share) * normal
         limit = cohesion + (1.0 + chosen.slope) * friction * normal
         step = optimise(assembly, drive, np.maximum(no_sliding, limit), -chosen.slope * friction)
         seconds, iterations = seconds + step.seconds, iterations + 1
@@ -112,8 +113,8 @@ def iterate(assembly: Assembly, drive: Drive, parameters: ClassicParameters | No
 
 def dilation(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
     """Power of normal forces on the opening of loaded points that slide, over sum |w . v|; zero without dilatancy, NaN if undefined."""
-    parting, sliding = normal_and_tangential(assembly, assembly.relative_velocity(twists))
-    compression = normal_and_tangential(assembly, forces)[0]
+    parting, sliding = contact_speeds(assembly, twists)
+    compression = assembly.split(forces)[0]
     fastest = block_speeds(assembly.blocks, twists).max()
     counted = (compression > LOADED * assembly.mean_weight) & (sliding > SLIDES * fastest)
     exchanged = float(np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum())
@@ -132,5 +133,5 @@ def _converged(assembly: Assembly, drive: Drive, values: list[float], violations
         return False
     unit = 1.0
     if drive is not Drive.LIVE:  # the speed of the support turns a moment into a force
-        unit = assembly.mean_weight * float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
+        unit = assembly.mean_weight * assembly.support_speed
     return abs(values[-1] - values[-2]) <= tolerance * unit and violations[-1] <= tolerance

@@ -23,20 +23,9 @@ import numpy as np
 from scipy import sparse
 from scipy.optimize import OptimizeResult, linprog
 
-from la_core.limit.associated import (
-    ACCEPTED,
-    Drive,
-    DrivenProblem,
-    ScaledProblem,
-    Solution,
-    Status,
-    driven_problem,
-    falling_blocks,
-    scaled_problem,
-    solution_of,
-    without_value,
-)
+from la_core.limit.associated import Solution, Status, falling_blocks, solution_of, without_value
 from la_core.limit.conic import TOLERANCE, Answer, Cones, Outcome
+from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, driven_problem, scaled_problem
 from la_core.measures import block_speeds
 from la_core.model import Assembly, twists_of
 

@@ -40,9 +40,8 @@ def shared_friction(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
         return np.stack([np.bincount(interface, column, minlength=count) for column in values.T], axis=1)[interface]
 
     arm = assembly.points.position - total(assembly.points.position) / points
-    normal_force = np.sum(forces * assembly.normal, axis=1, keepdims=True) * assembly.normal
-    friction = forces - normal_force
+    compression, friction = assembly.split(forces)
     torsion = total(np.sum(np.cross(arm, friction) * assembly.normal, axis=1, keepdims=True))
     spread = total(np.sum(arm**2, axis=1, keepdims=True))
     turning = np.divide(torsion, spread, out=np.zeros_like(torsion), where=spread > 0.0)
-    return normal_force + total(friction) / points + turning * np.cross(assembly.normal, arm)
+    return compression[:, None] * assembly.normal + total(friction) / points + turning * np.cross(assembly.normal, arm)

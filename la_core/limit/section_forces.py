@@ -6,8 +6,8 @@ import numpy as np
 from scipy import sparse
 
 from la_core.exchange import SUPPORT
-from la_core.limit.associated import scaled_problem
 from la_core.limit.conic import Outcome, optimum
+from la_core.limit.problem import scaled_problem
 from la_core.model import Assembly, columns
 
 LEVELS = (0.25, 0.5, 0.75)  # of the structure's height: where it is cut
@@ -26,7 +26,7 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     (two of one sign, the multipliers of the reaction's two limits) and a unit dislocation along `direction`.
     """
     problem = scaled_problem(assembly)
-    speed = np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max()
+    speed = assembly.support_speed
     driven = problem.imposed_rows @ columns(assembly, assembly.support_twist / speed)
     dislocation = np.zeros_like(assembly.support_twist)
     dislocation[assembly.blocks.role == SUPPORT, :3] = direction

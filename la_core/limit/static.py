@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from la_core.limit.associated import ACCEPTED, SMOOTH, Drive, Status
+from la_core.limit.associated import Status
 from la_core.limit.conic import Answer, Cones, Outcome, maximise
-from la_core.measures import block_speeds, residuals
+from la_core.limit.problem import ACCEPTED, SMOOTH, Drive
+from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly, columns, global_forces, scaled_load, support_motion, twists_of
 
 USABLE = 1e-3  # an answer with a larger residual is no answer: the solver broke off, as it may where hardly any equilibrium exists
@@ -92,12 +93,6 @@ def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> Static
     return optimise(assembly, Drive.YIELDING, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
 
 
-def normal_and_tangential(assembly: Assembly, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Normal component (C,) and size of the tangential part (C,) of vectors (C, 3) at the contact points."""
-    normal = np.sum(vectors * assembly.normal, axis=1)
-    return normal, np.linalg.norm(vectors - normal[:, None] * assembly.normal, axis=1)
-
-
 def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:
     """Rows that sum local contact forces on each free block, and its weight; forces over the weight, moments also over the length."""
     freedoms = kinematics.shape[1] // len(assembly.blocks)
@@ -169,7 +164,8 @@ def _with_evidence(
 
 def _limit_violation(assembly: Assembly, forces: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
     """Largest tension or excess of |t| over intercept + slope n, N."""
-    normal, tangential = normal_and_tangential(assembly, forces)
+    normal, friction_force = assembly.split(forces)
+    tangential = np.linalg.norm(friction_force, axis=1)
     return float(max(0.0, -normal.min(), (tangential - limits[0] - limits[1] * normal).max()))
 
 
@@ -178,7 +174,7 @@ def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.nda
 
     Where they fall with n they bound the pressure, and any motion is admissible at a price.
     """
-    parting, sliding = normal_and_tangential(assembly, assembly.relative_velocity(twists))
+    parting, sliding = contact_speeds(assembly, twists)
     unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
     held = np.where(unlimited, sliding, (slope * sliding - parting) / np.hypot(1.0, slope))
     violation = np.where((limits[1] < 0.0) & ~unlimited, 0.0, np.maximum(held, -parting))
@@ -193,7 +189,7 @@ def _value_of_mechanism(
 
     Those are n = 0, |t| = intercept, or where the limit falls with n also the largest n, but no larger than any in the state.
     """
-    parting, sliding = normal_and_tangential(assembly, assembly.relative_velocity(twists))
+    parting, sliding = contact_speeds(assembly, twists)
     intercept, slope = np.where(np.isinf(limits[0]), 0.0, limits[0]), limits[1]
     most = np.divide(intercept, -slope, out=np.zeros_like(slope), where=slope < 0.0).clip(max=np.abs(forces).max())
     pressed = most * parting - (intercept + slope * most) * sliding

@@ -2,13 +2,14 @@
 
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
-from la_core.measures.mechanism import MOVING_SHARE, block_speeds
+from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds
 
 __all__ = [
     "MOVING_SHARE",
     "ContactState",
     "MechanismMeasures",
     "block_speeds",
+    "contact_speeds",
     "contact_states",
     "measure",
     "mechanism",

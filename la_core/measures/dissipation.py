@@ -93,7 +93,7 @@ def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, t
 
 def loaded_compression(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     """Normal force (C,) in N of the contact points that carry force, else 0: what a solver leaves on idle points is no load."""
-    compression = np.sum(forces * assembly.normal, axis=1)
+    compression, _ = assembly.split(forces)
     return np.where(compression > LOADED * assembly.mean_weight, compression, 0.0)
 
 

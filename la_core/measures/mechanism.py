@@ -15,9 +15,8 @@ def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, blo
 
 def contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Parting speed (C,), positive where a joint opens, and sliding speed (C,) at each contact point."""
-    velocity, normal = assembly.relative_velocity(twists), assembly.normal
-    parting = np.sum(velocity * normal, axis=1)
-    return parting, np.linalg.norm(velocity - parting[:, None] * normal, axis=1)
+    parting, sliding = assembly.split(assembly.relative_velocity(twists))
+    return parting, np.linalg.norm(sliding, axis=1)
 
 
 def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
@@ -61,7 +60,7 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
     Zero when no loaded joint slides: then the flow rule's dilatancy plays no part and the associated answer is Coulomb's too.
     """
     _, sliding = contact_speeds(assembly, twists)
-    compression = np.maximum(np.sum(forces * assembly.normal, axis=1), 0.0)
+    compression = np.maximum(assembly.split(forces)[0], 0.0)
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
     if exchanged == 0.0:
         return 0.0

@@ -29,9 +29,8 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
 
 def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
     """Largest tension or excess of |t| over mu n, over the mean free-block weight; sliding limits no force where it is excluded."""
-    normal = np.sum(forces * assembly.normal, axis=1)
-    tangential = np.linalg.norm(forces - normal[:, None] * assembly.normal, axis=1)
-    excess = np.zeros(1) if assembly.effects.sliding_excluded else tangential - assembly.points.friction * normal
+    normal, friction = assembly.split(forces)
+    excess = np.zeros(1) if assembly.effects.sliding_excluded else np.linalg.norm(friction, axis=1) - assembly.points.friction * normal
     return float(max(0.0, -normal.min(), excess.max()) / assembly.mean_weight)
 
 

@@ -4,7 +4,7 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_lengt
 from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import settle_run
 from la_core.model.effects import Effects
-from la_core.model.joints import JointStiffness, joint_stiffness, support_reach
+from la_core.model.joints import JointStiffness, joint_stiffness
 from la_core.model.scaling import columns, global_forces, scaled_load, support_motion, twists_of
 
 __all__ = [
@@ -20,7 +20,6 @@ __all__ = [
     "scaled_load",
     "settle_run",
     "support_motion",
-    "support_reach",
     "twists_of",
     "with_grid",
 ]

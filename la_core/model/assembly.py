@@ -79,6 +79,18 @@ class Assembly:
         """Blocks a and b (C,) of each contact point."""
         return self.interfaces.block_a[self.points.interface], self.interfaces.block_b[self.points.interface]
 
+    @property
+    def support_speed(self) -> float:
+        """Largest speed of a contact point of the support per unit of its motion: 1 for a translation or a live load, m for a rotation."""
+        if self.has_live_load:
+            return 1.0
+        return float(np.linalg.norm(self.relative_velocity(self.support_twist), axis=1).max())
+
+    def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Normal components (..., C) and tangential parts (..., C, 3) of vectors (..., C, 3) at the contact points."""
+        normal = np.sum(vectors * self.normal, axis=-1)
+        return normal, vectors - normal[..., None] * self.normal
+
     def relative_velocity(self, twists: np.ndarray) -> np.ndarray:
         """Velocity (C, 3) of block b relative to a at each contact point, global axes, for block twists (B, 6)."""
         velocity = np.zeros_like(self.points.position)

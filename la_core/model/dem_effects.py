@@ -8,11 +8,11 @@ from la_core.errors import SceneError
 from la_core.exchange import POSES
 from la_core.geometry import Blocks, near_pairs, separation_by_faces
 from la_core.model.assembly import Assembly
-from la_core.model.joints import JointStiffness, support_reach
+from la_core.model.joints import JointStiffness
 from la_core.scene import Scene
 
 GAP_OVER_TRAVEL = 10.0  # a block may move five times as far as the support before two meet across such a gap; the run is checked
-NO_GAP = 1e-6  # of the reach: round-off where two blocks meet in an edge
+NO_GAP = 1e-6  # of the search distance: round-off where two blocks meet in an edge
 LARGE_RECORD = 200.0  # MB of stored states, above which only those that are judged are kept
 _NOT_RUN = "YADE does not run a live load"
 _LISTED = "contacts are then those of the joints alone"
@@ -21,7 +21,7 @@ _LISTED = "contacts are then those of the joints alone"
 def settle_run(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
     """The assembly with displacement and recording settled, and the least gap (m) between blocks without a joint.
 
-    The gap is NaN where nobody looked, and gaps beyond the reach of the motion count as that reach. Raises SceneError for small
+    The gap is NaN where nobody looked, and gaps beyond the search distance count as that distance. Raises SceneError for small
     displacements asked for where two blocks without a joint can meet.
     """
     if scene.live is None:
@@ -38,39 +38,39 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     asked = scene.effects.displacement
     if asked == "finite":
         return asked, "asked for in the scene", float("nan")
-    travel = stiffness.travel * support_reach(assembly)
-    reach = GAP_OVER_TRAVEL * travel
-    gap, pair = least_gap(assembly, reach)
+    travel = stiffness.travel * assembly.support_speed
+    distance = GAP_OVER_TRAVEL * travel
+    gap, pair = least_gap(assembly, distance)
     if pair is None:
         why = f"blocks without a joint between them are at least {gap:.3g} m apart, and the support moves {travel:.3g} m: {_LISTED}"
         return "small", f"asked for in the scene, and {why}" if asked == "small" else why, gap
     names = f'blocks "{assembly.blocks.names[pair[0]]}" and "{assembly.blocks.names[pair[1]]}"'
     near = f"{names} are {gap:.3g} m apart without a joint"
     if asked == "small":
-        rule = f"{near}, and may meet where the support moves {travel:.3g} m: less than {reach:.3g} m is within reach"
+        rule = f"{near}, and may meet where the support moves {travel:.3g} m: less than {distance:.3g} m is too near"
         raise SceneError(f"{scene.path}: effects.displacement", rule, value=asked, hint='take "finite", or leave it out')
     return "finite", f"{near}, and the support moves {travel:.3g} m", gap
 
 
-def least_gap(assembly: Assembly, reach: float) -> tuple[float, tuple[int, int] | None]:
-    """Lower bound (m) of the least gap between blocks without a joint, at most `reach` (m), and the pair nearer than that, if any.
+def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, int] | None]:
+    """Lower bound (m) of the least gap between blocks without a joint, at most `distance` (m), and the pair nearer than that, if any.
 
     Two held blocks do not count. A gap is bounded by that of the bounding boxes and by every face of either block that has the
     other one outside.
     """
     blocks, interfaces = assembly.blocks, assembly.interfaces
-    pairs = near_pairs(blocks, np.full(len(blocks), 0.5 * reach))
+    pairs = near_pairs(blocks, np.full(len(blocks), 0.5 * distance))
     joined = np.isin(_key(pairs, blocks), _key(np.stack([interfaces.block_a, interfaces.block_b], axis=1), blocks))
     pairs = pairs[~joined & blocks.free[pairs].any(axis=1)]
     if not len(pairs):
-        return reach, None
+        return distance, None
     a, b = pairs.T
     between = np.maximum(np.maximum(blocks.low[a] - blocks.high[b], blocks.low[b] - blocks.high[a]), 0.0)
     parted = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1]))
     gap = np.maximum(np.linalg.norm(between, axis=1), parted)
     nearest = int(np.argmin(gap))
-    least = float(gap[nearest]) if gap[nearest] > NO_GAP * reach else 0.0
-    return (least, (int(a[nearest]), int(b[nearest]))) if least < reach else (reach, None)
+    least = float(gap[nearest]) if gap[nearest] > NO_GAP * distance else 0.0
+    return (least, (int(a[nearest]), int(b[nearest]))) if least < distance else (distance, None)
 
 
 def _key(pairs: np.ndarray, blocks: Blocks) -> np.ndarray:

@@ -49,13 +49,13 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     _refuse_impossible(settings, inset)
     asked = {name: float(settings[name]) for name in _ASKED if name in settings}
     has_spheres = inset > 0.0 and not assembly.has_live_load
-    reach = support_reach(assembly)
+    speed = assembly.support_speed
     longest = TRAVEL_OVER_SIZE * _block_size(assembly)
     if has_spheres:
         longest = min(longest, TRAVEL_OVER_INSET * inset)
-    travel = asked.get("max_travel", longest / reach)
+    travel = asked.get("max_travel", longest / speed)
     sag, force = _glued(assembly)
-    least = sag / (ELASTIC_SHARE * travel * reach)
+    least = sag / (ELASTIC_SHARE * travel * speed)
     if has_spheres:
         least = max(least, force / (PENETRATION_OVER_RADIUS * asked.get("sphere_radius", RADIUS_OVER_INSET * inset)))
     normal = asked.get("normal_stiffness", least)
@@ -83,13 +83,6 @@ def _block_size(assembly: Assembly) -> float:
     """Median over the free blocks of their largest extent (in the xz plane for plane scenes), m."""
     extent = (assembly.blocks.high - assembly.blocks.low)[assembly.blocks.free]
     return float(np.median(extent[:, [0, 2] if assembly.effects.plane else [0, 1, 2]].max(axis=1)))
-
-
-def support_reach(assembly: Assembly) -> float:
-    """Largest speed of a contact point of the support per unit of its motion: 1 for translations and live loads, m for rotations."""
-    if assembly.has_live_load:
-        return 1.0
-    return float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
 
 
 def _glued(assembly: Assembly) -> tuple[float, float]:

@@ -12,7 +12,7 @@ def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
     """
     if sign == 0.0:
         return 1.0, np.zeros((len(assembly.blocks), 6))
-    speed = float(np.linalg.norm(assembly.relative_velocity(assembly.support_twist), axis=1).max())
+    speed = assembly.support_speed
     return speed, sign * assembly.support_twist / speed
 
 

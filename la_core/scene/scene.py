@@ -13,7 +13,7 @@ import pydantic
 
 from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
-from la_core.geometry import shapes
+from la_core.geometry import ROLES, Blocks, shapes
 from la_core.scene.generators import arches, building, dome, wall
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
@@ -40,7 +40,7 @@ class Scene(Tabled):
     gravity: np.ndarray
     friction: float
     inset: float
-    blocks: shapes.Blocks
+    blocks: Blocks
     support_twist: np.ndarray | None
     live: np.ndarray | None
     effects: scene_file.Effects
@@ -76,7 +76,7 @@ class Scene(Tabled):
         return "" if self.live is not None else "N m" if self.is_rotation else "N"
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in shapes.ROLES.items()]
+        counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in ROLES.items()]
         values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
         return self.title, (self.name, "", "unit"), [*counts, *((name, number(value), unit) for name, value, unit in values)]
 
@@ -131,7 +131,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="take larger ones or fewer")
     _require_sense(named, file)
     shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
-    blocks = shapes.Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
+    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
     return Scene(
         name=name,
         path=path,
@@ -209,7 +209,7 @@ def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[floa
     stone = file.stone.density if file.stone else None
     densities = [n.density if n.density is not None else stone for n in named]
     for n, density in zip(named, densities, strict=True):
-        if density is None and shapes.ROLES[n.role] == FREE:
+        if density is None and ROLES[n.role] == FREE:
             raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
     return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]
 

@@ -18,7 +18,8 @@ from rich.console import Console
 from rich.table import Table
 
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Drive, solve
+from la_core.limit.problem import Drive
+from la_core.limit.associated import solve
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 

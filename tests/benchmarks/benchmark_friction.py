@@ -21,7 +21,8 @@ from rich.table import Table
 
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
 from la_core.coulomb.plateau import STEPS, follow, predict
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.problem import Drive
+from la_core.limit.associated import Status, solve
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import JointStiffness, joint_stiffness
 

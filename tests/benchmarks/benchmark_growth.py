@@ -33,7 +33,7 @@ from la_core.analysis import stage
 from la_core.analysis.case_file import write_case
 from la_core.coulomb import elastic_joints, interval, plateau
 from la_core.limit import associated, conic
-from la_core.limit.associated import Drive
+from la_core.limit.problem import Drive
 from la_core.model import assembly, joint_stiffness
 from la_core.scene.scene import Scene
 

@@ -27,7 +27,8 @@ from rich.table import Table
 
 from la_core.coulomb.plateau import predict
 from la_core.limit import associated, conic
-from la_core.limit.associated import Drive, Status
+from la_core.limit.problem import Drive
+from la_core.limit.associated import Status
 from la_core.model import assembly
 from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene

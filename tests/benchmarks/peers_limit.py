@@ -20,8 +20,9 @@ from peers_table import CANNOT, EQUILIBRIUM, FAILED, INACCURATE, LEAST_REACTION,
 from scipy import sparse
 
 from la_core.limit import associated, linearised
-from la_core.limit.associated import ACCEPTED, Drive, DrivenProblem, Solution, driven_problem, scaled_problem, solution_of
+from la_core.limit.associated import Solution, solution_of
 from la_core.limit.conic import Answer, Outcome
+from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, driven_problem, scaled_problem
 from la_core.model.assembly import Assembly, assemble
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # asked of a solver in turn until the recomputed residuals are small enough

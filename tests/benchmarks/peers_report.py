@@ -9,7 +9,7 @@ from peers_table import LEAST_ERROR, Row, limit_table, markdown, number, power, 
 
 from comparison.provenance import describe
 from comparison.yade.process import YadeMissingError, find_yade
-from la_core.limit.associated import ACCEPTED
+from la_core.limit.problem import ACCEPTED
 
 PACKAGES = ("ecos", "scs", "qoco", "piqp", "compas_cra", "compas_lmgc90")
 

@@ -23,7 +23,8 @@ from random_scenes import random_scenes
 from rich.console import Console
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.problem import Drive
+from la_core.limit.associated import Status, solve
 from la_core.limit.static import coulomb_limits, optimise
 from la_core.model.assembly import assemble
 from la_core.model.joints import joint_stiffness

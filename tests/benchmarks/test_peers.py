@@ -21,7 +21,8 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, limit_table, number
 from scipy.optimize import linprog
 
-from la_core.limit.associated import ACCEPTED, Drive, DrivenProblem, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem
 from la_core.model.assembly import Assembly, assemble
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "peers.md"

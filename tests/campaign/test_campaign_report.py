@@ -29,7 +29,7 @@ from comparison.campaign.table import CampaignTable, write
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import TOOL
 from comparison.figures.canvas import LIMIT_ANALYSIS, YADE
-from la_core.exchange.fields import SETTINGS
+from la_core.exchange.dem_settings import SETTINGS
 
 ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
 MU, INSET, LAW = "joint.friction", "joint.inset", "effects.friction"

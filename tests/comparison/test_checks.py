@@ -14,7 +14,8 @@ from comparison.judge.run_checks import check_expected, check_run
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.measures import mechanism
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene, load_scene

@@ -14,7 +14,8 @@ from comparison.studies.cost import Ladder, Rung, climb, prediction_inset
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
 from comparison.yade import process
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.model.contact_grid import with_grid
 

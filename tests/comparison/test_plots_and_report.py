@@ -20,7 +20,7 @@ from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import Path as FollowedPath
-from la_core.limit.associated import Drive
+from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene, load_scene
 from la_core.scene.shipped import find
 

@@ -19,7 +19,7 @@ from la_core.analysis.accuracy import MOST_STEPS, analyse, answers, with_accurac
 from la_core.analysis.accuracy_record import Attempt, Purchase, from_text, to_text
 from la_core.analysis.result import LimitAnalysis
 from la_core.errors import SceneError
-from la_core.exchange.fields import TRAVEL_PERIODS
+from la_core.exchange.dem_settings import TRAVEL_PERIODS
 from la_core.scene.scene import Scene, scene_of_text
 
 ACCURACIES = (0.05, 0.01, 0.002)

@@ -11,7 +11,8 @@ from la_core.coulomb import fixed_point, interval, plateau
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.equilibrium_path import Path, follow_path
 from la_core.coulomb.plateau import CoulombSolution, follow, predict
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import JointStiffness, joint_stiffness

@@ -16,8 +16,9 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse, settled
 from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.errors import SceneError
-from la_core.limit.associated import Drive, Status, scaled_problem, solve
+from la_core.limit.associated import Status, solve
 from la_core.limit.no_sliding import no_sliding_rows, shared_friction
+from la_core.limit.problem import Drive, scaled_problem
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.full_model import full_model
 from la_core.scene.scene import Scene

@@ -22,7 +22,8 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.plateau import ACCEPTED, predict
 from la_core.errors import SceneError
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene import shipped

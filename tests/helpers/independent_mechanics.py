@@ -6,8 +6,9 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix, hstack, identity
 
-from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve
 from la_core.limit.linearised import solve_linearised
+from la_core.limit.problem import Drive
 from la_core.limit.static import StaticSolution, coulomb_limits, optimise
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 import la_core
-from la_core.geometry.shapes import ROLES
+from la_core.geometry.blocks import ROLES
 from la_core.scene.scene import Scene, load_scene
 
 SHIPPED = Path(la_core.__file__).parent / "scenes"

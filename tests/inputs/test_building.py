@@ -9,7 +9,8 @@ import scenes
 
 from la_core.errors import SceneError
 from la_core.geometry.interfaces import find_interfaces
-from la_core.limit.associated import Drive, solve
+from la_core.limit.associated import solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 

@@ -10,8 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
 from la_core.exchange.fields import FIXED, FREE
+from la_core.geometry.blocks import Blocks
 from la_core.geometry.interfaces import TOUCH, find_interfaces
-from la_core.geometry.shapes import Blocks, Shape, box, polyhedron, prism
+from la_core.geometry.shapes import Shape, box, polyhedron, prism
 from la_core.model.assembly import Assembly, assemble
 
 EXACT = 1e-12  # m, on coordinates of order one: only sums and products of doubles

@@ -9,8 +9,9 @@ import scenes
 from scipy.optimize import linprog
 
 from la_core.errors import SceneError
-from la_core.geometry.shapes import Blocks
-from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.geometry.blocks import Blocks
+from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 

@@ -15,7 +15,8 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse, digest
 from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, write_sealed
 from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
-from la_core.limit.associated import Drive, Solution
+from la_core.limit.associated import Solution
+from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
 
 FIELDS = (

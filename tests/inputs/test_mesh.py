@@ -16,7 +16,8 @@ from conftest import CrossChecked
 from comparison.cli.commands import main
 from la_core.analysis.stage import digest
 from la_core.errors import SceneError
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.generators import mesh, mesh_surface
 from la_core.scene.scene import Scene, load_scene

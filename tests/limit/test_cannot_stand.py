@@ -5,7 +5,8 @@ import pytest
 import scenes
 
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 

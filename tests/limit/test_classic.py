@@ -11,8 +11,9 @@ import scenes
 from comparison.figures.structure import save
 from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, iterate
+from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 
 MU = 0.6

@@ -11,7 +11,8 @@ from matplotlib.text import Text
 
 from comparison.figures import structure
 from comparison.figures.dissipation import POWER, dissipation_figure
-from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.problem import Drive
 from la_core.measures import dissipation, mechanism
 from la_core.measures.dissipation import ContactState, MechanismMeasures, measure, participation_index
 from la_core.model.assembly import Assembly, assemble

@@ -11,7 +11,8 @@ import pytest
 import scenes
 
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 

@@ -11,7 +11,8 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 
 from la_core.exchange.fields import FREE, SUPPORT
-from la_core.limit.associated import Drive, Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.problem import Drive
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.limit.associated import ACCEPTED, Drive, Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve
 from la_core.limit.linearised import METHODS, solve_linearised
-from la_core.limit.static import normal_and_tangential
+from la_core.limit.problem import ACCEPTED, Drive
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
@@ -221,7 +221,8 @@ def test_circumscribed_mechanism_is_admissible_and_its_forces_exceed_the_cone_by
     power = float(np.sum(assembly.dead_load * solution.twists)) * drive.value
     assert power == pytest.approx(solution.value, abs=SAME * assembly.mean_weight)
     assert solution.cone_violation == residuals.cone_violation(assembly, solution.forces) > ACCEPTED
-    normal, tangential = normal_and_tangential(assembly, solution.forces)
+    normal, friction_force = assembly.split(solution.forces)
+    tangential = np.linalg.norm(friction_force, axis=1)
     corner = assembly.points.friction * normal / np.cos(np.pi / facets)
     assert (tangential <= corner + ROUNDING * assembly.mean_weight).all()
 

@@ -30,9 +30,10 @@ from independent_mechanics import (
 from random_scenes import far_away, random_scenes
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Drive, Solution, Status, box_limits, scaled_problem, solve
+from la_core.limit.associated import Solution, Status, solve
 from la_core.limit.conic import maximise
 from la_core.limit.linearised import solve_linearised
+from la_core.limit.problem import Drive, box_limits, scaled_problem
 from la_core.limit.static import coulomb_limits, optimise
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness

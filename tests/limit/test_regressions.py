@@ -5,8 +5,9 @@ import pytest
 import scenes
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
 from la_core.limit.linearised import solve_linearised
+from la_core.limit.problem import Drive
 from la_core.limit.static import coulomb_limits, optimise
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness

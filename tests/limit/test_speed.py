@@ -7,9 +7,10 @@ import pytest
 import scenes
 
 from la_core.analysis.stage import analyse
-from la_core.geometry import shapes
+from la_core.geometry import Blocks, shapes
 from la_core.geometry.interfaces import find_interfaces
-from la_core.limit.associated import Drive, Status, solve
+from la_core.limit.associated import Status, solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
 
@@ -75,7 +76,7 @@ def test_finding_contacts_in_a_massive_block_of_masonry_grows_as_its_volume() ->
     def seconds(count: int) -> float:
         place = np.stack(np.meshgrid(*[np.arange(float(count))] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
         boxes = [shapes.box(low, low + 1.0) for low in place]
-        blocks = shapes.Blocks.gather([str(k) for k in range(len(boxes))], ["free"] * len(boxes), [1.0] * len(boxes), boxes)
+        blocks = Blocks.gather([str(k) for k in range(len(boxes))], ["free"] * len(boxes), [1.0] * len(boxes), boxes)
         times = []
         for _ in range(ATTEMPTS):
             start = time.perf_counter()

@@ -6,7 +6,8 @@ import pytest
 from conftest import CrossChecked
 
 from comparison.judge.prediction import SIMILAR
-from la_core.limit.associated import Drive, Status
+from la_core.limit.associated import Status
+from la_core.limit.problem import Drive
 from la_core.measures import mechanism
 
 CrossCheck = Callable[[str], CrossChecked]

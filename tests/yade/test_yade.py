@@ -18,8 +18,9 @@ from comparison.cli.commands import main
 from comparison.workflow import one_scene
 from comparison.yade.process import ROOT, Yade, environment, find_yade, run_yade
 from la_core.analysis import case_file, stage
-from la_core.exchange.fields import RUN_FIELDS, SETTINGS
-from la_core.limit.associated import Drive
+from la_core.exchange.dem_settings import SETTINGS
+from la_core.exchange.fields import RUN_FIELDS
+from la_core.limit.problem import Drive
 from la_core.scene import shipped
 from la_core.scene.scene import load_scene
 

@@ -23,7 +23,7 @@ from la_core.errors import SceneError
 from la_core.model import dem_effects
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.effects import Effects
-from la_core.model.joints import joint_stiffness, support_reach
+from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 
 SAME = 1e-7  # relative: one model whose forces are added up in another order; friction's history amplifies round-off
@@ -268,7 +268,7 @@ def test_an_undefined_displacement_decides_nothing() -> None:
 def test_a_real_run_with_small_displacements_keeps_within_its_gap(ran: Callable[..., Ran]) -> None:
     analysis, run = ran("arch", "small")
     (check,) = check_displacement(analysis, run)
-    travel = analysis.stiffness.travel * support_reach(analysis.assembly)
+    travel = analysis.stiffness.travel * analysis.assembly.support_speed
     assert check.verdict is Verdict.AGREE
     assert check.yade is not None and check.yade >= run.result["settlement"]  # the springer itself moves so far
     assert analysis.least_gap == dem_effects.GAP_OVER_TRAVEL * travel

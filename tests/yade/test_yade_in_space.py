@@ -10,7 +10,8 @@ import scenes
 from conftest import Silent
 
 from comparison.workflow.one_scene import run_scene
-from la_core.limit.associated import Drive, solve
+from la_core.limit.associated import solve
+from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene
 

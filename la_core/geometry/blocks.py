@@ -1,0 +1,117 @@
+"""Blocks as flat arrays: vertices, faces, and their mass properties."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.exchange import FIXED, FREE, SUPPORT
+from la_core.geometry.shapes import Shape
+
+ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """All blocks of a structure as flat arrays (see `la_core.exchange` for the layout); SI units.
+
+    names B; role (B,); density (B,) NaN where a held block has none; vertices (V, 3); vertex_start (B+1,);
+    face_vertex (L,); face_start (F+1,); face_block (F,); face_normal (F, 3) outward; face_offset (F,): normal . x = offset.
+    """
+
+    names: tuple[str, ...]
+    role: np.ndarray
+    density: np.ndarray
+    vertices: np.ndarray
+    vertex_start: np.ndarray
+    face_vertex: np.ndarray
+    face_start: np.ndarray
+    face_block: np.ndarray
+    face_normal: np.ndarray
+    face_offset: np.ndarray
+    volume: np.ndarray
+    centroid: np.ndarray
+    inertia: np.ndarray
+
+    @classmethod
+    def gather(cls, names: Sequence[str], roles: Sequence[str], densities: Sequence[float], shapes: Sequence[Shape]) -> "Blocks":
+        """Concatenate shapes and derive face planes, volume (B,), centroid (B, 3) and inertia (B, 3, 3) at the centroid."""
+        vertices = np.concatenate([shape.vertices for shape in shapes])
+        vertex_start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])])
+        loops = [np.array(face) + start for shape, start in zip(shapes, vertex_start, strict=False) for face in shape.faces]
+        face_vertex = np.concatenate(loops)
+        face_start = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])])
+        face_block = np.repeat(np.arange(len(shapes)), [len(shape.faces) for shape in shapes])
+        normal, offset = _face_planes(vertices, face_vertex, face_start)
+        density = np.array(densities, dtype=float)
+        volume, centroid, inertia = _mass_properties(vertices, vertex_start, face_vertex, face_start, face_block)
+        role = np.array([ROLES[role] for role in roles])
+        return cls(
+            tuple(names), role, density, vertices, vertex_start, face_vertex, face_start, face_block,
+            normal, offset, volume, centroid, inertia * density[:, None, None],
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def free(self) -> np.ndarray:
+        """Mask (B,) of the blocks that may move freely."""
+        return self.role == FREE
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses (B,) in kg; NaN for a held block without density."""
+        return self.density * self.volume
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower corner (B, 3) of each bounding box, m."""
+        return np.minimum.reduceat(self.vertices, self.vertex_start[:-1])
+
+    @property
+    def high(self) -> np.ndarray:
+        """Upper corner (B, 3) of each bounding box, m."""
+        return np.maximum.reduceat(self.vertices, self.vertex_start[:-1])
+
+
+def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fan triangulation of every face: vertex indices (T, 3) and the face of each triangle (T,)."""
+    counts = np.diff(face_start) - 2
+    face = np.repeat(np.arange(len(counts)), counts)
+    place = np.arange(len(face)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
+    first = face_start[face]
+    return face_vertex[np.stack([first, first + place, first + place + 1], axis=1)], face
+
+
+def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    corners, face = _triangles(face_vertex, face_start)
+    a, b, c = (vertices[corners[:, k]] for k in range(3))
+    normal = np.zeros((len(face_start) - 1, 3))
+    np.add.at(normal, face, np.cross(b - a, c - a))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    mean = np.add.reduceat(vertices[face_vertex], face_start[:-1]) / np.diff(face_start)[:, None]
+    return normal, np.sum(normal * mean, axis=1)
+
+
+def _mass_properties(
+    vertices: np.ndarray, vertex_start: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray, face_block: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Volume, centroid and inertia at unit density, by tetrahedra from each block's first vertex to its faces' triangles."""
+    count = len(vertex_start) - 1
+    corners, face = _triangles(face_vertex, face_start)
+    block = face_block[face]
+    origin = vertices[vertex_start[:-1]]
+    a, b, c = (vertices[corners[:, k]] - origin[block] for k in range(3))
+    six_volumes = np.sum(a * np.cross(b, c), axis=1)
+    total = a + b + c
+    # Integrals over a tetrahedron (0, a, b, c): of x, det/24 (a+b+c); of x x', det/120 (ss' + aa' + bb' + cc').
+    volume, first, second = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
+    np.add.at(volume, block, six_volumes / 6.0)
+    np.add.at(first, block, six_volumes[:, None] * total / 24.0)
+    outer = sum(vector[:, :, None] * vector[:, None, :] for vector in (total, a, b, c))
+    np.add.at(second, block, six_volumes[:, None, None] * outer / 120.0)
+    arm = first / volume[:, None]
+    second -= volume[:, None, None] * arm[:, :, None] * arm[:, None, :]
+    inertia = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
+    return volume, origin + arm, inertia

@@ -1,0 +1,70 @@
+"""Contact points at the corners of interfaces, drawn in from their edges by the inset."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from la_core.errors import SceneError
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.interfaces import Interfaces
+from la_core.geometry.polygons import plane_axes, polygons_of, true_corners
+
+
+@dataclass(frozen=True)
+class ContactPoints:
+    """interface of each point (C,), position (C, 3) in m, friction coefficient (C,)."""
+
+    interface: np.ndarray
+    position: np.ndarray
+    friction: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.interface)
+
+    def subset(self, kept: np.ndarray) -> "ContactPoints":
+        """The points of a mask (C,) alone."""
+        return ContactPoints(self.interface[kept], self.position[kept], self.friction[kept])
+
+
+def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inset: float, plane: bool) -> ContactPoints:
+    """Contact points at the corners of each interface, drawn in from its edges by `inset` (m): two in a plane scene.
+
+    Raises SceneError when an interface is too small for the inset.
+    """
+    position, interface = (_plane_points if plane else _solid_points)(blocks, interfaces, inset)
+    return ContactPoints(interface, position, np.full(len(interface), friction))
+
+
+def _plane_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
+    tangent, _ = plane_axes(interfaces.normal)
+    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+    start = interfaces.polygon_start[:-1]
+    middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
+    along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
+    low, high = np.minimum.reduceat(along, start) + inset, np.maximum.reduceat(along, start) - inset
+    _refuse_small(blocks, interfaces, high <= low, inset)
+    place = np.stack([low, high], axis=1)
+    position = middle[:, None, :] + place[:, :, None] * tangent[:, None, :]
+    return position.reshape(-1, 3), np.repeat(np.arange(len(interfaces)), 2)
+
+
+def _solid_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
+    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+    if inset == 0.0:
+        return interfaces.polygon, owner
+    first, second = plane_axes(interfaces.normal)
+    origin = interfaces.polygon[interfaces.polygon_start[:-1]]
+    arm = interfaces.polygon - origin[owner]
+    flat = np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1)
+    shrunk = shapely.buffer(polygons_of(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
+    _refuse_small(blocks, interfaces, shapely.is_empty(shrunk), inset)
+    flat, owner = true_corners(shrunk, np.full(len(shrunk), 1e-3 * inset))
+    return origin[owner] + flat[:, :1] * first[owner] + flat[:, 1:] * second[owner], owner
+
+
+def _refuse_small(blocks: Blocks, interfaces: Interfaces, small: np.ndarray, inset: float) -> None:
+    if small.any():
+        k = int(np.argmax(small))
+        a, b = blocks.names[interfaces.block_a[k]], blocks.names[interfaces.block_b[k]]
+        raise SceneError("joint.inset", f'larger than half the interface between "{a}" and "{b}"', value=inset, hint="take a smaller inset")

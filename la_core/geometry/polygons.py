@@ -1,0 +1,60 @@
+"""Plane polygons in space: overlaps, corners, areas; and groups of rows in flat arrays."""
+
+import numpy as np
+import shapely
+
+
+def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For groups of the given sizes: the group of each member and its place within the group."""
+    group = np.repeat(np.arange(len(counts)), counts)
+    return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def plane_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two unit tangents (N, 3) each, right-handed with the unit normals (N, 3); the first is horizontal in the xz plane
+    for normals in that plane."""
+    seed = np.where(np.abs(normal[:, 1:2]) < 0.9, np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]))
+    first = np.cross(seed, normal)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return first, np.cross(normal, first)
+
+
+def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Polygons (N,) from their corners (Q, 2), polygon after polygon, `counts` (N,) of them each."""
+    row, place = group_members(counts + 1)  # shapely wants the first corner again at the end
+    start = np.cumsum(counts) - counts
+    closed = flat[start[row] + place % counts[row]]
+    rings = np.concatenate([[0], np.cumsum(counts + 1)])
+    return np.asarray(shapely.from_ragged_array(shapely.GeometryType.POLYGON, closed, (rings, np.arange(len(rings)))))
+
+
+def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """True corners (Q, 2) of convex polygons and the polygon of each: vertices on a straight edge or doubled are dropped."""
+    flat, owner = shapely.get_coordinates(polygons, return_index=True)
+    closing = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
+    flat, owner = flat[~closing], owner[~closing]
+    before, _ = _ring_neighbours(owner)
+    doubled = np.linalg.norm(flat - flat[before], axis=1) <= tolerance[owner]
+    flat, owner = flat[~doubled], owner[~doubled]
+    before, after = _ring_neighbours(owner)
+    chord, arm = flat[after] - flat[before], flat - flat[before]
+    height = np.abs(chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0])
+    straight = height <= tolerance[owner] * np.linalg.norm(chord, axis=1)
+    return flat[~straight], owner[~straight]
+
+
+def _ring_neighbours(owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Indices of the vertex before and after each vertex of its ring; `owner` (Q,) is sorted."""
+    _, ring, count = np.unique(owner, return_inverse=True, return_counts=True)
+    start, place = (np.cumsum(count) - count)[ring], group_members(count)[1]
+    return start + (place - 1) % count[ring], start + (place + 1) % count[ring]
+
+
+def polygon_areas(corners: np.ndarray, ring: np.ndarray, start: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Areas (I,) of plane polygons in space, by the shoelace formula about their first corner."""
+    arm = corners - corners[start[ring]]
+    last = start[1:][ring] - 1
+    following = np.where(np.arange(len(ring)) == last, start[ring], np.arange(len(ring)) + 1)
+    doubled = np.zeros((len(normal), 3))
+    np.add.at(doubled, ring, np.cross(arm, arm[following]))
+    return np.abs(np.sum(doubled * normal, axis=1)) / 2.0
