@@ -29,8 +29,8 @@ from la_core.limit.classic_iteration import ClassicParameters, iterate
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene import shipped
-from la_core.scene.full_model import full_model
 from la_core.scene.scene import load_scene
+from la_core.scene.variants import full_model
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -1,24 +1,23 @@
-"""Limit analysis to an accuracy asked for: the cheapest settings by a calibrated model, the error that the answer itself tells, and finer
-settings where that misses.
+"""Limit analysis to a requested accuracy: the cheapest settings by a calibrated model, the error estimated from the answer itself, and
+finer settings where it is too large.
 
 An accuracy is a share of the reaction, or of the multiplier, for sharp arrises. What costs nothing is left at its best: cone programmes
 to looser residuals save less than a tenth of their time (`crosscheck cost`).
 """
 
 import math
-import re
 import time
-import tomllib
 from dataclasses import replace
 
-from la_core.analysis import stage
-from la_core.analysis.accuracy_record import Attempt, Purchase
+from la_core.analysis.accuracy_record import AccuracyRecord, Attempt
+from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
-from la_core.coulomb import FIRST_SAGS, STEPS, CoulombSolution, slides_in_mechanism
-from la_core.errors import SceneError
-from la_core.limit import Solution, Status
+from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.structural_model import StructuralModel, smallest_inset
+from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
+from la_core.limit import Status
 from la_core.model import Assembly
-from la_core.scene import Scene, scene_of_text
+from la_core.scene import Scene, same_structure
 
 ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's history", "dilatancy", "elastic settlement", "duality gap"
 
@@ -32,48 +31,41 @@ FEWEST_STEPS, MOST_STEPS = 2, 64
 ELASTIC_SHARE = 0.03
 LEAST_SCALE = 0.01  # of the weight, or as a multiplier: what the error of a smaller answer is relative to
 MOST_ATTEMPTS = 6
-_KEY = re.compile(r"^[ \t]*accuracy[ \t]*=.*$", re.MULTILINE)
 
 
 def with_accuracy(scene: Scene, accuracy: float) -> Scene:
-    """The scene with an accuracy asked for, in its text as well; raises SceneError where its text keeps another one."""
-    line, has_one = f"accuracy = {accuracy!r}", "accuracy" in tomllib.loads(scene.text)
-    asking = scene_of_text(_KEY.sub(line, scene.text, count=1) if has_one else f"{line}\n{scene.text}", scene.path, scene.name)
-    if asking.accuracy != accuracy:
-        raise SceneError(f"{scene.path}: accuracy", "cannot be replaced by another one", hint="write it on a line of its own")
-    return asking
+    """The scene with a requested accuracy, a share of the answer, in its text as well; its name stays."""
+    return same_structure(scene, {"accuracy": accuracy}, scene.name)
 
 
-def analyse(scene: Scene, with_path: bool = False, slides: str = "", steps: int = STEPS, first_sags: float = FIRST_SAGS) -> LimitAnalysis:
-    """`case.analyse`; where the scene asks for an accuracy, the best of the attempts at it, with all of them as its `purchase`.
+def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
+    """Analyse a scene that requests an accuracy: the best of the attempts, finer each time, with all of them as its `accuracy`.
 
-    steps, first_sags: of the prediction, where no accuracy is asked for.
+    settings: their prediction's steps are replaced by those of each attempt.
     """
-    if scene.accuracy is None:
-        return stage.analyse(scene, with_path, slides, steps, first_sags)
-    tried, steps, before, found = scene, _first_steps(scene.accuracy), math.nan, []
+    accuracy = model.scene.accuracy
+    assert accuracy is not None
+    tried, steps, before = model, _first_steps(accuracy), math.nan
+    attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
-        analysis = stage.analyse(tried, with_path, slides, steps)
-        found.append((_attempt(analysis, steps, before, start), analysis))
-        attempt, finer = found[-1][0], _finer(scene, analysis, found[-1][0])
-        worse = len(found) > 1 and attempt.error > found[-2][0].error
-        if attempt.keeps(scene.accuracy) or finer is None or worse or len(found) == MOST_ATTEMPTS:
-            found.sort(key=lambda one: -one[0].error if math.isfinite(one[0].error) else -math.inf)  # the best one is the answer
-            return replace(found[-1][1], purchase=Purchase(scene.accuracy, tuple(attempt for attempt, _ in found)))
-        before = answers(analysis)[1].value
-        tried, steps = replace(scene, inset=finer[0]), finer[1]
-
-
-def answers(analysis: LimitAnalysis) -> tuple[Solution | CoulombSolution, Solution | CoulombSolution]:
-    """The sharpest answers of limit analysis, at the shared inset and for sharp arrises."""
-    main = analysis.main
-    return analysis.coulomb or analysis.rounded[main], analysis.coulomb_sharp or analysis.sharp[main]
+        analysis = analyse_once(tried, replace(settings, prediction=PredictionSettings(steps)))
+        attempts.append((_attempt(analysis, steps, before, start), analysis))
+        attempt = attempts[-1][0]
+        finer = _finer(model.scene, analysis, attempt, accuracy)
+        is_worse = len(attempts) > 1 and attempt.error > attempts[-2][0].error
+        if attempt.is_within(accuracy) or finer is None or is_worse or len(attempts) == MOST_ATTEMPTS:
+            break
+        before = analysis.sharp.sharpest.value
+        tried, steps = model.with_scene(replace(model.scene, inset=finer[0])), finer[1]
+    attempts.sort(key=lambda tried: -tried[0].error if math.isfinite(tried[0].error) else -math.inf)  # the best one is the answer
+    record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
+    return replace(attempts[-1][1], scene=model.scene, accuracy=record)
 
 
 def scale(analysis: LimitAnalysis) -> float:
     """What errors are relative to: the size of the answer, or a share of the weight (N, N m, or as a multiplier) where it is less."""
-    return max(abs(answers(analysis)[1].value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
+    return max(abs(analysis.sharp.sharpest.value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
 
 
 def _unit(assembly: Assembly, weight: float) -> float:
@@ -88,7 +80,7 @@ def has_history(analysis: LimitAnalysis) -> bool:
 
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     """Parts of the error that both methods have: of rounded arrises, and of the elastic joints."""
-    (rounded, sharp), stiffness = answers(analysis), analysis.stiffness
+    rounded, sharp, stiffness = analysis.at_inset.sharpest, analysis.sharp.sharpest, analysis.stiffness
     return {
         ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
         ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
@@ -96,8 +88,9 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
-    """What an analysis tells of its own error; undefined without a value. before: the sharp answer of half the steps, NaN for none."""
-    settings, (rounded, sharp) = {"inset": analysis.assembly.inset}, answers(analysis)
+    """The error that an analysis estimates itself; undefined without a value. before: the sharp answer of half the steps, NaN for none."""
+    settings: dict[str, float] = {"inset": analysis.assembly.inset}
+    rounded, sharp = analysis.at_inset.sharpest, analysis.sharp.sharpest
     parts = shared_parts(analysis)
     if has_history(analysis) and isinstance(sharp, CoulombSolution) and isinstance(rounded, CoulombSolution):
         settings["steps"] = steps
@@ -105,9 +98,9 @@ def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -
         parts[DILATANCY] = max(rounded.dilatancy_residual, sharp.dilatancy_residual)
     else:
         del parts[ELASTIC]  # the answer knows no stiffness
-        gap = analysis.sharp[analysis.main].duality_gap
+        gap = analysis.sharp.bounds[analysis.main].duality_gap
         parts[GAP] = gap * _unit(analysis.assembly, analysis.assembly.mean_weight) / scale(analysis)
-        if slides_in_mechanism(analysis.assembly, analysis.rounded[analysis.main]):
+        if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
     solved = rounded.status is Status.SOLVED and sharp.status is Status.SOLVED
     return Attempt(settings, rounded.value, parts if solved else dict.fromkeys(parts, math.nan), time.perf_counter() - start)
@@ -119,15 +112,14 @@ def _first_steps(accuracy: float) -> int:
     return max(FEWEST_STEPS, min(needed, MOST_STEPS) // 2)  # its doubling measures what fewer steps change
 
 
-def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt) -> tuple[float, int] | None:
+def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float) -> tuple[float, int] | None:
     """Inset (m) and steps of the next attempt; None where finer ones would not help, or the structure has no answer."""
-    assert scene.accuracy is not None
-    if analysis.rounded[analysis.main].status is not Status.SOLVED:
+    if analysis.bounds[analysis.main].status is not Status.SOLVED:
         return None
     inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))
     if steps == MOST_STEPS:
         return None
-    least, asked = LEAST_INSET * (scene.inset or stage.smallest_inset(analysis.assembly)), INSET_SHARE * scene.accuracy
+    least, asked = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy
     rounded = attempt.parts[ROUNDED]
     is_own = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
     finer_inset = max(least, _one_digit(inset * asked / rounded)) if rounded > asked and not is_own else inset

@@ -1,4 +1,4 @@
-"""An accuracy that was asked for: what was tried for it, the error as each run itself tells it, and its price."""
+"""Record of a requested accuracy: every attempt, its estimated error, and what it cost."""
 
 import json
 from dataclasses import asdict, dataclass, field
@@ -21,14 +21,14 @@ class Attempt:
         """Estimated relative error: its parts may add up."""
         return sum(self.parts.values())
 
-    def keeps(self, asked: float) -> bool:
-        """Whether the estimate is within the accuracy; an undefined one is not."""
-        return bool(self.error <= asked)
+    def is_within(self, accuracy: float) -> bool:
+        """Whether the estimated error is within the accuracy; an undefined one is not."""
+        return bool(self.error <= accuracy)
 
 
 @dataclass(frozen=True)
-class Purchase:
-    """All attempts of both methods at an accuracy, a share of the answer, in turn but for the one that is the answer, which stands last.
+class AccuracyRecord:
+    """Attempts of both methods to reach an accuracy, a share of the answer, in order; the accepted one is last.
 
     settings: of YADE's run to come, or of the last one, in place of derived ones.
     """
@@ -39,15 +39,15 @@ class Purchase:
     settings: dict[str, float] = field(default_factory=dict)
 
 
-def to_text(purchase: Purchase | None) -> str:
+def to_text(record: AccuracyRecord | None) -> str:
     """As a JSON object, "null" for none."""
-    return json.dumps(None if purchase is None else asdict(purchase), sort_keys=True)
+    return json.dumps(None if record is None else asdict(record), sort_keys=True)
 
 
-def from_text(text: str) -> Purchase | None:
-    """The purchase of a text by `to_text`."""
+def from_text(text: str) -> AccuracyRecord | None:
+    """The record of a text by `to_text`."""
     stored = json.loads(text)
     if stored is None:
         return None
     attempts = {method: tuple(Attempt(**one) for one in stored[method]) for method in ("limit_analysis", "yade")}
-    return Purchase(stored["asked"], settings=stored["settings"], **attempts)
+    return AccuracyRecord(stored["asked"], settings=stored["settings"], **attempts)

@@ -1,17 +1,17 @@
-"""Limit analysis of a scene, asked for and told in one line each: what a program or a notebook works with."""
+"""Limit analysis of a scene as a program or a notebook works with it: the answer, its numbers by name, and its table of texts."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from la_core.analysis import accuracy
-from la_core.analysis.answer_table import headings, rows
-from la_core.analysis.answer_values import associated_values, coulomb_values, path_values
 from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
 from la_core.scene import Scene
-from la_core.text_table import Tabled
+from la_core.text_table import Tabled, number, over_weight
 
 NAN = float("nan")
 
@@ -30,7 +30,7 @@ class Answer(Tabled):
     @property
     def status(self) -> Status:
         """Solved, or why there is no value."""
-        return self._bounds[self.analysis.main].status
+        return self.analysis.printed.bounds[self.analysis.main].status
 
     @property
     def least(self) -> float:
@@ -50,14 +50,14 @@ class Answer(Tabled):
     @property
     def coulomb(self) -> float:
         """The prediction, reaction or multiplier, with friction that does not dilate; NaN where the scene asks for bounds alone."""
-        found = self.analysis.coulomb_sharp if self.scene.inset == 0.0 else self.analysis.coulomb
-        return NAN if found is None else found.value
+        coulomb = self.analysis.printed.coulomb
+        return NAN if coulomb is None else coulomb.value
 
     @property
     def interval(self) -> tuple[float, float]:
         """Least and greatest value that the prediction's mechanism allows, whatever friction's history was."""
-        found = self.analysis.coulomb_sharp if self.scene.inset == 0.0 else self.analysis.coulomb
-        return (NAN, NAN) if found is None else found.interval
+        coulomb = self.analysis.printed.coulomb
+        return (NAN, NAN) if coulomb is None else coulomb.interval
 
     @property
     def least_sharp(self) -> float:
@@ -72,24 +72,20 @@ class Answer(Tabled):
     @property
     def coulomb_sharp(self) -> float:
         """The same as `coulomb` for sharp arrises."""
-        return NAN if self.analysis.coulomb_sharp is None else self.analysis.coulomb_sharp.value
+        coulomb = self.analysis.sharp.coulomb
+        return NAN if coulomb is None else coulomb.value
 
     @property
     def values(self) -> dict[str, Any]:
         """Everything that is printed and stored, by the names of `crosscheck solve --json`: associated, coulomb, path."""
-        named = {"associated": associated_values, "coulomb": coulomb_values, "path": path_values}
-        return {name: values(self.scene, self.analysis) for name, values in named.items()}
-
-    @property
-    def _bounds(self) -> dict[Drive, Solution]:
-        return self.analysis.sharp if self.scene.inset == 0.0 else self.analysis.rounded
+        return answer_values(self.analysis)
 
     def _bound(self, drive: Drive, sharp: bool) -> float:
-        bounds = self.analysis.sharp if sharp else self._bounds
+        bounds = (self.analysis.sharp if sharp else self.analysis.printed).bounds
         return bounds[drive].value if drive in bounds else NAN
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        return self.scene.title, headings(self.scene), list(rows(self.scene, self.values))
+        return self.scene.title, answer_headings(self.scene), list(answer_rows(self.scene, self.values))
 
 
 def solve(scene: Scene, path: bool = False) -> Answer:
@@ -104,4 +100,113 @@ def solve(scene: Scene, path: bool = False) -> Answer:
     """
     if path and scene.effects.friction not in ("auto", "coulomb"):
         raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
-    return Answer(scene, accuracy.analyse(scene, with_path=path))
+    return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path)))
+
+
+def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
+    """Every number that is printed and stored, by the names of `crosscheck solve --json`; NaN or None where one does not exist."""
+    return {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
+
+
+COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "equilibrium_residual", "cone_violation")
+EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
+
+
+def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
+    """The associated answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds
+    solution = printed[main]
+    values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
+    if main is Drive.YIELDING:
+        values["reaction_max"] = printed[Drive.PUSHING].value
+        values["reaction_max_status"] = printed[Drive.PUSHING].status.value
+        values["reaction_max_sharp"] = analysis.sharp.bounds[Drive.PUSHING].value
+    values[f"{scene.quantity}_sharp"] = analysis.sharp.bounds[main].value
+    values["inset"] = analysis.assembly.inset if scene.inset else 0.0
+    if analysis.assembly.inset != values["inset"]:
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **{_NAMES[d]: s.value for d, s in analysis.bounds.items()}}
+    values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
+    values["iterations"] = solution.iterations
+    values["seconds"] = sum(s.seconds for s in _distinct(analysis))
+    if solution.status is Status.INFEASIBLE:
+        values["falling"] = list(solution.falling)
+    return values
+
+
+def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """The Coulomb answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    scene, name = analysis.scene, analysis.scene.quantity
+    rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
+    if rounded is None or sharp is None or printed is None:
+        return None
+    values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
+    values |= {f"{name}_sharp": sharp.value, f"{name}_interval_sharp": list(sharp.interval)}
+    if scene.inset == 0.0 and analysis.assembly.inset:
+        values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+    values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
+    return values | {
+        "iterations": printed.iterations,
+        "steps": printed.steps,
+        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values()),
+    }
+
+
+def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """The curve from rest to the plateau, point by point."""
+    path = analysis.path
+    if path is None:
+        return None
+    keys = {"settlement": "settlement", "value": analysis.scene.quantity, "strain_residual": "strain_residual", "converged": "converged"}
+    values = {key: getattr(path, name).tolist() for name, key in keys.items()}
+    values["converged"] = [bool(converged) for converged in values["converged"]]
+    return values | {"solves": path.solves.tolist(), "seconds": path.seconds}
+
+
+_NAMES = {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE: "multiplier"}
+
+
+def _worst(residuals: Iterable[float]) -> float:
+    """The largest residual of the solutions that have one, NaN where none has."""
+    return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
+
+
+def _distinct(analysis: LimitAnalysis) -> list[Solution]:
+    """Every solution that was computed, once."""
+    return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())
+
+
+def answer_headings(scene: Scene) -> tuple[str, str, str]:
+    """Headings of the three columns."""
+    return "limit analysis", scene.unit or "value", "over W" if scene.live is None else ""
+
+
+def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Name, value in its unit and value over the weight of every printed quantity; `values` are those of `answer_values`."""
+    answer = values["associated"]
+    yield "status", answer["status"], ""
+    for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
+        if name in answer:
+            yield _quantity(scene, name.replace("_", " "), answer[name])
+    if "falling" in answer:
+        yield "blocks that fall", ", ".join(answer["falling"]), ""
+    for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
+        yield name.replace("_", " "), number(answer[name], 2), ""
+    if values["coulomb"]:
+        yield from _coulomb_rows(scene, values["coulomb"])
+
+
+def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """The Coulomb answer: value, interval, value for sharp arrises, evidence, and what it took."""
+    yield "Coulomb: status", answer["status"], ""
+    low, high = answer[f"{scene.quantity}_interval"]
+    yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
+    yield _quantity(scene, "Coulomb: least by its mechanism", low)
+    yield _quantity(scene, "Coulomb: greatest by its mechanism", high)
+    yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
+    for name in ("dilatancy_residual", "drift", "seconds"):
+        yield f"Coulomb: {name.replace('_', ' ')}", number(answer[name], 2), ""
+    yield "Coulomb: associated solves", str(answer["iterations"]), ""
+
+
+def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
+    return name, number(value), "" if scene.live is not None else number(over_weight(value, scene.weight))

@@ -1,7 +1,9 @@
 """`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
 
+import hashlib
 import json
 from dataclasses import asdict, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +12,16 @@ import numpy as np
 from la_core import exchange
 from la_core.analysis import reach
 from la_core.analysis.accuracy_record import from_text, to_text
-from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.stage import drives
-from la_core.coulomb import CoulombSolution
-from la_core.coulomb import Path as FollowedPath
+from la_core.analysis.result import Answers, LimitAnalysis
+from la_core.analysis.structural_model import drives
+from la_core.coulomb import CoulombSolution, EquilibriumPath
+from la_core.digests import code_digest
+from la_core.geometry import Interfaces
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness, assemble
 from la_core.scene import Scene
 
+PACKAGE = Path(__file__).parents[1]
 GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
 
 
@@ -34,9 +38,9 @@ def _motion(scene: Scene) -> np.ndarray:
     return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
 
 
-def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -> None:
+def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
     """Write `case.h5`; `inputs` is the digest of what made it."""
-    assembly, purchase = analysis.assembly, analysis.purchase
+    scene, assembly, record = analysis.scene, analysis.assembly, analysis.accuracy
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
     values: dict[str, Any] = {
         "scene/name": scene.name,
@@ -49,8 +53,8 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps((purchase.settings if purchase else {}) | scene.yade, sort_keys=True),
-        "scene/accuracy": to_text(purchase),
+        "scene/settings": json.dumps((record.settings if record else {}) | scene.yade, sort_keys=True),
+        "scene/accuracy": to_text(record),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
@@ -58,11 +62,10 @@ def write_case(path: Path, scene: Scene, analysis: LimitAnalysis, inputs: str) -
         **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
         **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
     }
-    for arrises, solutions in (("associated", analysis.rounded), ("associated_sharp", analysis.sharp)):
-        for drive, solution in solutions.items():
-            values |= _below(f"limit_analysis/{arrises}/{GROUPS[drive]}", solution)
-    for group in ("coulomb", "coulomb_sharp"):
-        values |= _below(f"limit_analysis/{group}", getattr(analysis, group))
+    for suffix, answers in (("", analysis.at_inset), ("_sharp", analysis.sharp)):
+        for drive, solution in answers.bounds.items():
+            values |= _below(f"limit_analysis/associated{suffix}/{GROUPS[drive]}", solution)
+        values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
     exchange.write(path, _fields(scene, analysis.coulomb is not None, analysis.path is not None), values, inputs)
 
@@ -76,14 +79,15 @@ _BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_star
 _JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
 
 
-def read_case(path: Path, scene: Scene) -> LimitAnalysis:
+def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) -> LimitAnalysis:
     """Read the solutions of `case.h5` back; the assembly is built again from the scene, and must be the one in the file.
 
-    Raises exchange.ExchangeError when the file is not whole or belongs to another scene.
+    interfaces: of the scene's blocks, where they are known. Raises exchange.ExchangeError when the file is not whole or belongs to another
+    scene.
     """
     has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
     data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
-    whole = assemble(scene)
+    whole = assemble(scene, interfaces)
     with exchange.values_of(path):
         return _analysis(path, scene, whole, data, has_coulomb)
 
@@ -92,11 +96,33 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], h
     """The stored analysis of a whole assembly, which must be that of the file."""
     if data["blocks/name"] != list(whole.blocks.names):
         raise exchange.ExchangeError(f"{path}: blocks/name is not that of {scene.path}; run it again")
-    whole = whole.with_inset(scene, float(data["scene/inset"]))
-    assembly = reach.set_aside(whole, data["blocks/aside"].astype(bool)) if data["blocks/aside"].any() else whole
     stored = json.loads(data["scene/effects"])
-    assembly = replace(assembly, effects=Effects(**{**stored, "called_back": tuple(stored["called_back"])}))
-    own = {
+    effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
+    whole = replace(whole.with_inset(scene, float(data["scene/inset"])), effects=effects)
+
+    def answers(assembly: Assembly, suffix: str) -> Answers:
+        if data["blocks/aside"].any():
+            assembly = reach.set_aside(assembly, data["blocks/aside"].astype(bool))
+        bounds = {drive: _solution(data, f"limit_analysis/associated{suffix}/{GROUPS[drive]}") for drive in drives(scene)}
+        return Answers(assembly, bounds, _coulomb(data, f"coulomb{suffix}") if has_coulomb else None)
+
+    at_inset = answers(whole, "")
+    _refuse_another(path, scene, at_inset.assembly, data)
+    return LimitAnalysis(
+        scene,
+        whole,
+        at_inset,
+        sharp=answers(whole.with_inset(scene, 0.0), "_sharp") if whole.inset else at_inset,
+        stiffness=JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()}),
+        least_gap=float(data["scene/least_gap"]),
+        path=EquilibriumPath(**_values(data, "path", EquilibriumPath)) if "path/value" in data else None,
+        accuracy=from_text(data["scene/accuracy"]),
+    )
+
+
+def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str, Any]) -> None:
+    """Raise exchange.ExchangeError where the assembly is not that of the file."""
+    expected = {
         "contacts/position": assembly.points.position,
         "contacts/friction": assembly.points.friction,
         "blocks/role": assembly.blocks.role,
@@ -105,19 +131,9 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], h
         "scene/gravity": scene.gravity,
         "scene/support_twist": _motion(scene),
     }
-    for name, value in own.items():
+    for name, value in expected.items():
         if not np.array_equal(value, data[name], equal_nan=True):
             raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
-
-    def solutions(arrises: str) -> dict[Drive, Solution]:
-        return {drive: _solution(data, f"limit_analysis/{arrises}/{GROUPS[drive]}") for drive in drives(scene)}
-
-    stiffness = JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()})
-    coulomb = {name: _coulomb(data, name) for name in ("coulomb", "coulomb_sharp")} if has_coulomb else {}
-    path_followed = FollowedPath(**_values(data, "path", FollowedPath)) if "path/value" in data else None
-    rounded, sharp, gap = solutions("associated"), solutions("associated_sharp"), float(data["scene/least_gap"])
-    purchase = from_text(data["scene/accuracy"])
-    return LimitAnalysis(assembly, rounded, sharp, stiffness, gap, path=path_followed, purchase=purchase, **coulomb)
 
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:
@@ -134,3 +150,10 @@ def _solution(data: dict[str, Any], group: str) -> Solution:
 def _coulomb(data: dict[str, Any], group: str) -> CoulombSolution:
     values = _values(data, f"limit_analysis/{group}", CoulombSolution)
     return CoulombSolution(**{**values, "status": Status(values["status"]), "interval": tuple(values["interval"].tolist())})
+
+
+def scene_digest(scene: Scene) -> str:
+    """Digest of everything that decides `case.h5`: the scene's name, text and meshes, and this package's code."""
+    meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
+    text = "\n".join([scene.name, code_digest(PACKAGE), version("clarabel"), *meshes, scene.text])
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -34,7 +34,7 @@ RESTS_ON = 0.1  # component along gravity of an interface's normal, from which o
 TOLERANCE = 0.025 * ACCEPTED  # asked of the proof's programme, in mean block weights
 
 
-def choices(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
+def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
     """Masks (B,) of free blocks to set aside, the boldest first, and why the whole structure is modelled where none may be."""
     asked, free = scene.effects.reach, assembly.blocks.free
     if scene.support_twist is None:
@@ -107,8 +107,8 @@ def kept_points(assembly: Assembly, aside: np.ndarray) -> np.ndarray:
     return np.asarray(free[a] | free[b])
 
 
-def obstacle(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED) -> str:
-    """Why an answer of `part`, its twists (B, 6) and forces (C, 3) in N, is none of the whole assembly; "" where it is one.
+def why_not_valid(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED) -> str:
+    """Return why an answer of `part`, its twists (B, 6) and forces (C, 3) in N, does not hold for the whole assembly, or "".
 
     accepted: unbalanced force, over the mean block weight, up to which what is set aside stands. NaN twists are not judged.
     """
@@ -122,7 +122,7 @@ def obstacle(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.nda
         nearest = np.where(near, speed, 0.0)
         if nearest.max() > MOVING_SHARE * speed.max():  # the support is among the fastest, so noise is no motion
             return f'block "{whole.blocks.names[nearest.argmax()]}" moves, within {MARGIN} blocks of what was set aside'
-    lifted, falls = lift(whole, part, forces)
+    lifted, falls = extend_forces(whole, part, forces)
     rest = _hold(whole, whole.blocks.free & ~part.aside)
     at_rest = kept_points(whole, whole.blocks.free & ~part.aside)
     if max(residuals.equilibrium_residual(rest, lifted[at_rest]), residuals.cone_violation(rest, lifted[at_rest])) <= accepted:
@@ -130,7 +130,7 @@ def obstacle(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.nda
     return f'block "{whole.blocks.names[falls]}", set aside, would not stand under the forces of the region'
 
 
-def lift(whole: Assembly, part: Assembly, forces: np.ndarray) -> tuple[np.ndarray, int]:
+def extend_forces(whole: Assembly, part: Assembly, forces: np.ndarray) -> tuple[np.ndarray, int]:
     """Contact forces (C, 3) in N of the whole assembly from those of `part`, and the block that falls first where it does not stand.
 
     The part set aside takes the forces of the region as loads. Its greatest power over admissible motions of bounded size is the least

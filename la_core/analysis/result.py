@@ -2,35 +2,78 @@
 
 from dataclasses import dataclass
 
-from la_core.analysis.accuracy_record import Purchase
-from la_core.coulomb import CoulombSolution, Path
+from la_core.analysis.accuracy_record import AccuracyRecord
+from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.limit import Drive, Solution
 from la_core.model import Assembly, JointStiffness
+from la_core.scene import Scene
 
 
 @dataclass(frozen=True)
-class LimitAnalysis:
-    """Solutions of a scene at the inset the methods share and for sharp arrises.
+class Answers:
+    """Answers at one inset.
 
-    assembly: contact points at the shared inset: the scene's, or the smallest that YADE can take where the scene has none.
-    rounded, sharp: solution by drive at that inset and at inset 0. stiffness: of the joints, at the shared inset.
-    coulomb, coulomb_sharp: the same with friction that does not dilate, None where the scene does not call for it.
-    least_gap: bound of the gap between blocks without a joint, m, see `run_effects.settle_run`; NaN where nobody looked.
-    path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
-    purchase: what was tried for the accuracy that the scene asks for, None where it asks for none.
+    assembly: the contact points, and the effects that were modelled; of the reduced region where blocks were set aside.
+    bounds: associated solution by drive, always of the whole structure. coulomb: the prediction with friction that does not dilate, None
+    where the scene does not call for it.
     """
 
     assembly: Assembly
-    rounded: dict[Drive, Solution]
-    sharp: dict[Drive, Solution]
-    stiffness: JointStiffness
-    least_gap: float = float("nan")
+    bounds: dict[Drive, Solution]
     coulomb: CoulombSolution | None = None
-    coulomb_sharp: CoulombSolution | None = None
-    path: Path | None = None
-    purchase: Purchase | None = None
 
     @property
     def main(self) -> Drive:
         """The drive whose answer the scene asks for."""
-        return Drive.LIVE if Drive.LIVE in self.rounded else Drive.YIELDING
+        return Drive.LIVE if Drive.LIVE in self.bounds else Drive.YIELDING
+
+    @property
+    def sharpest(self) -> Solution | CoulombSolution:
+        """The prediction, else the bound that the scene asks for."""
+        return self.coulomb or self.bounds[self.main]
+
+
+@dataclass(frozen=True)
+class LimitAnalysis:
+    """Everything that limit analysis found out about a scene; it carries what it was made from.
+
+    whole: the assembly with every free block, at the inset that both methods share. at_inset, sharp: answers at that inset, and for
+    sharp arrises (inset 0); the same object where both insets are equal. stiffness: of the joints, at the shared inset.
+    least_gap: bound of the gap between blocks without a joint, m, see `la_core.model.decide_dem_effects`; NaN where it was not looked for.
+    path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
+    accuracy: the attempts to reach the accuracy that the scene requests, None where it requests none.
+    """
+
+    scene: Scene
+    whole: Assembly
+    at_inset: Answers
+    sharp: Answers
+    stiffness: JointStiffness
+    least_gap: float = float("nan")
+    path: EquilibriumPath | None = None
+    accuracy: AccuracyRecord | None = None
+
+    @property
+    def main(self) -> Drive:
+        """The drive whose answer the scene asks for."""
+        return self.at_inset.main
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly at the shared inset, as it was modelled: without the blocks that were set aside."""
+        return self.at_inset.assembly
+
+    @property
+    def bounds(self) -> dict[Drive, Solution]:
+        """Associated solution by drive, at the shared inset."""
+        return self.at_inset.bounds
+
+    @property
+    def coulomb(self) -> CoulombSolution | None:
+        """The prediction at the shared inset, None where the scene does not call for it."""
+        return self.at_inset.coulomb
+
+    @property
+    def printed(self) -> Answers:
+        """The answers at the scene's own inset, which are printed."""
+        return self.sharp if self.scene.inset == 0.0 else self.at_inset

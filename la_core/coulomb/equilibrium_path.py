@@ -10,7 +10,7 @@ from la_core.model import Assembly, JointStiffness
 
 
 @dataclass(frozen=True)
-class Path:
+class EquilibriumPath:
     """The followed curve, N + 1 points of which the first is rest under gravity; it ends early where a step has no answer.
 
     settlement (N + 1,): motion of the support, m or rad; under a live load the mean displacement along it, m.
@@ -26,12 +26,12 @@ class Path:
     seconds: float
 
 
-def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float, increments: int, wedging: float = 0.0) -> Path:
+def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float, increments: int, wedging: float = 0.0) -> EquilibriumPath:
     """Follow a structure that stands to `settlement` (m or rad) in `increments` steps, short at first, where the reaction falls fast."""
     joints = ElasticJoints(assembly, stiffness)
     stations = settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2
     steps = [step for step in follow(joints, stations, stiffness, wedging) if step.trial.solved]
-    return Path(
+    return EquilibriumPath(
         np.array([step.progress for step in steps]) * stiffness.travel,
         np.array([value_of(joints, step) for step in steps]),
         np.array([step.strain_residual for step in steps]),

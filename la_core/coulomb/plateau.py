@@ -26,6 +26,17 @@ ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far
 
 
 @dataclass(frozen=True)
+class PredictionSettings:
+    """Steps of a prediction.
+
+    steps: from rest to the whole travel. first_sags: travel of the first step over the elastic sag.
+    """
+
+    steps: int = STEPS
+    first_sags: float = FIRST_SAGS
+
+
+@dataclass(frozen=True)
 class CoulombSolution:
     """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
 
@@ -60,20 +71,19 @@ def predict(
     stiffness: JointStiffness,
     associated: Solution,
     wedging: float = 0.0,
-    steps: int = STEPS,
-    first_sags: float = FIRST_SAGS,
+    settings: PredictionSettings | None = None,
 ) -> CoulombSolution:
     """Follow the structure from rest to its plateau; where the associated answer has no value, neither has this.
 
-    wedging: m or rad, a motion of the support against its settlement before gravity acts. steps: from rest to the whole travel. first_sags:
-    travel of the first of them over the elastic sag.
+    wedging: m or rad, a motion of the support against its settlement before gravity acts.
     """
+    settings = settings or PredictionSettings()
     if associated.status is not Status.SOLVED:
         return _without_value(assembly, associated.status)
     joints = ElasticJoints(assembly, stiffness)
-    first = min(0.5, first_sags * stiffness.sag / joints.unit)
+    first = min(0.5, settings.first_sags * stiffness.sag / joints.unit)
     best: CoulombSolution | None = None
-    for count in (steps, 2 * steps):  # shorter steps where the iteration does not converge: each foretells more of the next
+    for count in (settings.steps, 2 * settings.steps):  # shorter steps where the iteration does not converge
         stations = np.geomspace(1.0, first, count)[::-1]  # a single step goes the whole way
         followed = list(follow(joints, stations, stiffness, wedging))
         if followed[-1].trial.solved and len(followed) > count:
@@ -86,7 +96,7 @@ def predict(
         return _without_value(assembly, Status.FAILED, joints)
     soft = stiffness.sag > SOFTEST * joints.unit and best.status is Status.SOLVED
     status = Status.INACCURATE if soft else best.status
-    return replace(best, status=status, seconds=joints.seconds, iterations=joints.solves, steps=steps)
+    return replace(best, status=status, seconds=joints.seconds, iterations=joints.solves, steps=settings.steps)
 
 
 def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:

@@ -12,11 +12,9 @@ import numpy as np
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.fixed_point import CONVERGED, Step
 from la_core.coulomb.plateau import CoulombSolution, follow, value_of, without_sliding
-from la_core.errors import SceneError
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
-from la_core.model import Assembly, Effects, JointStiffness
-from la_core.scene import Scene
+from la_core.model import Assembly, JointStiffness
 
 LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts as sliding
 SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in a mechanism
@@ -49,23 +47,6 @@ class Sliding:
     def as_coulomb(self, assembly: Assembly, associated: Solution) -> CoulombSolution:
         """The associated answer as Coulomb's, where nothing slides."""
         return without_sliding(assembly, associated, self.seconds, self.solves)
-
-
-def may_leave_out_friction(scene: Scene) -> bool:
-    """Whether the scene leaves it open if joints slide, and asks for nothing that only friction needs."""
-    return scene.effects.friction == "auto" and scene.effects.elasticity in ("auto", "none") and scene.path_asked is None
-
-
-def settled_effects(scene: Scene, effects: Effects, search: Sliding) -> Effects:
-    """Friction and elasticity as the search settles them; raises SceneError where the scene forbids what friction needs."""
-    if not search.found:
-        effects = effects.settled("friction", search.law, search.reason)
-        return effects.settled("elasticity", "none", "nothing dilates, so that the joints' strain decides nothing")
-    if scene.effects.elasticity == "none" and search.known:
-        reason = f"{search.reason}, and friction without dilatancy follows the joints' strain"
-        hint = 'leave it out, or take friction = "associated" for the bounds alone'
-        raise SceneError(f"{scene.path}: effects.elasticity", reason, value="none", hint=hint)
-    return effects.settled("friction", "coulomb", search.reason)
 
 
 def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> Sliding:

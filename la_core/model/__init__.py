@@ -2,7 +2,7 @@
 
 from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length
 from la_core.model.contact_grid import with_grid
-from la_core.model.dem_effects import settle_run
+from la_core.model.dem_effects import decide_dem_effects
 from la_core.model.effects import Effects
 from la_core.model.joints import JointStiffness, joint_stiffness
 from la_core.model.scaling import columns, global_forces, scaled_load, support_motion, twists_of
@@ -14,11 +14,11 @@ __all__ = [
     "JointStiffness",
     "assemble",
     "columns",
+    "decide_dem_effects",
     "global_forces",
     "joint_stiffness",
     "per_length",
     "scaled_load",
-    "settle_run",
     "support_motion",
     "twists_of",
     "with_grid",

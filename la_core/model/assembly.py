@@ -132,18 +132,22 @@ class Assembly:
         return replace(self, points=points, inset=inset)
 
 
-def assemble(scene: Scene) -> Assembly:
-    """Find the interfaces of a scene and build its mechanical model, contact points at the scene's inset."""
+def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
+    """Build the mechanical model of a scene, contact points at the scene's inset.
+
+    interfaces: of the scene's blocks, where they are known; the search for them is most of the work. Raises SceneError, with the scene's
+    path, for blocks that overlap or touch nothing, and for effects that the scene does not allow.
+    """
     try:
-        return _assemble(scene)
+        return _assemble(scene, interfaces)
     except SceneError as error:
         raise SceneError(str(scene.path), str(error)) from error
 
 
-def _assemble(scene: Scene) -> Assembly:
+def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     blocks = scene.blocks
     effects = decide(scene)
-    interfaces = find_interfaces(blocks)
+    interfaces = find_interfaces(blocks) if interfaces is None else interfaces
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
     dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
     dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity

@@ -18,8 +18,8 @@ _NOT_RUN = "YADE does not run a live load"
 _LISTED = "contacts are then those of the joints alone"
 
 
-def settle_run(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
-    """The assembly with displacement and recording settled, and the least gap (m) between blocks without a joint.
+def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
+    """The assembly with displacement and recording decided, and the least gap (m) between blocks without a joint.
 
     The gap is NaN where nobody looked, and gaps beyond the search distance count as that distance. Raises SceneError for small
     displacements asked for where two blocks without a joint can meet.
@@ -29,7 +29,7 @@ def settle_run(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> t
         recording = _recording(scene, assembly)
     else:
         displacement, why, gap, recording = "finite", _NOT_RUN, float("nan"), ("states", _NOT_RUN)
-    effects = assembly.effects.settled("displacement", displacement, why).settled("recording", *recording)
+    effects = assembly.effects.with_effect("displacement", displacement, why).with_effect("recording", *recording)
     return replace(assembly, effects=effects), gap
 
 

@@ -31,8 +31,8 @@ class Effects:
     sliding_excluded: bool = False
     called_back: tuple[str, ...] = ()
 
-    def settled(self, effect: str, choice: bool | str, reason: str) -> "Effects":
-        """The same with one effect settled otherwise, for a reason."""
+    def with_effect(self, effect: str, choice: bool | str, reason: str) -> "Effects":
+        """The same with one effect decided otherwise, for a reason."""
         return replace(self, **{effect: choice, "reasons": self.reasons | {effect: reason}})  # type: ignore[arg-type]
 
 

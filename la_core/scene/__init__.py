@@ -1,14 +1,13 @@
 """What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
 
 from la_core.scene import key_paths, shipped
-from la_core.scene.full_model import full_model
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, Path
 from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text
 from la_core.scene.shipped import load, names
 from la_core.scene.validation import complaint
-from la_core.scene.variants import build, override, variant
+from la_core.scene.variants import build, full_model, override, same_structure, variant
 
 __all__ = [
     "FOLDER_FORMATS",
@@ -30,6 +29,7 @@ __all__ = [
     "load_scene",
     "names",
     "override",
+    "same_structure",
     "scene_of_text",
     "shipped",
     "variant",

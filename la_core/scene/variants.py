@@ -23,6 +23,8 @@ from la_core.scene.validation import complaint
 KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
 LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
 LONGEST_TITLE = 120  # characters of a title made so
+EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}
+FULL_SUFFIX = "_full"
 
 
 def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = ".") -> Scene:
@@ -59,6 +61,24 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     if "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
     return build(tables, name, scene.path.parent)
+
+
+def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene:
+    """The scene with other keys that leave its structure as it is, so that its title and its expected value stay.
+
+    changes, name: as in `variant`. Raises SceneError as `variant` does.
+    """
+    tables = tomllib.loads(scene.text)
+    for key, value in changes.items():
+        key_paths.put(tables, key, _plain(value, str(key)))
+    return build(tables, name, scene.path.parent)
+
+
+def full_model(scene: Scene) -> Scene:
+    """The scene with every effect modelled, under its name with FULL_SUFFIX; another law of friction that it asks for stays."""
+    law = scene.effects.friction
+    effects = EVERY_EFFECT | ({"friction": law} if law in ("associated", "none-slides") else {})
+    return same_structure(scene, {"effects": effects}, f"{scene.name}{FULL_SUFFIX}")
 
 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:

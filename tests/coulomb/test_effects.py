@@ -20,8 +20,8 @@ from la_core.limit.associated import Status, solve
 from la_core.limit.no_sliding import no_sliding_rows, shared_friction
 from la_core.limit.problem import Drive, scaled_problem
 from la_core.model.assembly import Assembly, assemble
-from la_core.scene.full_model import full_model
 from la_core.scene.scene import Scene
+from la_core.scene.variants import full_model
 
 SOLVER = 1e-6  # of the reaction: what two solves of one problem may differ by
 SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this

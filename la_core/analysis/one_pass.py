@@ -1,0 +1,52 @@
+"""One pass of limit analysis at given settings: bounds, prediction, and the path where it is asked for."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from la_core.analysis.prediction import with_prediction
+from la_core.analysis.result import Answers, LimitAnalysis
+from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.structural_model import StructuralModel, drives, wedging
+from la_core.coulomb import EquilibriumPath, follow_path
+from la_core.limit import Drive, Solution, Status, scaled_problem, solve
+from la_core.model import Assembly
+from la_core.scene import Path as RequestedPath
+from la_core.scene import Scene
+
+
+def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
+    """Solve a model at the inset that both methods share and for sharp arrises.
+
+    The bounds, the path and the reaction at rest are those of the whole structure; the prediction is that of the region within reach
+    where it is proven to be the whole structure's.
+    """
+    bounds = Answers(model.assembly, dict(_solve_every_drive(model.scene, model.assembly)))
+    sharp = bounds
+    if model.sharp.inset != model.assembly.inset:
+        sharp = Answers(model.sharp, dict(_solve_every_drive(model.scene, model.sharp)))
+    at_inset, sharp = with_prediction(model, (bounds, sharp), settings)
+    whole = replace(model.assembly, effects=at_inset.assembly.effects)
+    path = _followed(model, at_inset, settings)
+    return LimitAnalysis(model.scene, whole, at_inset, sharp, model.stiffness, model.least_gap, path)
+
+
+def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettings) -> EquilibriumPath | None:
+    """The path of the whole structure, where the scene or the caller asks for it and the structure has an answer."""
+    is_asked = settings.follow_path or answers.assembly.effects.elasticity == "path"
+    has_answer = answers.bounds[answers.main].status is Status.SOLVED
+    if not (is_asked and has_answer and model.assembly.effects.friction == "coulomb"):
+        return None
+    request = model.scene.path_asked or RequestedPath()
+    settlement = request.settlement or model.stiffness.travel
+    return follow_path(model.assembly, model.stiffness, settlement, request.increments, wedging(model.scene))
+
+
+def _solve_every_drive(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
+    """Solutions of every drive; a structure that cannot stand cannot in any of them, so the first says it all."""
+    problem = scaled_problem(assembly)
+    for drive in drives(scene):
+        solution = solve(assembly, drive, problem)
+        yield drive, solution
+        if solution.status is Status.INFEASIBLE:
+            yield from ((other, solution) for other in drives(scene) if other is not drive)
+            return
