@@ -17,9 +17,10 @@ from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import FIGURE_FORMATS, refuse_name
 from comparison.workflow import report_again, run_scene
-from comparison.yade import Run, read_results
-from la_core.analysis import Answer, settled
+from comparison.yade import Results, Run, read_results
+from la_core.analysis import Answer, decided_model, structural_model
 from la_core.errors import SceneError, nearest
+from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
 from la_core.text_table import Tabled
 
@@ -124,8 +125,9 @@ def run(
     refuse_name(chosen)
     own = Path(folder) / chosen.name
     with _narration(quiet) as narration:
-        summary = run_scene(chosen, own, narration, yade, time_limit)
-    return _result(own, summary)
+        model = structural_model(chosen)
+        summary = run_scene(model, own, narration, yade, time_limit)
+    return _result(own, summary, model.assembly.interfaces)
 
 
 def read(folder: Path | str) -> Result:
@@ -144,11 +146,11 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     name: of the figure. run: YADE's, to be drawn beside the answer.
     """
     if isinstance(what, Scene):
-        return Picture(structure.assembly_figure(what, settled(what)))
-    drawings = figures(what.scene, what.analysis, run)
+        return Picture(structure.assembly_figure(what, decided_model(what).assembly))
+    drawings = figures(Results(what.analysis, run))
     chosen = name or "mechanisms"
     if chosen not in drawings:
-        raise SceneError(f'the figure "{chosen}"', "is none", hint=nearest(chosen, drawings, "figures"))
+        raise SceneError(f'unknown figure "{chosen}"', "not among those of this answer", hint=nearest(chosen, drawings, "figures"))
     return Picture(drawings[chosen]())
 
 
@@ -156,6 +158,7 @@ def _narration(quiet: bool) -> Narration:
     return Narration(Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True))
 
 
-def _result(folder: Path, summary: dict[str, Any]) -> Result:
-    scene, analysis, found = read_results(folder)
-    return Result(folder, summary, Answer(scene, analysis), found if summary["yade"] is not None else None)
+def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:
+    results = read_results(folder, interfaces)
+    answer = Answer(results.scene, results.analysis)
+    return Result(folder, summary, answer, results.run if summary["yade"] is not None else None)

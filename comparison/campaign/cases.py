@@ -14,7 +14,7 @@ import tomli_w
 
 from comparison.campaign.definition import Definition, Sweep
 from comparison.campaign.parameter_labels import CLASSIC
-from la_core.analysis import model
+from la_core.analysis import structural_model
 from la_core.errors import SceneError, nearest
 from la_core.limit import ClassicParameters
 from la_core.scene import Scene, key_paths, load_scene, override, scene_of_text, shipped
@@ -130,7 +130,7 @@ def _run(folder: str, path: Path, text: str) -> Run:
     """A run of a scene, which is checked by being built and modelled, all but solved."""
     name = _stem(path.stem)
     scene = scene_of_text(text, path, name)
-    model(scene)
+    structural_model(scene)
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
     return Run(folder, name, path, text, tuple(meshes))
 

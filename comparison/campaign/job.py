@@ -18,16 +18,17 @@ from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import alone_in, write_text
-from comparison.workflow import REPEATED, Listener, run_scene
+from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, run_scene
 from comparison.yade import ROOT, read_results
-from la_core.analysis import LimitAnalysis, code_digest
+from la_core.analysis import LimitAnalysis, structural_model
+from la_core.digests import code_digest
 from la_core.limit import ClassicParameters, Drive, Status, iterate
-from la_core.model import assemble
 from la_core.scene import Scene
 
 OUTCOME = "outcome.json"
-ROOMS = ("la_core", "yade_scripts", "comparison")
-OWN = ("columns.py", "job.py", "mechanism_labels.py")  # of this package, what an outcome is made by; the others only gather and draw
+HERE = Path(__file__).parent
+OWN_CODE = tuple(HERE / name for name in ("columns.py", "job.py", "mechanism_labels.py"))  # the other modules only gather and draw
+CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # what an outcome is made by
 PATIENCE = 600.0  # s for another process to leave a case's folder: one that an earlier call began and that has not seen its end yet
 LOOKS_EVERY = 0.2  # s
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
@@ -64,8 +65,7 @@ class StoppedError(BaseException):
 def code() -> str:
     """Digest of the code and versions that decide an outcome, as they lie on the disk."""
     versions = {name: version for name, version in describe().items() if name != "machine"}
-    own = [(Path(__file__).parent / name).read_text(encoding="utf-8") for name in OWN]
-    return hashlib.sha256(json.dumps([*(code_digest(ROOT / room) for room in ROOMS), own, versions]).encode()).hexdigest()
+    return hashlib.sha256(json.dumps([code_digest(*CODE), versions]).encode()).hexdigest()
 
 
 LOADED = code()  # of what this process works with, however long it lives and whatever is installed meanwhile
@@ -124,10 +124,12 @@ def _told(reason: str, job: Job) -> str:
 
 
 def _done(job: Job, listener: Listener) -> Outcome:
-    summary = run_scene(job.scene, job.scene_folder, listener, job.yade, job.time_limit)
+    model = structural_model(job.scene)
+    summary = run_scene(model, job.scene_folder, listener, job.yade, job.time_limit)
     write_report(job.folder, [summary], describe())
-    scene, analysis, run = read_results(job.scene_folder)
-    main = analysis.rounded[analysis.main]
+    results = read_results(job.scene_folder, model.assembly.interfaces)
+    scene, analysis, run = results.scene, results.analysis, results.run
+    main = analysis.bounds[analysis.main]
     mechanisms = {"associated": main.twists}
     if analysis.coulomb is not None:
         mechanisms["coulomb"] = analysis.coulomb.twists
@@ -140,13 +142,13 @@ def _done(job: Job, listener: Listener) -> Outcome:
     outcome: Outcome = {"state": state, "answers": answers, "costs": costs_of(summary), "classic": {}}
     for name, parameters in job.classic.items():
         listener.stage(scene.name, "classic iteration", name)
-        outcome["classic"][name] = _classic(scene, analysis, parameters)
+        outcome["classic"][name] = _classic(analysis, parameters)
     return outcome
 
 
-def _classic(scene: Scene, analysis: LimitAnalysis, parameters: ClassicParameters) -> dict[str, Any]:
+def _classic(analysis: LimitAnalysis, parameters: ClassicParameters) -> dict[str, Any]:
     """The classic iteration on the whole structure, at the inset that both methods share."""
-    assembly = assemble(scene).with_inset(scene, analysis.assembly.inset)
+    assembly = analysis.whole
     found = iterate(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING, parameters)
     value = found.value if found.status is Status.SOLVED else math.nan
     return {"value": value, "status": found.status.value, "iterations": found.iterations, "seconds": found.seconds}

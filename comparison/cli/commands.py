@@ -20,7 +20,8 @@ from comparison.judge import check_accuracy, check_expected, limit_analysis_summ
 from comparison.progress import Narration
 from comparison.run_folder import refuse_name
 from comparison.settings import filled
-from la_core.analysis import model, settled, solve, with_accuracy
+from comparison.yade import Results
+from la_core.analysis import decided_model, solve, structural_model, with_accuracy
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 from la_core.limit import Status
@@ -66,10 +67,11 @@ def _show(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.figures import structure
 
     scene = load_scene(shipped.find(options.scene))
-    assembly = settled(scene)
+    decided = decided_model(scene)
+    assembly = decided.assembly
     figure = options.output or Path(f"{scene.name}.png")
     structure.save(structure.assembly_figure(scene, assembly), figure)
-    facts = tables.scene_facts(scene, assembly)
+    facts = tables.scene_facts(scene, decided)
     if options.json:
         _print_json(facts | {"figure": str(figure)})
     else:
@@ -83,8 +85,8 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     analysis = solve(scene, options.path).analysis
-    summary = limit_analysis_summary(scene, analysis)
-    checks = [*check_expected(scene, analysis), *check_accuracy(scene, analysis, None)]
+    summary = limit_analysis_summary(analysis)
+    checks = [*check_expected(analysis), *check_accuracy(Results(analysis))]
     if options.json:
         _print_json(summary)
     else:
@@ -94,12 +96,12 @@ def _solve(options: argparse.Namespace, narrator: Console) -> int:
     if options.output is not None:
         from comparison.figures import structure
 
-        structure.save(structure.reaction_figure(scene, analysis, None), options.output)
+        structure.save(structure.reaction_figure(Results(analysis)), options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
     verdict, reason = overall(checks)
     if reason:
         narrator.print(reason, markup=False)
-    statuses = {analysis.rounded[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
+    statuses = {analysis.bounds[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
     if statuses & {Status.INACCURATE, Status.FAILED}:
         return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[verdict]
@@ -150,7 +152,7 @@ def _run(options: argparse.Namespace, narrator: Console) -> int:
         scenes = [full_model(scene) for scene in scenes]
     _refuse_names(scenes)
     for scene in scenes:
-        model(scene)  # a bad scene is refused before the first one runs
+        structural_model(scene)  # a bad scene is refused before the first one runs
     comparisons: list[dict[str, Any]] = []
     try:
         with Narration(narrator) as narration:
@@ -200,7 +202,7 @@ def _export(options: argparse.Namespace, narrator: Console) -> int:
     from comparison.cli.scene_verbs.export import results_of
     from comparison.report import export
 
-    files = [str(path) for path in export(*results_of(options.source), options.output)]
+    files = [str(path) for path in export(results_of(options.source), options.output)]
     if options.json:
         _print_json({"files": files})
     else:

@@ -8,8 +8,7 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
-from la_core.analysis import answer_table
-from la_core.model import Assembly
+from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
 from la_core.text_table import number, over_weight
 
@@ -46,13 +45,14 @@ def plain(text: str) -> str:
     return escape(text)
 
 
-def scene_facts(scene: Scene, assembly: Assembly) -> dict[str, Any]:
+def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     """Counts and weight of a scene, and the effects it calls for."""
+    assembly = decided.assembly
     roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
     facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight, **{f"{name}_blocks": count for name, count in roles.items()}}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
-    return facts | {"effects": effects_summary(scene, assembly)}
+    return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
@@ -76,8 +76,8 @@ def effects_table(effects: dict[str, Any]) -> Table:
 
 def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
     """Limit analysis of one scene: values in their unit and over the weight, residuals, checks against expected values."""
-    table = new_table(*answer_table.headings(scene), title=plain(scene.title))
-    for row in answer_table.rows(scene, summary["limit_analysis"]):
+    table = new_table(*answer_headings(scene), title=plain(scene.title))
+    for row in answer_rows(scene, summary["limit_analysis"]):
         table.add_row(*map(plain, row))
     for check in checks:
         table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])

@@ -17,13 +17,11 @@ from comparison.figures.motion import Motion, motions
 from comparison.figures.reaction import draw_levels
 from comparison.figures.structure import TITLE_WIDTH, looks, wrapped
 from comparison.numbers import number
-from comparison.yade import Run
-from la_core.analysis import LimitAnalysis
+from comparison.yade import Results
 from la_core.errors import SceneError
 from la_core.exchange import FREE, write_whole
 from la_core.measures import mechanism
 from la_core.model import Assembly
-from la_core.scene import Scene
 
 SECONDS = 4.0  # from rest to the end
 HOLD = 2.0  # s, the last frame
@@ -36,9 +34,10 @@ SLOW = 2.0  # power of the time: the reaction falls at the settlement's beginnin
 class Story:
     """A figure and what changes in it from frame to frame."""
 
-    def __init__(self, scene: Scene, analysis: LimitAnalysis, run: Run | None) -> None:
+    def __init__(self, results: Results) -> None:
         """Draw all that stays; raises SceneError where nothing moves."""
-        self.shown = motions(analysis, run)
+        scene, analysis, run = results.scene, results.analysis, results.run
+        self.shown = motions(results)
         if not self.shown.end > self.shown.start:
             reasons = "; ".join(f"{method.label}: {method.reason}" for method in self.shown.methods if method.reason)
             raise SceneError(str(scene.path), f"nothing moves that could be animated ({reasons})", hint="look at its figures instead")
@@ -58,7 +57,7 @@ class Story:
                 canvas.block_outlines(_moves(self.assembly, method) | np.any(self.assembly.support_twist, axis=1), FAINT)
         self.still = [len(canvas.axes.collections) for canvas in self.canvases]
         axes = lower.subplots()
-        self.scales, written = draw_levels(axes, scene, analysis, run)
+        self.scales, written = draw_levels(axes, results)
         (self.line,) = axes.plot([], [], color=YADE, linewidth=1.6, zorder=4, label="YADE, recorded" if run else "_none")
         (self.tip,) = axes.plot([], [], color=YADE, marker="o", markeredgecolor="black", markersize=6, zorder=6)
         handles = {name: handle for handle, name in zip(*axes.get_legend_handles_labels(), strict=True) if name not in written}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.figures.canvas import structure_size
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Solution, Status
@@ -61,7 +61,7 @@ def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSoluti
     """Limit analysis' sharpest mechanism, which figures show, and its label."""
     if analysis.coulomb is not None and np.isfinite(analysis.coulomb.value):
         return "limit analysis (Coulomb)", analysis.coulomb
-    return "limit analysis (associated)", analysis.rounded[analysis.main]
+    return "limit analysis (associated)", analysis.bounds[analysis.main]
 
 
 def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> float:
@@ -71,12 +71,13 @@ def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> fl
     return DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0
 
 
-def motions(analysis: LimitAnalysis, run: Run | None) -> Motions:
+def motions(results: Results) -> Motions:
     """Limit analysis' mechanism and YADE's recorded states over the same settlement: YADE's, or without a run one that shows."""
+    analysis, run = results.analysis, results.run
     label, answer = shown_answer(analysis)
     mechanisms = {label: answer.twists} | ({"YADE": run.mechanism()} if run is not None else {})
     large = drawn_motion(analysis.assembly, mechanisms)
-    end = max(float(run.poses["settlement"][-1]), 0.0) if run is not None else 0.0
+    end = max(float(run.poses.settlement[-1]), 0.0) if run is not None else 0.0
     methods = [_of_limit_analysis(analysis, label, answer, end or large)]
     if run is not None:
         methods.append(_of_run(analysis.assembly, run))
@@ -93,7 +94,7 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
 
 def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | CoulombSolution, end: float) -> Motion:
     """The mechanism grows with the settlement; the forces are those of the plateau."""
-    twists, main = answer.twists, analysis.rounded[analysis.main]
+    twists, main = answer.twists, analysis.bounds[analysis.main]
     known = bool(np.isfinite(twists).all())
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
     states = contact_states(analysis.assembly, twists, answer.forces)
@@ -105,9 +106,9 @@ def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | C
 def _of_run(assembly: Assembly, run: Run) -> Motion:
     """YADE's own states; a run that stored but one is held there."""
     twists = run.mechanism()
-    moved = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)
+    moved = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     kept = [0, 0] if len(moved) == 1 else slice(None)
     states = contact_states(assembly, twists, run.plateau_forces())
     reason = "" if run.status == "plateau" else f"{run.status}: {run.result['message']}"
-    settlement = run.poses["settlement"]
-    return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses["forces"][kept], twists, states, reason=reason)
+    settlement = run.poses.settlement
+    return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses.forces[kept], twists, states, reason=reason)

@@ -25,7 +25,7 @@ from comparison.figures.reaction_levels import (
     whole_limits,
 )
 from comparison.numbers import number
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.scene import Scene
@@ -41,21 +41,22 @@ HISTORY = "interval: friction's history decides within"
 FITTED = "YADE, fitted plateau"
 
 
-def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Figure:
+def reaction_figure(results: Results) -> Figure:
     """Left the whole curve from rest, right the plateau close up; all at the inset both methods share, the sharp bound dotted.
 
     Without `run` and without a path only levels are drawn. A second axis gives the reaction over the free blocks' weight.
     """
+    scene, analysis, run = results.scene, results.analysis, results.run
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
     FigureCanvasAgg(figure)
-    obstacle = _obstacle(scene, analysis)
+    obstacle = _obstacle(analysis)
     if obstacle and run is None:
         figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
         return figure
-    scales, end = scales_of(scene, analysis, run), reached(analysis, run)
+    scales, end = scales_of(results), reached(results)
     is_close = has_plateau(run) or (run is None and end > 0.0)
     whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if is_close else [figure.subplots()]
-    panels = [(whole, whole_limits(analysis, run)), *((axes, plateau_limits(analysis, run)) for axes in close)]
+    panels = [(whole, whole_limits(results)), *((axes, plateau_limits(results)) for axes in close)]
     written: set[str] = set()
     for axes, limits in panels:
         _draw_bounds(axes, analysis, scales, limits)
@@ -64,10 +65,10 @@ def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> F
             _draw_run(axes, run, scales, end)
         _finish(axes, scene, scales, end, limits)
         low, high = (limit / scales.reaction for limit in limits)
-        written |= write_words(axes, _words(analysis, run, scales, end), (low, high), _kept_clear(analysis, scales, end))
+        written |= write_words(axes, _words(results, scales, end), (low, high), _kept_clear(analysis, scales, end))
     for axes in close:
         axes.set_title("close to the plateau", fontsize=9, loc="left")
-    whole.set_title(_status_words(analysis, run, obstacle), fontsize=9, parse_math=False, loc="left")
+    whole.set_title(_status_words(results, obstacle), fontsize=9, parse_math=False, loc="left")
     if not close:
         figure.set_figwidth(7.5)
     named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
@@ -76,25 +77,28 @@ def reaction_figure(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> F
     return figure
 
 
-def draw_levels(axes: Any, scene: Scene, analysis: LimitAnalysis, run: Run | None) -> tuple[Scales, set[str]]:
+def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
     """All of the whole curve's panel but YADE's record; returns the axes' scales and the labels that stand beside their lines."""
-    scales, end, limits = scales_of(scene, analysis, run), reached(analysis, run), whole_limits(analysis, run)
+    scene, analysis = results.scene, results.analysis
+    scales, end, limits = scales_of(results), reached(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
     _draw_prediction(axes, analysis, scales, limits)
     _finish(axes, scene, scales, end, limits)
     low, high = (limit / scales.reaction for limit in limits)
-    return scales, write_words(axes, _words(analysis, None, scales, end), (low, high), _kept_clear(analysis, scales, end))
+    return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(analysis, scales, end))
 
 
-def _obstacle(scene: Scene, analysis: LimitAnalysis) -> str:
+def _obstacle(analysis: LimitAnalysis) -> str:
     """Why limit analysis has no reaction to show, or ""."""
-    status, value = analysis.rounded[analysis.main].status, analysis.rounded[analysis.main].value
+    scene = analysis.scene
+    status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
     if status is Status.INFEASIBLE:
         return f"Limit analysis: the structure cannot stand under its own weight, so no {scene.quantity} exists."
     return "" if np.isfinite(value) else f"Limit analysis ended as {status}: it has no {scene.quantity}."
 
 
-def _status_words(analysis: LimitAnalysis, run: Run | None, obstacle: str) -> str:
+def _status_words(results: Results, obstacle: str) -> str:
+    analysis, run = results.analysis, results.run
     followed = "" if analysis.path is None else "the whole path"
     words = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
     return "\n".join(part for part in (words, obstacle) if part)
@@ -123,8 +127,9 @@ def _sharp_name(analysis: LimitAnalysis) -> str:
     return "associated, of sharp arrises" if analysis.main is Drive.LIVE else r"$R_{\min}$ of sharp arrises"
 
 
-def _words(analysis: LimitAnalysis, run: Run | None, scales: Scales, end: float) -> list[Word]:
+def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     """What stands next to the lines and in the bands, with its value."""
+    analysis, run = results.analysis, results.run
     lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     live, unit = analysis.main is Drive.LIVE, f" {scales.reaction_unit}".rstrip()
     least, named = ("associated", ASSOCIATED) if live else (r"$R_{\min}$, associated", LEAST)
@@ -145,7 +150,7 @@ def _words(analysis: LimitAnalysis, run: Run | None, scales: Scales, end: float)
     ]
     if run is not None and has_plateau(run):
         value, uncertainty = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty"))
-        level = value + run.result["slope"] / scales.reaction * end
+        level = value + run.result.slope / scales.reaction * end
         found.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
     return found + list(_band_words(analysis, scales, unit))
 
@@ -212,7 +217,7 @@ def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
     if not has_plateau(run):
         return
     reaction, uncertainty, slope = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty", "slope"))
-    start = run.result["plateau_start"]
+    start = run.result.plateau_start
     for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", FITTED)):
         s = np.array([first, last])
         # Thinner than the record and above it, so that both show, on a plateau with noise and on one without.

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.numbers import POINT
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Solution
-from la_core.scene import Scene
 
 NEAR = 2.5  # times the range of all other values: a greatest reaction, or an interval's end, farther than this is only named
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
@@ -34,9 +33,9 @@ def has_plateau(run: Run | None) -> bool:
 def levels(analysis: LimitAnalysis) -> dict[str, float]:
     """Finite reactions of limit analysis by label."""
     named = {
-        "least": _value(analysis.rounded, analysis.main),
-        "sharp": _value(analysis.sharp, analysis.main),
-        "greatest": _value(analysis.rounded, Drive.PUSHING),
+        "least": _value(analysis.bounds, analysis.main),
+        "sharp": _value(analysis.sharp.bounds, analysis.main),
+        "greatest": _value(analysis.bounds, Drive.PUSHING),
     }
     if analysis.coulomb is not None:
         named["coulomb"] = analysis.coulomb.value
@@ -51,14 +50,16 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
     return (low, high) if high - low > POINT * abs(analysis.coulomb.value) else None
 
 
-def reached(analysis: LimitAnalysis, run: Run | None) -> float:
+def reached(results: Results) -> float:
     """Largest settlement recorded or followed, m or rad; 0 where none is. A path goes on where a run has stopped: it is cut there."""
+    analysis, run = results.analysis, results.run
     recorded = float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
     return recorded or (float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0)
 
 
-def scales_of(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Scales:
+def scales_of(results: Results) -> Scales:
     """Units in which the largest value and the reached settlement read well."""
+    scene, analysis, run = results.scene, results.analysis, results.run
     values = [abs(value) for value in levels(analysis).values()]
     if run is not None:
         values += list(np.abs(run.settling("reaction")))
@@ -66,7 +67,7 @@ def scales_of(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Scales:
         values += list(np.abs(analysis.path.value))
     largest = max((value for value in values if np.isfinite(value)), default=1.0)
     divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
-    tiny = reached(analysis, run) < 1e-5
+    tiny = reached(results) < 1e-5
     length = ("µrad" if tiny else "mrad") if scene.is_rotation else ("µm" if tiny else "mm")
     return Scales(1e-6 if tiny else 1e-3, length, divisor, f"{prefix}{scene.unit}")
 
@@ -76,8 +77,9 @@ def _padded(low: float, high: float) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def whole_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float]:
+def whole_limits(results: Results) -> tuple[float, float]:
     """Reaction range of the whole run: zero, the record and limit analysis; the greatest reaction only where it is near."""
+    analysis, run = results.analysis, results.run
     lines = levels(analysis)
     alone = run is None and analysis.path is None
     values = [value for name, value in lines.items() if name != "greatest" or alone]
@@ -94,12 +96,13 @@ def whole_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float
     return _padded(*_with_near(values, [*far, *(interval_of(analysis) or ())]))
 
 
-def plateau_limits(analysis: LimitAnalysis, run: Run | None) -> tuple[float, float]:
+def plateau_limits(results: Results) -> tuple[float, float]:
     """Reaction range around the fitted line, its uncertainty and the least reactions, with room for the record's noise."""
+    analysis, run = results.analysis, results.run
     values = [value for name, value in levels(analysis).items() if name != "greatest"]
     if run is not None and has_plateau(run):
-        reaction, uncertainty = run.result["reaction"], run.result["uncertainty"]
-        late = run.settling("reaction")[run.settling("settlement") >= run.result["plateau_start"]]
+        reaction, uncertainty = run.result.reaction, run.result.uncertainty
+        late = run.settling("reaction")[run.settling("settlement") >= run.result.plateau_start]
         values += [reaction - 2.0 * uncertainty, reaction + 2.0 * uncertainty, *np.quantile(late, (0.02, 0.98))]
     elif analysis.path is not None:
         values += list(analysis.path.value[len(analysis.path.value) // 2 :])

@@ -6,16 +6,15 @@ from typing import Any
 from comparison.figures import structure
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.motion import shown_answer
-from comparison.yade import Run
-from la_core.analysis import LimitAnalysis
+from comparison.yade import Results
 from la_core.limit import Status
 from la_core.measures import measure
-from la_core.scene import Scene
 
 
-def figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Callable[[], Any]]:
+def figures(results: Results) -> dict[str, Callable[[], Any]]:
     """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
-    main = analysis.rounded[analysis.main]
+    scene, analysis, run = results.scene, results.analysis, results.run
+    main = analysis.bounds[analysis.main]
     method, best = shown_answer(analysis)
     mechanisms = {method: best.twists}
     reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
@@ -26,6 +25,6 @@ def figures(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str,
     return {
         "assembly": lambda: structure.assembly_figure(scene, analysis.assembly),
         "mechanisms": lambda: structure.mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
-        "reaction": lambda: structure.reaction_figure(scene, analysis, run),
+        "reaction": lambda: structure.reaction_figure(results),
         "dissipation": lambda: dissipation_figure(analysis.assembly, best.twists, measures, f"{scene.title}: {method}"),
     }

@@ -6,7 +6,7 @@ from la_core.analysis import LimitAnalysis
 from la_core.coulomb import STATIONS, STEPS
 from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.geometry import contact_points
-from la_core.model import PLANE_FREEDOMS, Assembly, assemble
+from la_core.model import PLANE_FREEDOMS, Assembly
 from la_core.scene import Scene
 
 SEARCH = len(STATIONS) + 1  # programmes that look for a sliding joint
@@ -30,14 +30,15 @@ WORDS = {  # what is on or off
 }
 
 
-def effects_summary(scene: Scene, assembly: Assembly, analysis: LimitAnalysis | None = None) -> dict[str, Any]:
+def effects_summary(scene: Scene, whole: Assembly, assembly: Assembly, analysis: LimitAnalysis | None = None) -> dict[str, Any]:
     """Choices and reasons by effect, and `table`: one row an effect, in the order of EFFECTS.
 
+    whole: the assembly with every block. assembly: as it is modelled. analysis: None before it.
     A row: effect, what it is, on, modelled, reason, saved (counts by name, where it is off), seconds (measured, where it is on and
     limit analysis spent time on it alone; else null).
     """
     effects = assembly.effects
-    saved, seconds = _saved(scene, assembly), _seconds(analysis)
+    saved, seconds = _saved(scene, whole, assembly), _seconds(analysis)
     table = [
         {
             "effect": name,
@@ -60,7 +61,7 @@ def _modelled(name: str, choice: bool | str) -> str:
     return yes if choice else no
 
 
-def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
+def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[str, int]]:
     """What each effect saves where it is left out, against the same model with it."""
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
@@ -71,12 +72,12 @@ def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }
     if aside:
-        whole = len(assemble(scene).with_inset(scene, assembly.inset).points)
+        spared = len(whole.points) - points
         saved["reach"] = {
             "unknowns": freedoms * aside,
-            "contact points": whole - points,
+            "contact points": spared,
             "bodies in YADE": BODIES_OF_BLOCK * aside,
-            "spheres in YADE": whole - points,
+            "spheres in YADE": spared,
         }
     if plane:
         solid = len(contact_points(assembly.blocks, assembly.interfaces, scene.friction, assembly.inset, plane=False))
@@ -91,8 +92,8 @@ def _saved(scene: Scene, assembly: Assembly) -> dict[str, dict[str, int]]:
 
 def _seconds(analysis: LimitAnalysis | None) -> dict[str, float]:
     """Solver seconds that an effect alone took."""
-    if analysis is None or analysis.coulomb is None or analysis.coulomb_sharp is None:
+    if analysis is None or analysis.coulomb is None or analysis.sharp.coulomb is None:
         return {}
-    answers = {id(one): one for one in (analysis.coulomb, analysis.coulomb_sharp)}
+    answers = {id(one): one for one in (analysis.coulomb, analysis.sharp.coulomb)}
     seconds = {"friction": sum(one.seconds for one in answers.values())}
     return seconds | ({"elasticity": analysis.path.seconds} if analysis.path is not None else {})

@@ -48,11 +48,11 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
     NaN where nothing was recorded at rest.
     """
     first = 1 if assembly.effects.recording == "plateau" else 0
-    settlement = run.poses["settlement"][first:]
-    if len(settlement) < 2 or not run.record or GRAVITY not in run.record["stage"]:
+    settlement = run.poses.settlement[first:]
+    if len(settlement) < 2 or not run.record or GRAVITY not in run.record.stage:
         return EnergyAudit(*[float("nan")] * 7)
-    poses = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)[first:]
-    steps, forces = np.diff(poses, axis=0), run.poses["forces"][first:]
+    poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)[first:]
+    steps, forces = np.diff(poses, axis=0), run.poses.forces[first:]
     by_block = np.einsum("bi,pbi->b", assembly.dead_load, steps)
     support = _support_work(run, settlement)
     taken, stored = _taken(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)
@@ -85,10 +85,10 @@ def energy_summary(assembly: Assembly, run: Run) -> dict[str, float]:
 
 def _series(run: Run, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Settlement and one recorded series, from the last row at rest on."""
-    first = int(np.flatnonzero(run.record["stage"] == GRAVITY)[-1])
-    settlement = run.record["settlement"][first:].copy()
-    settlement[0] = min(settlement[0], run.poses["settlement"][0])
-    return settlement, run.record[name][first:]
+    first = int(np.flatnonzero(run.record.stage == GRAVITY)[-1])
+    settlement = run.record.settlement[first:].copy()
+    settlement[0] = min(settlement[0], run.poses.settlement[0])
+    return settlement, getattr(run.record, name)[first:]
 
 
 def _support_work(run: Run, stored: np.ndarray) -> float:

@@ -11,12 +11,11 @@ import numpy as np
 
 from comparison.judge.check import Check, Verdict, inside, within
 from comparison.judge.tolerances import HISTORY, REACH, REACTION, bought, is_broad, least_reaction, reaction_tolerance
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import SLIDING_SHARE, CoulombSolution
 from la_core.limit import Drive, Status, consistent_reaction
 from la_core.measures import mechanism, residuals
-from la_core.scene import Scene
 
 REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within the mechanism's interval"
 SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
@@ -46,14 +45,15 @@ class Prediction:
     doubt: str = ""
 
 
-def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
+def predicted(results: Results) -> Prediction:
     """The sharpest prediction that limit analysis has for this scene."""
-    least, coulomb, assembly = analysis.rounded[Drive.YIELDING], analysis.coulomb, analysis.assembly
-    if slides_unforeseen(analysis, run):
+    analysis = results.analysis
+    least, coulomb, assembly = analysis.bounds[Drive.YIELDING], analysis.coulomb, analysis.assembly
+    if slides_unforeseen(results):
         obstacle = 'Joints slide in YADE and in no mechanism of limit analysis; ask for effects.friction = "coulomb".'
         return Prediction(least.value, (math.nan, math.nan), least.twists, True, REACTION, obstacle)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
-        slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
+        slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         share = HISTORY + abs(coulomb.drift) if slides else REACTION
         share += REACH if assembly.effects.reach else 0.0
         left = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
@@ -62,7 +62,7 @@ def predicted(analysis: LimitAnalysis, run: Run) -> Prediction:
             return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
         share += _spurious_share(analysis, coulomb) if doubt else 0.0
         return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, "", doubt)
-    slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(analysis, run)
+    slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(results)
     what = {"none-slides": "Joints slide in YADE, which the scene excludes in limit analysis"}
     obstacle = what.get(assembly.effects.friction, "Joints slide in the mechanism and real friction does not dilate") + BOUND_ONLY
     return Prediction(least.value, (math.nan, math.nan), least.twists, slides, REACTION, obstacle if slides else "")
@@ -74,14 +74,16 @@ def _spurious_share(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
     return coulomb.dilatancy_residual * settling / abs(coulomb.value) if coulomb.value else math.inf
 
 
-def slides_unforeseen(analysis: LimitAnalysis, run: Run) -> bool:
+def slides_unforeseen(results: Results) -> bool:
     """Whether joints slide in YADE though limit analysis found none that does, so that friction was left out."""
+    analysis = results.analysis
     effects = analysis.assembly.effects
-    return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(analysis, run)
+    return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
 
 
-def _slides_in_yade(analysis: LimitAnalysis, run: Run) -> bool:
+def _slides_in_yade(results: Results) -> bool:
     """Whether joints slide in YADE's mechanism as limit analysis does not allow: faster than they part, without penetrating."""
+    analysis, run = results.analysis, results.recorded
     twists = run.mechanism()
     if np.isnan(twists).any():
         return False
@@ -89,28 +91,30 @@ def _slides_in_yade(analysis: LimitAnalysis, run: Run) -> bool:
     return not penetrates and residuals.flow_rule_violation(analysis.assembly, twists) > ADMISSIBLE
 
 
-def check_prediction(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+def check_prediction(results: Results) -> Iterator[Check]:
     """Reaction against prediction and interval, YADE's friction state, and the mechanisms."""
-    prediction = predicted(analysis, run)
+    analysis, run = results.analysis, results.recorded
+    prediction = predicted(results)
     alike = mechanism.similarity(analysis.assembly.blocks, prediction.twists, run.mechanism())
-    yield _check_reaction(scene, analysis, run, prediction, alike)
+    yield _check_reaction(results, prediction, alike)
     if prediction.slides and analysis.coulomb is not None:
-        yield from _check_interval(scene, analysis, run, prediction, alike)
-        yield _check_consistency(scene, analysis, run)
+        yield from _check_interval(results, prediction, alike)
+        yield _check_consistency(results)
         yield _check_steadiness(run)
-    yield from _check_mechanism(scene, analysis, run, prediction, alike)
+    yield from _check_mechanism(results, prediction, alike)
 
 
-def _check_reaction(scene: Scene, analysis: LimitAnalysis, run: Run, prediction: Prediction, alike: float) -> Check:
-    name, value, reaction = REACTION_CHECK, prediction.value, run.result["reaction"]
-    tolerance = reaction_tolerance(scene, analysis, run, max(prediction.share, 2.0 * bought(analysis)))  # either method may be off
+def _check_reaction(results: Results, prediction: Prediction, alike: float) -> Check:
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    name, value, reaction = REACTION_CHECK, prediction.value, run.result.reaction
+    tolerance = reaction_tolerance(results, max(prediction.share, 2.0 * bought(analysis)))  # either method may be off
     misses = abs(reaction - value) > tolerance
     low, high = prediction.interval
-    apart, least = abs(reaction - value), least_reaction(scene, analysis)
+    apart, least = abs(reaction - value), least_reaction(analysis)
     by = f"YADE differs from the Coulomb prediction by {f'{apart / abs(value):.1%}' if abs(value) > least else f'{apart:.4g} {scene.unit}'}"
     if prediction.obstacle:
         return Check(name, Verdict.INCONCLUSIVE, value, reaction, reaction - value, None, scene.unit, prediction.obstacle)
-    if is_broad(scene, analysis, run):
+    if is_broad(results):
         reason = "YADE's own uncertainty is too large to judge the prediction."
     elif not prediction.slides:
         reason = "No joint slides, so limit analysis predicts the reaction, but YADE's differs by more than both uncertainties."
@@ -128,13 +132,14 @@ def _check_reaction(scene: Scene, analysis: LimitAnalysis, run: Run, prediction:
     return Check(name, Verdict.INCONCLUSIVE, value, reaction, reaction - value, tolerance, scene.unit, reason)
 
 
-def _check_interval(scene: Scene, analysis: LimitAnalysis, run: Run, prediction: Prediction, alike: float) -> Iterator[Check]:
+def _check_interval(results: Results, prediction: Prediction, alike: float) -> Iterator[Check]:
     """The interval binds every method that moves by the same mechanism."""
+    scene, analysis, run = results.scene, results.analysis, results.recorded
     if any(math.isnan(end) for end in prediction.interval):
         return
     reason = "YADE's reaction lies outside what the Coulomb mechanism allows, whatever the history of friction."
-    tolerance = reaction_tolerance(scene, analysis, run, max(REACTION, bought(analysis)))
-    check = inside(INTERVAL_CHECK, prediction.interval, run.result["reaction"], tolerance, scene.unit, reason)
+    tolerance = reaction_tolerance(results, max(REACTION, bought(analysis)))
+    check = inside(INTERVAL_CHECK, prediction.interval, run.result.reaction, tolerance, scene.unit, reason)
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (assurance {alike:.3f}), which the interval of this one does not bind."
         reason = f"{prediction.doubt or other} {check.reason}"
@@ -146,8 +151,9 @@ def _numbers(check: Check) -> tuple[float | None, float | None, float | None, fl
     return check.limit_analysis, check.yade, check.difference, check.tolerance
 
 
-def _check_consistency(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check:
+def _check_consistency(results: Results) -> Check:
     """The least reaction with friction limited by YADE's own normal forces is YADE's where every joint that should slide does."""
+    scene, analysis, run = results.scene, results.analysis, results.recorded
     forces = run.plateau_forces()
     normal = np.maximum(analysis.assembly.split(forces)[0], 0.0)
     found, sharp = residuals.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
@@ -155,7 +161,7 @@ def _check_consistency(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check
     if sharp.status is not Status.SOLVED:
         reason = "YADE's mean normal forces on the plateau are not those of one quasi-static state."
         return Check(name, Verdict.INCONCLUSIVE, None, found, None, None, scene.unit, reason)
-    tolerance = max(CONSISTENT * abs(found), reaction_tolerance(scene, analysis, run, 0.0))
+    tolerance = max(CONSISTENT * abs(found), reaction_tolerance(results, 0.0))
     reason = "With friction limited by YADE's own normal forces a lower reaction is possible: not every joint slides that should."
     check = within(name, sharp.value, found, tolerance, scene.unit, reason + _stick_slip(run))
     return check if check.verdict is Verdict.AGREE else Check(name, Verdict.INCONCLUSIVE, *_numbers(check), check.unit, check.reason)
@@ -177,7 +183,8 @@ def _stick_slip(run: Run) -> str:
     return f" (stick-slip: scatter {scatter:.1%})" if scatter > STEADY else ""
 
 
-def _check_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, prediction: Prediction, alike: float) -> Iterator[Check]:
+def _check_mechanism(results: Results, prediction: Prediction, alike: float) -> Iterator[Check]:
+    analysis, run = results.analysis, results.recorded
     found, blocks = run.mechanism(), analysis.assembly.blocks
     if np.isnan(found).any():
         reason = "YADE stored fewer than two states on the plateau, so its mechanism is not known."
@@ -189,7 +196,7 @@ def _check_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, prediction
         other, why = Verdict.INCONCLUSIVE, " The associated mechanism dilates where joints slide; real friction does not."
     elif prediction.slides:
         other, why = Verdict.INCONCLUSIVE, " With friction that does not dilate, the mechanism need not be unique."
-    elif _is_collapse_mechanism(scene, analysis, run, found):
+    elif _is_collapse_mechanism(results, found):
         other, why = Verdict.AGREE, " YADE's is admissible and does the same work, so the collapse mechanism is not unique."
     else:
         other, why = Verdict.DISAGREE, ""
@@ -202,9 +209,10 @@ def _check_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, prediction
     yield Check("moving blocks", Verdict.AGREE if same else other, shares[0], shares[1], mass, SAME_MASS, "of the mass", reason)
 
 
-def _is_collapse_mechanism(scene: Scene, analysis: LimitAnalysis, run: Run, twists: np.ndarray) -> bool:
+def _is_collapse_mechanism(results: Results, twists: np.ndarray) -> bool:
     """Whether twists (B, 6) for the support's unit motion solve limit analysis, too: they obey the flow rule and do its work."""
+    analysis = results.analysis
     work = float(np.sum(analysis.assembly.dead_load * twists))
-    misses = abs(work - analysis.rounded[Drive.YIELDING].value)
+    misses = abs(work - analysis.bounds[Drive.YIELDING].value)
     obeys = residuals.flow_rule_violation(analysis.assembly, twists) <= ADMISSIBLE
-    return obeys and misses <= reaction_tolerance(scene, analysis, run)
+    return obeys and misses <= reaction_tolerance(results)

@@ -1,25 +1,22 @@
 """What a reduced model left out changed nothing: motion out of the plane, blocks out of reach, contacts that come into being."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
 from comparison.judge.check import Check, Verdict
 from comparison.judge.tolerances import UNBALANCED
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, reach
 from la_core.geometry import Blocks
 from la_core.limit import Status, residual_in_space
-from la_core.model import assemble
-from la_core.scene import Scene
 
 IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block: ten times what limit analysis leaves in the plane
 
 
 def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
     """Lifted to the model in space, a plane answer has to be an answer there; nothing for a model in space."""
-    least = analysis.rounded[analysis.main]
+    least = analysis.bounds[analysis.main]
     if not analysis.assembly.effects.plane or least.status is not Status.SOLVED:
         return
     worst = residual_in_space(analysis.assembly, least.twists, least.forces)
@@ -29,24 +26,25 @@ def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
     yield Check("plane answer in space", verdict, worst, None, None, IN_SPACE, "of a block", reason)
 
 
-def check_reach(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+def check_reach(results: Results) -> Iterator[Check]:
     """Whether the blocks set aside stand under YADE's forces, as far as its state is balanced, and its mechanism ends before them.
 
     Nothing where all were modelled.
     """
+    analysis, run = results.analysis, results.recorded
     part = analysis.assembly
     if not part.effects.reach:
         return
-    whole = replace(assemble(scene).with_inset(scene, part.inset), effects=part.effects)
-    obstacle = reach.obstacle(whole, part, run.mechanism(), run.plateau_forces(), UNBALANCED)
+    obstacle = reach.why_not_valid(analysis.whole, part, run.mechanism(), run.plateau_forces(), UNBALANCED)
     verdict = Verdict.INCONCLUSIVE if obstacle else Verdict.AGREE
     reason = f"In YADE {obstacle}: model the whole structure ([effects] reach = false)." if obstacle else ""
     yield Check("what was set aside stands", verdict, reason=reason)
 
 
-def check_displacement(analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+def check_displacement(results: Results) -> Iterator[Check]:
     """Two blocks come nearer by at most twice the largest displacement, so half the least gap bounds it; nothing for finite ones."""
-    if analysis.assembly.effects.displacement != "small" or not len(run.poses["displacement"]):
+    analysis, run = results.analysis, results.recorded
+    if analysis.assembly.effects.displacement != "small" or not len(run.poses.displacement):
         return
     blocks, limit = analysis.assembly.blocks, 0.5 * analysis.least_gap
     moved = largest_displacements(blocks, run)
@@ -67,6 +65,6 @@ def largest_displacements(blocks: Blocks, run: Run) -> np.ndarray:
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
     size = np.zeros(len(blocks))
     np.maximum.at(size, owner, np.linalg.norm(blocks.vertices - blocks.centroid[owner], axis=1))
-    shift, turn = (np.linalg.norm(run.poses[name], axis=2) for name in ("displacement", "rotation"))
+    shift, turn = (np.linalg.norm(getattr(run.poses, name), axis=2) for name in ("displacement", "rotation"))
     bound: np.ndarray = (shift + turn * size).max(axis=0)
     return bound

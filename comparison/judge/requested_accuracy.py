@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from comparison.judge.check import Check, Verdict, number
-from comparison.yade import HISTORY_OF_SPEED, Run, attempt_of
+from comparison.yade import HISTORY_OF_SPEED, Results, attempt_of
 from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
-from la_core.scene import Scene
 
 METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 
@@ -20,24 +19,26 @@ def percent(share: float | None) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.2g} %"
 
 
-def attempts(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, tuple[Attempt, ...]]:
+def attempts(results: Results) -> dict[str, tuple[Attempt, ...]]:
     """All attempts by method, the last of which is its answer; none where no accuracy is asked for, or YADE gave no run."""
-    purchase = analysis.purchase
+    analysis, run = results.analysis, results.run
+    purchase = analysis.accuracy
     if purchase is None:
         return {}
-    yade = (*purchase.yade, attempt_of(scene, analysis, run)) if run is not None else ()
+    yade = (*purchase.yade, attempt_of(results)) if run is not None else ()
     return {"limit_analysis": purchase.limit_analysis} | ({"yade": yade} if yade else {})
 
 
-def accuracy_summary(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> dict[str, Any] | None:
+def accuracy_summary(results: Results) -> dict[str, Any] | None:
     """Accuracy asked for and, by method, whether it is kept, the estimate, what was chosen and why, seconds, and every attempt."""
-    purchase = analysis.purchase
+    analysis = results.analysis
+    purchase = analysis.accuracy
     if purchase is None:
         return None
     found: dict[str, Any] = {"asked": purchase.asked}
-    for method, tried in attempts(scene, analysis, run).items():
+    for method, tried in attempts(results).items():
         found[method] = {
-            "kept": tried[-1].keeps(purchase.asked),
+            "kept": tried[-1].is_within(purchase.asked),
             "error": tried[-1].error,
             "chosen": chosen(tried[-1]),
             "seconds": sum(one.seconds for one in tried),
@@ -46,14 +47,15 @@ def accuracy_summary(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> 
     return found
 
 
-def check_accuracy(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> Iterator[Check]:
+def check_accuracy(results: Results) -> Iterator[Check]:
     """Whether each method's own estimate of its error is within the accuracy asked for; nothing where the structure cannot stand."""
-    if analysis.rounded[analysis.main].status is Status.INFEASIBLE:
+    analysis = results.analysis
+    if analysis.bounds[analysis.main].status is Status.INFEASIBLE:
         return
-    for method, tried in attempts(scene, analysis, run).items():
-        assert analysis.purchase is not None
-        asked, last, words = analysis.purchase.asked, tried[-1], METHODS[method]
-        kept = last.keeps(asked)
+    for method, tried in attempts(results).items():
+        assert analysis.accuracy is not None
+        asked, last, words = analysis.accuracy.asked, tried[-1], METHODS[method]
+        kept = last.is_within(asked)
         shown = f"{percent(last.error)} ({parts(last)})"
         reason = f"The accuracy of {percent(asked)} that was asked for is not reached: {words} estimates its error as {shown}."
         error = {method: number(last.error)}
@@ -96,6 +98,6 @@ def words(attempt: Attempt) -> str:
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:
     """Why YADE runs again, and how."""
-    assert slower.purchase is not None  # for it has settings
-    speed = TRAVEL_PERIODS / slower.purchase.settings["travel_periods"]
+    assert slower.accuracy is not None  # for it has settings
+    speed = TRAVEL_PERIODS / slower.accuracy.settings["travel_periods"]
     return f"{words(attempt)}; runs again at {speed:.3g} times the derived speed"

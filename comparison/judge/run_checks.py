@@ -12,7 +12,7 @@ from comparison.judge.prediction import check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
 from comparison.judge.tolerances import REACTION, UNBALANCED, bought, reaction_tolerance
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
@@ -21,16 +21,17 @@ from la_core.scene import Scene
 SETTLEMENT = 1e-3  # of the settlement asked for: the support is driven, so only round-off may separate the two
 
 
-def check_expected(scene: Scene, analysis: LimitAnalysis) -> Iterator[Check]:
+def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
     """The scene's own expected values against limit analysis for sharp arrises.
 
     Reaction and multiplier are judged with the scene's own friction, the greatest reaction and what is named so as associated.
     """
+    scene = analysis.scene
     expected = scene.expected
     if expected is None:
         return
-    main, greatest = analysis.sharp[analysis.main], analysis.sharp.get(Drive.PUSHING)
-    own = analysis.coulomb_sharp or main
+    main, greatest = analysis.sharp.bounds[analysis.main], analysis.sharp.bounds.get(Drive.PUSHING)
+    own = analysis.sharp.coulomb or main
     value, associated = expected.reaction_over_weight, expected.associated_reaction_over_weight
     if scene.live is not None:
         value, associated = expected.multiplier, expected.associated_multiplier
@@ -49,44 +50,46 @@ def check_expected(scene: Scene, analysis: LimitAnalysis) -> Iterator[Check]:
             yield replace(check, yade=None)  # what was compared is the scene's own number, which the report names as such
 
 
-def check_run(scene: Scene, analysis: LimitAnalysis, run: Run) -> list[Check]:
+def check_run(results: Results) -> list[Check]:
     """Everything YADE's run can say about limit analysis and limit analysis about YADE's run."""
-    least = analysis.rounded[Drive.YIELDING]
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    least = analysis.bounds[Drive.YIELDING]
     if run.status not in ("plateau", "no plateau", "collapsed"):
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=f"YADE's run ended as {run.status}: {run.result['message']}")]
     if least.status is Status.INFEASIBLE:
-        return [_check_standing(analysis, run)]
-    moved = list(check_displacement(analysis, run))
+        return [_check_standing(results)]
+    moved = list(check_displacement(results))
     if run.status == "collapsed":
-        return [*(check for check in moved if check.reason), _check_standing(analysis, run)]
+        return [*(check for check in moved if check.reason), _check_standing(results)]
     if least.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
-    checks = [_check_settlement(scene, run), *(moved or [_check_contacts(analysis, run)]), _check_equilibrium(analysis, run)]
+    checks = [_check_settlement(scene, run), *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
         reason = f"YADE's reaction had not settled when the run ended: {run.result['message']}"
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason)]
-    checks.append(balance := _check_balance(scene, analysis, run))
+    checks.append(balance := _check_balance(results))
     is_on_its_way = balance.verdict is not Verdict.AGREE and balance.difference is not None
-    return checks if is_on_its_way else [*checks, *_check_reaction(scene, analysis, run)]
+    return checks if is_on_its_way else [*checks, *_check_reaction(results)]
 
 
-def _check_reaction(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+def _check_reaction(results: Results) -> Iterator[Check]:
     """What a reaction says that is one of equilibrium."""
-    yield _check_bounds(scene, analysis, run)
-    yield from check_reach(scene, analysis, run)
-    yield from check_prediction(scene, analysis, run)
-    yield from check_sections(scene, analysis, run)
+    yield _check_bounds(results)
+    yield from check_reach(results)
+    yield from check_prediction(results)
+    yield from check_sections(results)
 
 
-def _check_standing(analysis: LimitAnalysis, run: Run) -> Check:
+def _check_standing(results: Results) -> Check:
     """One method, or both, say that the structure falls.
 
     A proof that no equilibrium exists binds every method. An equilibrium that exists need not be found: with friction that does
     not dilate the safe theorem fails, and blocks laid without thrust may slide although thrust could hold them.
     """
-    least, name = analysis.rounded[Drive.YIELDING], "the structure stands"
+    analysis, run = results.analysis, results.recorded
+    least, name = analysis.bounds[Drive.YIELDING], "the structure stands"
     outcome = "it collapsed in YADE" if run.status == "collapsed" else f"YADE's run ended as {run.status}"
     if least.status is Status.INFEASIBLE:
         verdict = Verdict.AGREE if run.status == "collapsed" else Verdict.DISAGREE
@@ -100,7 +103,7 @@ def _check_standing(analysis: LimitAnalysis, run: Run) -> Check:
 
 
 def _check_settlement(scene: Scene, run: Run) -> Check:
-    asked, achieved = run.result["asked_settlement"], run.result["settlement"]
+    asked, achieved = run.result.asked_settlement, run.result.settlement
     return within(
         "settlement achieved",
         asked,
@@ -111,7 +114,8 @@ def _check_settlement(scene: Scene, run: Run) -> Check:
     )
 
 
-def _check_contacts(analysis: LimitAnalysis, run: Run) -> Check:
+def _check_contacts(results: Results) -> Check:
+    analysis, run = results.analysis, results.recorded
     names, extra = analysis.assembly.blocks.names, run.extra_contacts
     listed = len(analysis.assembly.points)
     if not len(extra):
@@ -121,7 +125,8 @@ def _check_contacts(analysis: LimitAnalysis, run: Run) -> Check:
     return Check("contact lists", Verdict.DISAGREE, float(listed), float(listed + len(extra)), float(len(extra)), 0.0, "points", reason)
 
 
-def _check_equilibrium(analysis: LimitAnalysis, run: Run) -> Check:
+def _check_equilibrium(results: Results) -> Check:
+    analysis, run = results.analysis, results.recorded
     forces = run.plateau_forces()
     residual = residuals.equilibrium_residual(analysis.assembly, forces)
     violation = residuals.cone_violation(analysis.assembly, forces)
@@ -133,23 +138,25 @@ def _check_equilibrium(analysis: LimitAnalysis, run: Run) -> Check:
     return Check(name, verdict, 0.0, worst, worst, UNBALANCED, unit, "" if rests else reason)
 
 
-def _check_balance(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check:
+def _check_balance(results: Results) -> Check:
     """What YADE's mean state is out of balance by, as a reaction: its power on limit analysis' mechanism for a unit motion of the support.
 
     By virtual power the reaction of a state in equilibrium differs by that much; a slow sway under a tall block shows here alone.
     """
+    scene, analysis, run = results.scene, results.analysis, results.recorded
     unbalanced = analysis.assembly.contact_wrenches(run.plateau_forces()) + analysis.assembly.dead_load
     free = analysis.assembly.blocks.free
-    power = float(np.sum(unbalanced[free] * analysis.rounded[Drive.YIELDING].twists[free]))
+    power = float(np.sum(unbalanced[free] * analysis.bounds[Drive.YIELDING].twists[free]))
     reason = "YADE's mean state is on its way: what it is out of balance by would change the reaction. Run it slower ([yade] speed)."
-    check = within("balance along the mechanism", 0.0, power, reaction_tolerance(scene, analysis, run), scene.unit, reason)
+    check = within("balance along the mechanism", 0.0, power, reaction_tolerance(results), scene.unit, reason)
     return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
 
 
-def _check_bounds(scene: Scene, analysis: LimitAnalysis, run: Run) -> Check:
+def _check_bounds(results: Results) -> Check:
     """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds."""
-    reaction, tolerance = run.result["reaction"], reaction_tolerance(scene, analysis, run, max(REACTION, bought(analysis)))
-    least, greatest = analysis.rounded[Drive.YIELDING].value, analysis.rounded[Drive.PUSHING]
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    reaction, tolerance = run.result.reaction, reaction_tolerance(results, max(REACTION, bought(analysis)))
+    least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]
     above = math.inf if greatest.status is Status.UNBOUNDED else greatest.value if greatest.status is Status.SOLVED else math.nan
     reason = "YADE's reaction lies outside what equilibrium and friction allow on these contact points: one of the two models is wrong."
     return inside("reaction within bounds", (least, above), reaction, tolerance, scene.unit, reason)

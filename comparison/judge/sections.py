@@ -6,8 +6,7 @@ import numpy as np
 
 from comparison.judge.check import Check, inside, within
 from comparison.judge.tolerances import reaction_tolerance
-from comparison.yade import Run
-from la_core.analysis import LimitAnalysis
+from comparison.yade import Results
 from la_core.geometry import plane_axes
 from la_core.limit import Drive, section_forces
 from la_core.measures import residuals
@@ -17,15 +16,16 @@ SECTION = 1e-2  # of the weight: a sum of YADE's forces, of which each carries i
 ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
 
 
-def check_sections(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[Check]:
+def check_sections(results: Results) -> Iterator[Check]:
     """Force sums: through horizontal cuts, which equilibrium fixes, and across the reaction, which it limits to a range."""
+    scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly, forces = analysis.assembly, run.plateau_forces()
-    expected = section_forces.level_sums(assembly, analysis.rounded[Drive.YIELDING].forces)
+    expected = section_forces.level_sums(assembly, analysis.bounds[Drive.YIELDING].forces)
     difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
     reason = "The force sums over horizontal cuts differ: the two methods do not carry the same weight."
     largest = float(np.linalg.norm(expected, axis=1).max())
     yield within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
-    tolerance = reaction_tolerance(scene, analysis, run)
+    tolerance = reaction_tolerance(results)
     slack = SECTION * scene.weight
     for label, direction in _transverse_directions(scene, assembly.effects.plane):
         low, high = section_forces.support_force_range(assembly, direction, residuals.reaction(assembly, forces), tolerance)

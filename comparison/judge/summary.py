@@ -9,18 +9,16 @@ from comparison.judge.check import Check, overall
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.yade import Run
+from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
 from la_core.measures import measure
-from la_core.model import assemble
-from la_core.scene import Scene
 
 
-def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, Any]:
+def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
     """Scene, counts, effects and limit analysis: what `solve --json` prints."""
-    assembly = analysis.assembly
-    whole = assemble(scene).with_inset(scene, assembly.inset) if assembly.aside.any() else assembly
+    scene = analysis.scene
+    assembly, whole = analysis.assembly, analysis.whole
     summary = {
         "scene": scene.name,
         "title": scene.title,
@@ -30,23 +28,24 @@ def limit_analysis_summary(scene: Scene, analysis: LimitAnalysis) -> dict[str, A
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(whole.interfaces),
         "contact_points": len(whole.points),
-        "effects": effects_summary(scene, assembly, analysis),
+        "effects": effects_summary(scene, whole, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),
         "limit_analysis": {
-            "associated": associated_values(scene, analysis),
-            "coulomb": coulomb_values(scene, analysis),
-            "path": path_values(scene, analysis),
+            "associated": associated_values(analysis),
+            "coulomb": coulomb_values(analysis),
+            "path": path_values(analysis),
         },
-        "mechanism_measures": dict(_measures(analysis)),
-        "accuracy": accuracy_summary(scene, analysis, None),
+        "mechanism_measures": dict(_measures(Results(analysis))),
+        "accuracy": accuracy_summary(Results(analysis)),
     }
     return without_undefined(summary)
 
 
-def _measures(analysis: LimitAnalysis, run: Run | None = None) -> Iterator[tuple[str, dict[str, Any]]]:
+def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
     """Measures of each method's mechanism, without its arrays."""
-    assembly, main = analysis.assembly, analysis.rounded[analysis.main]
+    analysis, run = results.analysis, results.run
+    assembly, main = analysis.assembly, analysis.bounds[analysis.main]
     found = {"associated": (main.twists, main.forces)}
     if analysis.coulomb is not None:
         found["coulomb"] = (analysis.coulomb.twists, analysis.coulomb.forces)
@@ -59,7 +58,7 @@ def _measures(analysis: LimitAnalysis, run: Run | None = None) -> Iterator[tuple
 
 def yade_summary(run: Run) -> dict[str, Any]:
     """YADE's outcome, by the names of `la_core.exchange`."""
-    return dict(run.result)
+    return dataclasses.asdict(run.result)
 
 
 def without_run(status: str, message: str) -> dict[str, Any]:
@@ -68,21 +67,15 @@ def without_run(status: str, message: str) -> dict[str, Any]:
     return {**dict.fromkeys(names), "status": status, "message": message}
 
 
-def comparison_summary(
-    scene: Scene,
-    analysis: LimitAnalysis,
-    yade: dict[str, Any] | None,
-    run: Run | None,
-    checks: list[Check],
-    notes: list[str],
-) -> dict[str, Any]:
+def comparison_summary(results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str]) -> dict[str, Any]:
     """The whole comparison: limit analysis, YADE, every check, the verdict and its reason."""
+    analysis, run = results.analysis, results.run
     verdict, reason = overall(checks)
-    summary = limit_analysis_summary(scene, analysis)
+    summary = limit_analysis_summary(analysis)
     summary |= {
-        "mechanism_measures": dict(_measures(analysis, run)),
+        "mechanism_measures": dict(_measures(results)),
         "yade": yade,
-        "accuracy": accuracy_summary(scene, analysis, run),
+        "accuracy": accuracy_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,

@@ -1,8 +1,7 @@
 """How near a reaction has to come, and what a reaction of zero is judged by."""
 
-from comparison.yade import Run
+from comparison.yade import Results
 from la_core.analysis import LimitAnalysis
-from la_core.scene import Scene
 
 REACTION = 5e-3  # of the reaction: finite stiffness, settlement and speed of a YADE run, measured on cases with exact values
 HISTORY = 1e-2  # of the reaction where joints slide: what the steps of either method leave open in friction's history
@@ -12,21 +11,24 @@ UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-st
 BROAD = 0.05  # of the reaction: an uncertainty above this decides nothing
 
 
-def reaction_tolerance(scene: Scene, analysis: LimitAnalysis, run: Run, share: float = REACTION) -> float:
+def reaction_tolerance(results: Results, share: float = REACTION) -> float:
     """Tolerance (N or N m) of a reaction: a share of it, not less than a share of the weight, and YADE's own uncertainty (19 in 20)."""
-    return max(share * abs(run.result["reaction"]), least_reaction(scene, analysis)) + float(run.result["uncertainty"])
+    analysis, run = results.analysis, results.recorded
+    return max(share * abs(run.result.reaction), least_reaction(analysis)) + float(run.result.uncertainty)
 
 
 def bought(analysis: LimitAnalysis) -> float:
     """Share of the reaction by which each method may be off, because no more accuracy was asked for; 0 where none was."""
-    return analysis.purchase.asked if analysis.purchase else 0.0
+    return analysis.accuracy.asked if analysis.accuracy else 0.0
 
 
-def least_reaction(scene: Scene, analysis: LimitAnalysis) -> float:
+def least_reaction(analysis: LimitAnalysis) -> float:
     """What a reaction of zero is judged by, N, or N m by the arm of a mean block."""
+    scene = analysis.scene
     return LEAST_REACTION * scene.weight * (analysis.assembly.length if scene.is_rotation else 1.0)
 
 
-def is_broad(scene: Scene, analysis: LimitAnalysis, run: Run) -> bool:
+def is_broad(results: Results) -> bool:
     """Whether YADE's own uncertainty is too large to judge anything by."""
-    return bool(run.result["uncertainty"] > BROAD * max(abs(run.result["reaction"]), least_reaction(scene, analysis)))
+    analysis, run = results.analysis, results.recorded
+    return bool(run.result.uncertainty > BROAD * max(abs(run.result.reaction), least_reaction(analysis)))

@@ -6,28 +6,28 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from comparison.report.vtk_xml import POLYGON, VERTEX, Grid, write_collection, write_grid
-from comparison.yade import Run
-from la_core.analysis import LimitAnalysis
+from comparison.yade import Results, Run
 from la_core.geometry import Blocks
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
 
-def export(analysis: LimitAnalysis, run: Run | None, folder: Path) -> list[Path]:
+def export(results: Results, folder: Path) -> list[Path]:
     """Write all results into `folder` and return the files to open: `structure.pvd`, and `yade.pvd` where YADE stored states.
 
     `blocks.vtu`: faces, with the mechanisms as vectors for the unit motion of the support. `forces.vtu`: contact points, with the
     forces on block b in N. The names of the vectors are associated, coulomb and yade. In `yade.pvd` the time is the settlement and
     the vectors are displacement (m) from the case's geometry, and force (N).
     """
+    analysis, run = results.analysis, results.run
     folder.mkdir(parents=True, exist_ok=True)
     assembly = analysis.assembly
-    mechanisms, forces = _mechanisms(analysis, run), _forces(analysis, run)
+    mechanisms, forces = _mechanisms(results), _forces(results)
     velocities = {name: _velocities(assembly.blocks, twists) for name, twists in mechanisms.items()}
     write_grid(folder / "blocks.vtu", _blocks_grid(assembly.blocks, velocities))
     write_grid(folder / "forces.vtu", _forces_grid(assembly, forces))
     write_collection(folder / "structure.pvd", [(0.0, ("blocks.vtu", "forces.vtu"))])
-    if run is None or not len(run.poses["settlement"]):
+    if run is None or not len(run.poses.settlement):
         return [folder / "structure.pvd"]
     return [folder / "structure.pvd", _export_states(assembly, run, folder)]
 
@@ -35,11 +35,11 @@ def export(analysis: LimitAnalysis, run: Run | None, folder: Path) -> list[Path]
 def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
     """YADE's stored states as a series; grids of an earlier and longer one are taken away."""
     rows = []
-    for number, settlement in enumerate(run.poses["settlement"]):
+    for number, settlement in enumerate(run.poses.settlement):
         names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
-        moved = _displacements(assembly.blocks, run.poses["displacement"][number], run.poses["rotation"][number])
+        moved = _displacements(assembly.blocks, run.poses.displacement[number], run.poses.rotation[number])
         write_grid(folder / names[0], _blocks_grid(assembly.blocks, {"displacement": moved}))
-        write_grid(folder / names[1], _forces_grid(assembly, {"force": run.poses["forces"][number]}))
+        write_grid(folder / names[1], _forces_grid(assembly, {"force": run.poses.forces[number]}))
         rows.append((float(settlement), names))
     written = {name for _, names in rows for name in names}
     for old in folder.glob("yade-*-[0-9][0-9][0-9][0-9].vtu"):
@@ -49,9 +49,10 @@ def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
     return folder / "yade.pvd"
 
 
-def _mechanisms(analysis: LimitAnalysis, run: Run | None) -> dict[str, np.ndarray]:
+def _mechanisms(results: Results) -> dict[str, np.ndarray]:
     """Twists (B, 6) by method, of those that found a mechanism."""
-    found = {"associated": analysis.rounded[analysis.main].twists}
+    analysis, run = results.analysis, results.run
+    found = {"associated": analysis.bounds[analysis.main].twists}
     if analysis.coulomb is not None:
         found["coulomb"] = analysis.coulomb.twists
     if run is not None:
@@ -59,12 +60,13 @@ def _mechanisms(analysis: LimitAnalysis, run: Run | None) -> dict[str, np.ndarra
     return {name: twists for name, twists in found.items() if np.isfinite(twists).all()}
 
 
-def _forces(analysis: LimitAnalysis, run: Run | None) -> dict[str, np.ndarray]:
+def _forces(results: Results) -> dict[str, np.ndarray]:
     """Contact forces (C, 3) on block b by method, N; YADE's are the mean over its plateau, or its last state."""
-    found = {"associated": analysis.rounded[analysis.main].forces}
+    analysis, run = results.analysis, results.run
+    found = {"associated": analysis.bounds[analysis.main].forces}
     if analysis.coulomb is not None:
         found["coulomb"] = analysis.coulomb.forces
-    if run is not None and len(run.poses["settlement"]):
+    if run is not None and len(run.poses.settlement):
         found["yade"] = run.plateau_forces()
     return {name: forces for name, forces in found.items() if np.isfinite(forces).all()}
 

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions
-from comparison.yade import Run
-from la_core.analysis import LimitAnalysis
+from comparison.yade import Results
 from la_core.measures import mechanism
 from la_core.model import Assembly
 from la_core.scene import Scene
@@ -26,9 +25,10 @@ MOST_STATES = 24
 SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
 
 
-def viewer_text(scene: Scene, analysis: LimitAnalysis, run: Run | None) -> str:
+def viewer_text(results: Results) -> str:
     """What `viewer.json` holds."""
-    assembly, shown = analysis.assembly, motions(analysis, run)
+    scene, analysis = results.scene, results.analysis
+    assembly, shown = analysis.assembly, motions(results)
     _, _, toward = canvas.view_axes(assembly.effects.plane)
     content = {
         "title": scene.title,

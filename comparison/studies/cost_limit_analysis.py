@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from la_core.analysis import drives, smallest_inset, wedging
-from la_core.coulomb import follow_path, predict
+from la_core.coulomb import PredictionSettings, follow_path, predict
 from la_core.limit import ACCEPTED, iterate, solve, solve_linearised
 from la_core.model import Assembly, JointStiffness, assemble, joint_stiffness, with_grid
 from la_core.scene import Scene
@@ -80,7 +80,7 @@ def coulomb(scene: Scene, inset: float, steps: int) -> Outcome:
     """The Coulomb prediction in so many steps."""
     assembly, stiffness, built = _elastic(scene, inset)
     bound = solve(assembly, drives(scene)[0])
-    answer = predict(assembly, stiffness, bound, wedging(scene), steps)
+    answer = predict(assembly, stiffness, bound, wedging(scene), PredictionSettings(steps))
     return Outcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds)
 
 

@@ -53,9 +53,9 @@ def run_once(
     asked = replace(scene, inset=inset, yade=settings, effects=effects, path_asked=None)
     folder.mkdir(parents=True, exist_ok=True)
     analysis = analyse(asked)
-    write_case(folder / "case.h5", asked, analysis, folder.name)
+    write_case(folder / "case.h5", analysis, folder.name)
     built = time.perf_counter() - start
     run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
     run = read_run(folder / "run.h5", analysis.assembly)
-    value = run.result["reaction"] if run.status == "plateau" else float("nan")
-    return Outcome(value, run.status, built, run.result["seconds"], run.result["uncertainty"]), run.settings
+    value = run.result.reaction if run.status == "plateau" else float("nan")
+    return Outcome(value, run.status, built, run.result.seconds, run.result.uncertainty), run.settings

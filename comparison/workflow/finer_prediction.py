@@ -4,10 +4,9 @@ from collections.abc import Iterator
 
 from comparison.judge import INTERVAL_CHECK, REACTION_CHECK, Verdict, check_prediction
 from comparison.workflow import restored_effects
-from comparison.yade import Run
+from comparison.yade import Results
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import FIRST_SAGS, STEPS
-from la_core.scene import Scene
+from la_core.coulomb import FIRST_SAGS, STEPS, PredictionSettings
 
 # Steps, and travel of the first over the elastic sag. More steps leave less of the dilation, which may hold up blocks by a thrust that is
 # not there; within a first step that is too long, blocks may jam that slide past each other in shorter ones. The order was chosen on
@@ -15,17 +14,18 @@ from la_core.scene import Scene
 FINER = ((2 * STEPS, FIRST_SAGS), (2 * STEPS, FIRST_SAGS / 8.0), (4 * STEPS, FIRST_SAGS / 8.0), (8 * STEPS, FIRST_SAGS / 64.0))
 
 
-def predictions(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[tuple[int, LimitAnalysis]]:
+def predictions(results: Results) -> Iterator[tuple[int, LimitAnalysis]]:
     """Steps and the analysis with them, finer and finer, while a plateau of YADE's contradicts it.
 
     Nothing where the prediction was made in more steps before, or by an accuracy that was asked for.
     """
-    if run.status != "plateau" or analysis.purchase or analysis.coulomb is None or analysis.coulomb.steps != STEPS:
+    analysis, run = results.analysis, results.recorded
+    if run.status != "plateau" or analysis.accuracy or analysis.coulomb is None or analysis.coulomb.steps != STEPS:
         return
     for steps, first_sags in FINER:
-        if not _is_contradicted(scene, analysis, run):
+        if not _is_contradicted(Results(analysis, run)):
             return
-        finer = restored_effects.analyse_with(scene, restored_effects.called_back(analysis), steps, first_sags)
+        finer = restored_effects.analyse_with(analysis, restored_effects.restored(analysis), PredictionSettings(steps, first_sags))
         if finer.coulomb is None or finer.assembly.aside.tolist() != analysis.assembly.aside.tolist():
             return  # another model, which the run was not made from
         analysis = finer
@@ -34,17 +34,17 @@ def predictions(scene: Scene, analysis: LimitAnalysis, run: Run) -> Iterator[tup
 
 def note(analysis: LimitAnalysis) -> list[str]:
     """What a reader must know of a prediction that was made again: it is no longer blind to YADE."""
-    if analysis.purchase or analysis.coulomb is None or analysis.coulomb.steps in (0, STEPS):
+    if analysis.accuracy or analysis.coulomb is None or analysis.coulomb.steps in (0, STEPS):
         return []
     return [
         f"YADE contradicted the Coulomb prediction in {STEPS} steps, so it was made again in up to {analysis.coulomb.steps}, "
-        "until it was no longer contradicted or none finer was left. "
+        "until YADE no longer contradicted it, or the finest setting was reached. "
         "An agreement reached so is weaker than one with a prediction made blind to YADE."
     ]
 
 
-def _is_contradicted(scene: Scene, analysis: LimitAnalysis, run: Run) -> bool:
+def _is_contradicted(results: Results) -> bool:
     """Whether YADE disagrees, or misses the prediction and its mechanism's interval as well, be it by another mechanism."""
-    checks = list(check_prediction(scene, analysis, run))
+    checks = list(check_prediction(results))
     missed = [check.name for check in checks if None not in (check.difference, check.tolerance) and check.verdict is not Verdict.AGREE]
     return any(check.verdict is Verdict.DISAGREE for check in checks) or {REACTION_CHECK, INTERVAL_CHECK} <= set(missed)

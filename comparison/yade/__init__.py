@@ -4,12 +4,13 @@ from comparison.yade import accuracy_settings
 from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of
 from comparison.yade.process import HOW_TO_GET_YADE, ROOT, Yade, find_yade, run_yade
 from comparison.yade.run_record import Run, read_run
-from comparison.yade.stored import locate_results, read_results
+from comparison.yade.stored import Results, locate_results, read_results
 
 __all__ = [
     "HISTORY_OF_SPEED",
     "HOW_TO_GET_YADE",
     "ROOT",
+    "Results",
     "Run",
     "Yade",
     "accuracy_settings",

@@ -1,12 +1,11 @@
-"""YADE to an accuracy asked for: settings by a model that the ladder of `crosscheck cost` calibrated, the error that a run itself tells,
-and a slower run where that misses."""
+"""Choose YADE settings for a requested accuracy, estimate the run's error, and rerun more slowly if it is too large."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 
-from comparison.yade.run_record import Run
+from comparison.yade.stored import Results
 from la_core.analysis import HISTORY, Attempt, LimitAnalysis, has_history, scale, shared_parts
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
@@ -24,21 +23,23 @@ SLOWER, MOST_SLOWER = 2.0, 8.0  # times, from one attempt to the next
 MOST_ATTEMPTS = 4
 
 
-def first_settings(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
-    """The analysis with settings for YADE's first run, where an accuracy is asked for; what the scene's [yade] sets stays its own."""
-    purchase = analysis.purchase
-    if purchase is None or purchase.settings or analysis.rounded[analysis.main].status is not Status.SOLVED:
+def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis with settings for YADE's first run, where an accuracy is requested; what the scene's [yade] sets stays its own."""
+    scene = analysis.scene
+    record = analysis.accuracy
+    if record is None or record.settings or analysis.bounds[analysis.main].status is not Status.SOLVED:
         return analysis
-    asked = purchase.asked
-    faster = HISTORY_SHARE * asked / HISTORY_OF_SPEED if may_slide(scene, analysis) else max(1.0, FASTEST * asked / FAST_ACCURACY)
-    settings = {"travel_periods": TRAVEL_PERIODS / min(faster, FASTEST), "stop_uncertainty": STOP_SHARE * asked}
-    if asked >= LIGHT_FROM:
+    accuracy = record.asked
+    faster = HISTORY_SHARE * accuracy / HISTORY_OF_SPEED if may_slide(analysis) else max(1.0, FASTEST * accuracy / FAST_ACCURACY)
+    settings = {"travel_periods": TRAVEL_PERIODS / min(faster, FASTEST), "stop_uncertainty": STOP_SHARE * accuracy}
+    if accuracy >= LIGHT_FROM:
         settings["damping_ratio"] = LIGHT_DAMPING
-    return replace(analysis, purchase=replace(purchase, settings=_left_open(scene, settings)))
+    return replace(analysis, accuracy=replace(record, settings=_left_open(scene, settings)))
 
 
-def may_slide(scene: Scene, analysis: LimitAnalysis) -> bool:
+def may_slide(analysis: LimitAnalysis) -> bool:
     """Whether joints may slide in YADE: unless limit analysis found by itself that none does."""
+    scene = analysis.scene
     return has_history(analysis) or (scene.effects.friction != "auto" and bool(analysis.assembly.points.friction.any()))
 
 
@@ -48,45 +49,48 @@ def _left_open(scene: Scene, settings: dict[str, float]) -> dict[str, float]:
     return {name: value for name, value in settings.items() if name not in own}
 
 
-def attempt_of(scene: Scene, analysis: LimitAnalysis, run: Run) -> Attempt:
+def attempt_of(results: Results) -> Attempt:
     """What a run tells of its own error; undefined without a plateau."""
-    assert analysis.purchase is not None
-    earlier, reaction = analysis.purchase.yade, run.result["reaction"]
-    parts = {FIT: run.result["uncertainty"] / scale(analysis), INERTIA: INERTIA_OF_SPEED * math.sqrt(_kinetic_ratio(analysis, run))}
+    analysis, run = results.analysis, results.recorded
+    assert analysis.accuracy is not None
+    earlier, reaction = analysis.accuracy.yade, run.result.reaction
+    parts = {FIT: run.result.uncertainty / scale(analysis), INERTIA: INERTIA_OF_SPEED * math.sqrt(_kinetic_ratio(results))}
     parts |= shared_parts(analysis)
-    if may_slide(scene, analysis):
+    if may_slide(analysis):
         parts[HISTORY] = HISTORY_OF_SPEED * TRAVEL_PERIODS / run.settings["travel_periods"]
         if earlier and math.isfinite(earlier[-1].error):
             parts[HISTORY] = abs(reaction - earlier[-1].value) / scale(analysis)
     if run.status != "plateau":
         parts = dict.fromkeys(parts, math.nan)
     settings = {name: run.settings[name] for name in ("travel_periods", "damping_ratio", "stop_uncertainty")}
-    return Attempt(settings, reaction, parts, run.result["seconds"])
+    return Attempt(settings, reaction, parts, run.result.seconds)
 
 
-def _kinetic_ratio(analysis: LimitAnalysis, run: Run) -> float:
+def _kinetic_ratio(results: Results) -> float:
     """Largest kinetic energy on the plateau over the work of the weights there, or of the reaction where the weights do none."""
-    if math.isfinite(run.result["kinetic_ratio"]) or run.status != "plateau":
-        return float(run.result["kinetic_ratio"])
+    analysis, run = results.analysis, results.recorded
+    if math.isfinite(run.result.kinetic_ratio) or run.status != "plateau":
+        return float(run.result.kinetic_ratio)
     settlement, energy = run.settling("settlement"), run.settling("kinetic_energy")
-    fitted = settlement >= run.result["plateau_start"]
+    fitted = settlement >= run.result.plateau_start
     return float(energy[fitted].max() / (scale(analysis) * np.ptp(settlement[fitted])))
 
 
-def again(scene: Scene, analysis: LimitAnalysis, run: Run, limit: float) -> LimitAnalysis | None:
+def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
     """The analysis with settings for a slower run; None where this one is good enough, or a slower one would not help.
 
     limit: wall seconds that a run may take; one that would take longer is not begun, for its answer would be none.
     """
-    purchase = analysis.purchase
-    if purchase is None or "travel_periods" not in purchase.settings or run.status == "timeout":
+    scene, analysis, run = results.scene, results.analysis, results.recorded
+    record = analysis.accuracy
+    if record is None or "travel_periods" not in record.settings or run.status == "timeout":
         return None
-    attempt = attempt_of(scene, analysis, run)
+    attempt = attempt_of(results)
     periods = attempt.settings["travel_periods"]
-    if attempt.keeps(purchase.asked) or len(purchase.yade) + 1 >= MOST_ATTEMPTS:
+    if attempt.is_within(record.asked) or len(record.yade) + 1 >= MOST_ATTEMPTS:
         return None
     if math.isfinite(attempt.error):
-        slower = min(max(SLOWER, attempt.error / purchase.asked), MOST_SLOWER)
+        slower = min(max(SLOWER, attempt.error / record.asked), MOST_SLOWER)
     elif periods < TRAVEL_PERIODS:
         slower = min(TRAVEL_PERIODS / periods, MOST_SLOWER)  # no plateau: it may be the speed's doing
     else:
@@ -94,15 +98,17 @@ def again(scene: Scene, analysis: LimitAnalysis, run: Run, limit: float) -> Limi
     if attempt.seconds * slower > limit:
         return None
     settings = {"travel_periods": slower * periods, "stop_uncertainty": attempt.settings["stop_uncertainty"] / slower}
-    settings = purchase.settings | _left_open(scene, settings)
-    return replace(analysis, purchase=replace(purchase, yade=(*purchase.yade, attempt), settings=settings))
+    settings = record.settings | _left_open(scene, settings)
+    return replace(analysis, accuracy=replace(record, yade=(*record.yade, attempt), settings=settings))
 
 
-def after(before: LimitAnalysis, run: Run, analysis: LimitAnalysis) -> LimitAnalysis:
-    """The analysis of another model, with what was tried on the model `before` and its run: it took time, and tells no error here."""
-    if before.purchase is None or analysis.purchase is None:
+def carry_attempts_over(rejected: Results, analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis of another model, with the attempts on the rejected one: they took time, and estimate no error here."""
+    before = rejected.analysis.accuracy
+    if before is None or analysis.accuracy is None:
         return analysis
-    rejected = Attempt(dict(before.purchase.settings), run.result["reaction"], {"another model": math.nan}, run.result["seconds"])
-    earlier = tuple(replace(one, parts={"another model": math.nan}) for one in before.purchase.yade)
-    tried = (*before.purchase.limit_analysis, *analysis.purchase.limit_analysis)
-    return replace(analysis, purchase=replace(analysis.purchase, limit_analysis=tried, yade=(*earlier, rejected)))
+    result = rejected.recorded.result
+    last = Attempt(dict(before.settings), result.reaction, {"another model": math.nan}, result.seconds)
+    earlier = tuple(replace(attempt, parts={"another model": math.nan}) for attempt in before.yade)
+    attempts = (*before.limit_analysis, *analysis.accuracy.limit_analysis)
+    return replace(analysis, accuracy=replace(analysis.accuracy, limit_analysis=attempts, yade=(*earlier, last)))

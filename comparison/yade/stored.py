@@ -1,19 +1,46 @@
 """Results of both methods as they lie in a scene's folder: where, and read back."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file
 from la_core.errors import SceneError
+from la_core.geometry import Interfaces
 from la_core.scene import Scene, load_scene, shipped
 
 
-def read_results(folder: Path) -> tuple[Scene, LimitAnalysis, Run | None]:
-    """Stored results of a run's folder; raises exchange.ExchangeError where limit analysis is missing."""
-    scene = load_scene(folder / "scene.toml", name=folder.name)
-    analysis = case_file.read_case(folder / "case.h5", scene)
-    run_path = folder / "run.h5"
-    return scene, analysis, read_run(run_path, analysis.assembly) if run_path.exists() else None
+@dataclass(frozen=True)
+class Results:
+    """Results of both methods on one scene: what the judge, the figures and the report work with.
+
+    analysis: limit analysis, which carries the scene. run: YADE's, None where YADE gave none or was not asked.
+    """
+
+    analysis: LimitAnalysis
+    run: Run | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was analysed."""
+        return self.analysis.scene
+
+    @property
+    def recorded(self) -> Run:
+        """YADE's run; raises ValueError where there is none."""
+        if self.run is None:
+            raise ValueError(f"{self.scene.name}: YADE gave no run")
+        return self.run
+
+
+def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
+    """Stored results of a scene's folder; raises exchange.ExchangeError where limit analysis is missing.
+
+    interfaces: of the scene's blocks, where they are known.
+    """
+    analysis = case_file.read_case(folder / "case.h5", load_scene(folder / "scene.toml", name=folder.name), interfaces)
+    path = folder / "run.h5"
+    return Results(analysis, read_run(path, analysis.assembly) if path.exists() else None)
 
 
 def locate_results(source: str) -> Path | None:

@@ -12,8 +12,8 @@ import numpy as np
 from la_core import exchange
 from la_core.analysis import reach
 from la_core.analysis.accuracy_record import from_text, to_text
+from la_core.analysis.modelling import drives
 from la_core.analysis.result import Answers, LimitAnalysis
-from la_core.analysis.structural_model import drives
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.digests import code_digest
 from la_core.geometry import Interfaces

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.analysis import reach
+from la_core.analysis.modelling import StructuralModel, drives, structural_model, wedging
 from la_core.analysis.settings import AnalysisSettings
-from la_core.analysis.structural_model import StructuralModel, drives, structural_model, wedging
 from la_core.coulomb import Sliding, look_for_sliding
 from la_core.errors import SceneError
 from la_core.limit import Solution, Status, solve
@@ -46,10 +46,18 @@ def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Ca
     return Decision(effects, search, aside, reason)
 
 
-def decided_assembly(scene: Scene) -> Assembly:
-    """The assembly at the shared inset with its effects decided, at the price of one bound and a few elastic steps.
+@dataclass(frozen=True)
+class DecidedModel:
+    """A scene's assembly at the shared inset with its effects decided: the whole one, and the region that is modelled."""
 
-    Reach is the region that the analysis will try first; only its answer can prove it.
+    whole: Assembly
+    assembly: Assembly
+
+
+def decided_model(scene: Scene) -> DecidedModel:
+    """Decide the effects of a scene without solving it, at the price of one bound and a few elastic steps.
+
+    The region is the one that the analysis will try first; only its answer can prove it.
     """
     model, solved = structural_model(scene), dict[float, Solution]()
 
@@ -63,7 +71,8 @@ def decided_assembly(scene: Scene) -> Assembly:
     if decision.aside:
         part = reach.set_aside(model.assembly, decision.aside[0])
         reason = f"{reach.reason(part)}, if the answer proves it"
-    return replace(part, effects=decision.effects.with_effect("reach", bool(decision.aside), reason))
+    effects = decision.effects.with_effect("reach", bool(decision.aside), reason)
+    return DecidedModel(replace(model.assembly, effects=effects), replace(part, effects=effects))
 
 
 def _may_leave_out_friction(scene: Scene) -> bool:

@@ -3,10 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from la_core.analysis.modelling import StructuralModel, drives, wedging
 from la_core.analysis.prediction import with_prediction
 from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.analysis.settings import AnalysisSettings
-from la_core.analysis.structural_model import StructuralModel, drives, wedging
 from la_core.coulomb import EquilibriumPath, follow_path
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve
 from la_core.model import Assembly

@@ -6,9 +6,9 @@ import numpy as np
 
 from la_core.analysis import reach
 from la_core.analysis.decisions import decide_effects
+from la_core.analysis.modelling import StructuralModel, wedging
 from la_core.analysis.result import Answers
 from la_core.analysis.settings import AnalysisSettings
-from la_core.analysis.structural_model import StructuralModel, wedging
 from la_core.coulomb import CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest
 from la_core.limit import Solution
 from la_core.model import Assembly, Effects

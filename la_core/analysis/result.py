@@ -1,11 +1,11 @@
 """Results of limit analysis on one scene."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from la_core.analysis.accuracy_record import AccuracyRecord
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.limit import Drive, Solution
-from la_core.model import Assembly, JointStiffness
+from la_core.model import Assembly, Effects, JointStiffness
 from la_core.scene import Scene
 
 
@@ -72,6 +72,12 @@ class LimitAnalysis:
     def coulomb(self) -> CoulombSolution | None:
         """The prediction at the shared inset, None where the scene does not call for it."""
         return self.at_inset.coulomb
+
+    def with_effects(self, effects: Effects) -> "LimitAnalysis":
+        """The same with other effects, or other reasons for them, said of its assemblies."""
+        at_inset = replace(self.at_inset, assembly=replace(self.assembly, effects=effects))
+        sharp = at_inset if self.sharp is self.at_inset else replace(self.sharp, assembly=replace(self.sharp.assembly, effects=effects))
+        return replace(self, whole=replace(self.whole, effects=effects), at_inset=at_inset, sharp=sharp)
 
     @property
     def printed(self) -> Answers:

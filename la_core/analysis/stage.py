@@ -1,10 +1,10 @@
 """The limit-analysis stage: from a scene, or its model, to everything that limit analysis finds out about it."""
 
 from la_core.analysis.accuracy import analyse_to_accuracy
+from la_core.analysis.modelling import StructuralModel, structural_model
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.settings import AnalysisSettings
-from la_core.analysis.structural_model import StructuralModel, structural_model
 from la_core.scene import Scene
 
 

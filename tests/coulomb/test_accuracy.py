@@ -111,7 +111,7 @@ def overhang() -> Scene:
 
 def made_up(name: str = "wall_third", accuracy: float = 0.01) -> tuple[Scene, LimitAnalysis]:
     scene = with_accuracy(scenes.shipped(name), accuracy)
-    return scene, accuracy_settings.first_settings(scene, analyse(scene))
+    return scene, accuracy_settings.initial_settings(scene, analyse(scene))
 
 
 def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
@@ -132,21 +132,21 @@ def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
 
 def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
     scene, analysis = made_up()
-    assert accuracy_settings.again(scene, analysis, run_of(analysis), LIMIT) is None
-    slower = accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
+    assert accuracy_settings.slower_settings(scene, analysis, run_of(analysis), LIMIT) is None
+    slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
     assert slower is not None and slower.purchase is not None and analysis.purchase is not None
     assert slower.purchase.settings["travel_periods"] >= 2.0 * analysis.purchase.settings["travel_periods"]
     second = accuracy_settings.attempt_of(scene, slower, run_of(slower, change=0.004))
     assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
-    assert accuracy_settings.again(scene, slower, run_of(slower, change=0.004), LIMIT) is None
+    assert accuracy_settings.slower_settings(scene, slower, run_of(slower, change=0.004), LIMIT) is None
 
 
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
     scene, analysis = made_up()
-    slower = accuracy_settings.again(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
+    slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
     assert slower is not None and slower.purchase is not None
     assert slower.purchase.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
-    assert accuracy_settings.again(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
+    assert accuracy_settings.slower_settings(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
     undefined = accuracy_settings.attempt_of(scene, slower, run_of(slower, status="no plateau"))
     assert math.isnan(undefined.error) and not undefined.keeps(1.0)
 
@@ -155,7 +155,7 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
     scene, analysis = made_up()
     tried = 0
     while analysis is not None:
-        last, analysis = analysis, accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
+        last, analysis = analysis, accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
         tried += 1
     assert tried == accuracy_settings.MOST_ATTEMPTS
     checks = {check.name: check for check in requested_accuracy.check_accuracy(scene, last, run_of(last, uncertainty=0.5))}
@@ -167,11 +167,11 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
 @pytest.mark.parametrize("own", [{"speed": 1e-3}, {"travel_periods": 75.0}])
 def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str, float]) -> None:
     scene = replace(with_accuracy(scenes.shipped("wall_third"), 0.01), yade=own)
-    analysis = accuracy_settings.first_settings(scene, analyse(scene))
+    analysis = accuracy_settings.initial_settings(scene, analyse(scene))
     assert analysis.purchase is not None and "travel_periods" not in analysis.purchase.settings
     fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
     assert accuracy_settings.attempt_of(scene, analysis, fast).parts["friction's history"] > 0.02
-    assert accuracy_settings.again(scene, analysis, fast, LIMIT) is None
+    assert accuracy_settings.slower_settings(scene, analysis, fast, LIMIT) is None
     (_, check) = requested_accuracy.check_accuracy(scene, analysis, fast)
     assert check.verdict is Verdict.INCONCLUSIVE
 
@@ -179,7 +179,7 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
 def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
     text = scenes.shipped("wall_low_friction").text
     scene = with_accuracy(scenes.load(f'{text}\n[effects]\nfriction = "associated"\n', "bound"), 0.01)
-    analysis = accuracy_settings.first_settings(scene, analyse(scene))
+    analysis = accuracy_settings.initial_settings(scene, analyse(scene))
     assert analysis.purchase is not None and analysis.purchase.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
     assert "friction's history" in accuracy_settings.attempt_of(scene, analysis, run_of(analysis)).parts
     (check,) = requested_accuracy.check_accuracy(scene, analysis, None)
@@ -196,7 +196,7 @@ def test_a_run_at_another_inset_is_another_run() -> None:
 def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
     scene, analysis = made_up()
     run = run_of(analysis)
-    again = accuracy_settings.first_settings(scene, accuracy_settings.after(analysis, run, analyse(scene)))
+    again = accuracy_settings.initial_settings(scene, accuracy_settings.after(analysis, run, analyse(scene)))
     assert again.purchase is not None and analysis.purchase is not None
     assert len(again.purchase.limit_analysis) == 2 * len(analysis.purchase.limit_analysis)
     assert [one.seconds for one in again.purchase.yade] == [1.0] and again.purchase.settings == analysis.purchase.settings
@@ -208,7 +208,7 @@ def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
 
 def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
     scene, analysis = made_up()
-    assert accuracy_settings.again(scene, analysis, run_of(analysis, uncertainty=0.02), limit=1.5) is None
+    assert accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.02), limit=1.5) is None
 
 
 def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:

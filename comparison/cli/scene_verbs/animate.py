@@ -27,9 +27,10 @@ def animation(options: argparse.Namespace, narrator: Console, out: Console, prin
         folder = locate_results(options.source)
         if folder is None:
             folder, code = _run(options.source, narration)
-        scene, analysis, run = read_results(folder)
+        results = read_results(folder)
+        scene = results.scene
         path = options.output or folder / ANIMATION
-        story = Story(scene, analysis, run)
+        story = Story(results)
         frames = write_animation(
             story, path, options.fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}")
         )

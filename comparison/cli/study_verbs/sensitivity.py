@@ -5,10 +5,9 @@ from pathlib import Path
 from comparison.figures import structure
 from comparison.progress import Narration
 from comparison.studies import Sensitivity, sensitivity_figure, study
-from la_core.analysis import accuracy
+from la_core.analysis import analyse
 from la_core.errors import SceneError
 from la_core.limit import Status
-from la_core.model import assemble
 from la_core.scene import Scene
 
 
@@ -17,8 +16,8 @@ def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Se
 
     Raises SceneError for a structure without an answer.
     """
-    analysis = accuracy.analyse(scene)
-    main, coulomb = analysis.rounded[analysis.main], analysis.coulomb
+    analysis = analyse(scene)
+    main, coulomb = analysis.bounds[analysis.main], analysis.coulomb
     if main.status is not Status.SOLVED:
         raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so there is nothing to iterate on")
     references = {"associated": (main.value, 1)}
@@ -26,7 +25,7 @@ def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Se
         references["Coulomb, elastic joints"] = (coulomb.value, coulomb.iterations)
     result = study(
         scene,
-        assemble(scene).with_inset(scene, analysis.assembly.inset),
+        analysis.whole,
         progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}"),
     )
     structure.save(sensitivity_figure(result, references), figure)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.errors import SceneError
+from la_core.geometry import Interfaces
 from la_core.limit import Drive
 from la_core.model import Assembly, JointStiffness, assemble, decide_dem_effects, joint_stiffness
 from la_core.scene import Scene
@@ -29,15 +30,15 @@ class StructuralModel:
 
     def with_scene(self, scene: Scene) -> "StructuralModel":
         """The model of a scene with the same blocks, and another inset or other effects; interfaces are not searched again."""
-        return structural_model(scene, self)
+        return structural_model(scene, self.assembly.interfaces)
 
 
-def structural_model(scene: Scene, known: StructuralModel | None = None) -> StructuralModel:
-    """Model a scene; `known` is the model of another scene with the same blocks, whose interfaces are taken over.
+def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> StructuralModel:
+    """Model a scene. interfaces: of its blocks, where they are known.
 
     Raises SceneError for everything that the scene requests and does not allow, except for what only an answer can tell.
     """
-    assembly = assemble(scene, known.assembly.interfaces if known else None)
+    assembly = assemble(scene, interfaces)
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0 and scene.live is None:
         assembly = assembly.with_inset(scene, smallest_inset(assembly))
