@@ -132,7 +132,7 @@ def copy(undisturbed: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """One empty figure in the place of four, for tests that are not about drawing."""
-    monkeypatch.setattr(one_scene, "_figures", lambda scene, analysis, run: {"assembly": Figure})
+    monkeypatch.setattr(one_scene, "figures_of", lambda results: {"assembly": Figure})
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from la_core.analysis.stage import code_digest
+from la_core.digests import code_digest
 
 ROOT = Path(__file__).parent.parent
 MODULES = [

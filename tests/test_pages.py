@@ -23,7 +23,7 @@ from comparison.cli.commands import COMMANDS, main
 from comparison.cli.study_verbs.campaign import find as find_campaign
 from comparison.judge.effects_table import effects_summary
 from la_core import text_table
-from la_core.analysis.stage import analyse, settled
+from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.classic_iteration import ClassicParameters, iterate
 from la_core.limit.problem import Drive
@@ -93,7 +93,7 @@ def test_the_scene_of_the_readme_is_a_scene_with_its_expected_value() -> None:
     scene = load(text)
     expected = scene.expected
     assert expected is not None and expected.reaction_over_weight is not None
-    sharp = analyse(scene).sharp[Drive.YIELDING].value / scene.weight
+    sharp = analyse(scene).sharp.bounds[Drive.YIELDING].value / scene.weight
     assert sharp == pytest.approx(expected.reaction_over_weight, abs=expected.tolerance)
 
 
@@ -123,13 +123,13 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
     analysis = analyse(scene)
     least, predicted, interval, greatest, sharp, *_ = _results()[name]
     unit = 1.0 if scene.live is not None else scene.weight
-    assert least == _shown(text_table.over_weight(analysis.rounded[analysis.main].value, unit))
-    if Drive.PUSHING in analysis.rounded:
-        assert greatest == _shown(text_table.over_weight(analysis.rounded[Drive.PUSHING].value, unit))
-    assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
+    assert least == _shown(text_table.over_weight(analysis.bounds[analysis.main].value, unit))
+    if Drive.PUSHING in analysis.bounds:
+        assert greatest == _shown(text_table.over_weight(analysis.bounds[Drive.PUSHING].value, unit))
+    assert analysis.coulomb is not None and analysis.sharp.coulomb is not None
     assert analysis.coulomb.status is Status.SOLVED or name in shipped.LONG
     assert float(predicted) == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
-    assert float(sharp) == pytest.approx(analysis.coulomb_sharp.value / unit, rel=ROUND_OFF)
+    assert float(sharp) == pytest.approx(analysis.sharp.coulomb.value / unit, rel=ROUND_OFF)
     ends = [float(end) for end in interval.split(" to ")]
     assert ends == pytest.approx([end / unit for end in analysis.coulomb.interval], rel=ROUND_OFF)
 
@@ -173,7 +173,8 @@ LEFT_OUT = {"plane": "plane", "friction": "sliding", "reach": "reach", "displace
 @pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
 def test_what_the_readme_says_is_left_out(name: str) -> None:
     scene = load_scene(shipped.find(name))
-    off = [row["effect"] for row in effects_summary(scene, settled(scene))["table"] if not row["on"]]
+    decided = decided_model(scene)
+    off = [row["effect"] for row in effects_summary(scene, decided.whole, decided.assembly)["table"] if not row["on"]]
     words = ", ".join(LEFT_OUT[effect] for effect in off if effect in LEFT_OUT) or "nothing"
     assert _table("| scene | left out |")[name][0] == words
 

@@ -53,12 +53,12 @@ def run_scene(
     listener: Listener,
     with_yade: bool,
     time_limit: float | None = None,
-    figures: Figures = figures_of,
+    figures: Figures | None = None,
 ) -> dict[str, Any]:
     """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds.
 
     scene: or its model, so that it is not assembled twice. time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT.
-    figures: which pictures to draw. Raises FolderInUseError where another process works in the folder.
+    figures: which pictures to draw, None for all. Raises FolderInUseError where another process works in the folder.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     folder.mkdir(parents=True, exist_ok=True)
@@ -67,7 +67,7 @@ def run_scene(
         return _compare(_solved(model, folder, listener, with_yade, time_limit), folder, listener, figures)
 
 
-def report_again(folder: Path, listener: Listener, figures: Figures = figures_of) -> dict[str, Any]:
+def report_again(folder: Path, listener: Listener, figures: Figures | None = None) -> dict[str, Any]:
     """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing.
 
     Raises FolderInUseError where another process works in the folder.
@@ -126,14 +126,14 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
     return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
 
 
-def _compare(outcome: Outcome, folder: Path, listener: Listener, figures: Figures) -> dict[str, Any]:
+def _compare(outcome: Outcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
     """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
     results = outcome.results
     scene, analysis = results.scene, results.analysis
     effects = dataclasses.asdict(analysis.assembly.effects)
     steps = analysis.coulomb and analysis.coulomb.steps
     inputs = stage_digest(json.dumps([outcome.inputs, outcome.yade, outcome.notes, effects, steps], sort_keys=True), COMPARISON_CODE)
-    drawings = {folder / f"{name}.png": draw for name, draw in figures(results).items()}
+    drawings = {folder / f"{name}.png": draw for name, draw in (figures or figures_of)(results).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE
     if previous.get("inputs") == inputs and all(path.is_file() for path in (*drawings, view)):

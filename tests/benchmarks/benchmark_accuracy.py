@@ -56,7 +56,7 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         rows = [measured(name, accuracy, Path(folder), narration) for name in options.scenes for accuracy in ACCURACIES]
     facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")

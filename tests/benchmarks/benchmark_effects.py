@@ -54,7 +54,7 @@ class Variant:
 def write(scene: Scene, folder: Path) -> Path:
     """The folder's case.h5, written."""
     folder.mkdir()
-    write_case(folder / "case.h5", scene, analyse(scene), "benchmark")
+    write_case(folder / "case.h5", analyse(scene), "benchmark")
     return folder / "case.h5"
 
 
@@ -126,7 +126,7 @@ def recording_table(rows: dict[str, tuple[Run, int]]) -> Table:
     """One row a kind of recording."""
     table = Table("recording", "status", "R, N", "seconds", "states", "bytes of run.h5", title="YADE: a small plane wall run to its end")
     for name, (run, size) in rows.items():
-        states = len(run.poses["settlement"])
+        states = len(run.poses.settlement)
         table.add_row(name, run.status, f"{run.result['reaction']:.9g}", f"{run.result['seconds']:.2f}", f"{states}", f"{size}")
     return table
 

@@ -58,9 +58,9 @@ def bounds(scene: Scene) -> Answer:
 def everything(scene: Scene) -> Answer:
     """Bounds and prediction, rounded and sharp."""
     analysis = analyse(scene)
-    solutions = [*analysis.rounded.values(), *analysis.sharp.values(), analysis.coulomb, analysis.coulomb_sharp, analysis.path]
+    solutions = [*analysis.bounds.values(), *analysis.sharp.bounds.values(), analysis.coulomb, analysis.sharp.coulomb, analysis.path]
     solver = sum(one.seconds for one in {id(one): one for one in solutions if one is not None}.values())
-    answer = analysis.coulomb or analysis.rounded[Drive.YIELDING]
+    answer = analysis.coulomb or analysis.bounds[Drive.YIELDING]
     return Answer(analysis.assembly, answer.value / scene.weight, solver)
 
 

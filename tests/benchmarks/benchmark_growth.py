@@ -86,7 +86,7 @@ def whole_analysis(method: str, plane: bool, size: int) -> dict[str, Any]:
     """What the program does with such a scene: both bounds, with inset and sharp, and both predictions where friction asks for them."""
     scene = scale.wall(size, plane, model=method.removeprefix("all of ").casefold())
     analysis = stage.analyse(scene)
-    return {"blocks": len(scene.blocks), "status": (analysis.coulomb or analysis.rounded[analysis.main]).status.value}
+    return {"blocks": len(scene.blocks), "status": (analysis.coulomb or analysis.bounds[analysis.main]).status.value}
 
 
 def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def measure(method: str, plane: bool, size: int) -> dict[str, Any]:
 
 def written(scene: Scene, folder: Path) -> Path:
     """case.h5 of a scene."""
-    write_case(folder / "case.h5", scene, stage.analyse(scene), "growth")
+    write_case(folder / "case.h5", stage.analyse(scene), "growth")
     return folder / "case.h5"
 
 

@@ -4,7 +4,6 @@ Each input is made from its number alone, so that any of them can be made again 
 its own reads them, with limits on time and memory; where it dies, its input is counted and the next one goes on.
 """
 
-import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import json
 import os
@@ -18,12 +17,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+import on_path  # noqa: F401  before what it makes importable
 import test_mesh as meshes
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 
 from comparison.yade.process import find_yade, run_yade
 from comparison.yade.run_record import read_run
 from la_core.analysis import case_file, stage
+from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
 from la_core.exchange.checksummed_file import write_sealed
 from la_core.exchange.fields import ExchangeError
@@ -73,7 +74,7 @@ def _scene_attempt() -> Callable[[random.Random], None]:
             raise SceneError(name, "not UTF-8 text") from error  # as a scene's file is read
         scene = scene_of_text(text, find(name), name)
         if len(scene.blocks) <= SMALL:
-            stage.model(scene)
+            structural_model(scene)
 
     return attempt
 
@@ -107,7 +108,7 @@ def _mesh_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None
 def _exchange_readers(folder: Path) -> Iterator[Reader]:
     scene = load_scene(find("two_pads"))
     analysis = stage.analyse(scene)
-    case_file.write_case(folder / "case.h5", scene, analysis, "")
+    case_file.write_case(folder / "case.h5", analysis, "")
     run_yade(find_yade(), folder, "", PATIENCE, lambda report: None)
     whole = {name: (folder / name).read_bytes() for name in ("case.h5", "run.h5")}
     path = folder / "damaged.h5"

@@ -133,7 +133,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
+    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
     cases = [case for case in catalogue() if not options.names or any(name in case.name for name in options.names)]
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         outcomes = [outcome(case, Path(folder) / str(k), narration, not (options.quick and case.long)) for k, case in enumerate(cases)]

@@ -81,8 +81,8 @@ def yade(name: str) -> Iterator[Run]:
     weight = scene.weight
     yield Run(
         name, "YADE", "derived settings", outcome.status, outcome.value / weight, run.scatter() * outcome.value / weight,
-        coulomb(scene, shared_inset(scene), COULOMB_STEPS).value / weight, run.result["asked_settlement"], run.result["settlement"],
-        int(run.result["steps"]), **seconds,
+        coulomb(scene, shared_inset(scene), COULOMB_STEPS).value / weight, run.result.asked_settlement, run.result.settlement,
+        int(run.result.steps), **seconds,
     )  # fmt: skip
 
 

@@ -200,9 +200,9 @@ def test_sharp_arrises_are_told_at_the_inset_that_yade_is_judged_by(tmp_path: Pa
     (row,) = run(sweep('set = { "joint.inset" = 0.0 }'), tmp_path / "out").rows
     analysis = analyse(expand(load(tmp_path / "campaign.toml"))[0].run.scene())
     assert analysis.assembly.inset > 0.0
-    assert row["least"] == analysis.rounded[analysis.main].value != analysis.sharp[analysis.main].value
+    assert row["least"] == analysis.bounds[analysis.main].value != analysis.sharp.bounds[analysis.main].value
     assert analysis.coulomb is not None and row["coulomb"] == analysis.coulomb.value
-    assert row["coulomb_sharp"] == analysis.coulomb_sharp.value
+    assert row["coulomb_sharp"] == analysis.sharp.coulomb.value
 
 
 def test_a_live_load_is_a_multiplier(tmp_path: Path, plain_figures: None) -> None:
@@ -305,7 +305,7 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
 @pytest.mark.parametrize("scene", ["wall_third", "arch_spreading"])
 def test_labels_of_mechanisms_are_equal_for_equal_ones_and_stand_round_off(scene: str) -> None:
     analysis = analyse(load_scene(find(scene)))
-    blocks, twists = analysis.assembly.blocks, analysis.rounded[analysis.main].twists
+    blocks, twists = analysis.assembly.blocks, analysis.bounds[analysis.main].twists
     label = mechanism_label(blocks, twists)
     noise = np.random.default_rng(5).normal(size=(20, *twists.shape)) * ROUND_OFF * np.abs(twists).max()
     assert {mechanism_label(blocks, 7.0 * (twists + one)) for one in noise} == {label}
@@ -391,7 +391,7 @@ def test_a_worker_that_loaded_another_version_stores_nothing(tmp_path: Path, mon
 def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     def with_a_run(folder: Path):
         scene, analysis, _ = read_results(folder)
-        return scene, analysis, SimpleNamespace(mechanism=lambda: analysis.rounded[analysis.main].twists)
+        return scene, analysis, SimpleNamespace(mechanism=lambda: analysis.bounds[analysis.main].twists)
 
     run(QUICK, tmp_path / "fresh" / "out")
     monkeypatch.setattr(job, "read_results", with_a_run)

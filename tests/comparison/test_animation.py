@@ -19,6 +19,7 @@ from comparison.figures import animation
 from comparison.figures.animation import SECONDS, Story
 from comparison.report.report import write_report
 from comparison.run_folder import ANIMATION
+from comparison.yade import Results
 
 FPS = 2
 HOSTILE = "$\\\\frac$ {x} %d <b> [red] _^"
@@ -52,7 +53,7 @@ def test_the_animation_has_its_frames_and_moves_from_the_first_to_the_last(anima
 
 def test_the_curve_begins_at_rest_and_is_whole_in_the_last_frame(cross_checked: Callable[[str], CrossChecked]) -> None:
     found = cross_checked("two_pads")
-    story = Story(found.scene, found.analysis, found.run)
+    story = Story(Results(found.analysis, found.run))
     at, reaction = (found.run.settling(name) for name in ("settlement", "reaction"))
     drawn = []
     for share in (0.0, 0.5, 1.0):
@@ -62,14 +63,14 @@ def test_the_curve_begins_at_rest_and_is_whole_in_the_last_frame(cross_checked: 
     assert 1 <= rest < half < whole == len(at)
     assert drawn[2][0] * story.scales.settlement == pytest.approx(at)
     assert drawn[2][1] * story.scales.reaction == pytest.approx(reaction)
-    assert np.all(at[:half] <= 0.5**animation.SLOW * found.run.poses["settlement"][-1])
+    assert np.all(at[:half] <= 0.5**animation.SLOW * found.run.poses.settlement[-1])
     assert story.tip.get_xdata()[-1] == drawn[2][0][-1]
     assert "mm" in story.reading.get_text() and "YADE's R" in story.reading.get_text()
 
 
 def test_blocks_are_drawn_at_rest_first_and_where_yade_left_them_last(cross_checked: Callable[[str], CrossChecked]) -> None:
     found = cross_checked("two_pads")
-    story, run = Story(found.scene, found.analysis, found.run), found.run
+    story, run = Story(Results(found.analysis, found.run)), found.run
     yade = story.shown.methods[1]
     corner = found.analysis.assembly.blocks.vertices.max(axis=0)
 
@@ -85,7 +86,7 @@ def test_blocks_are_drawn_at_rest_first_and_where_yade_left_them_last(cross_chec
     arm = corner - found.analysis.assembly.blocks.centroid[free]
     expected = corner + story.shown.magnification * (moved[:3] + np.cross(moved[3:], arm))
     assert top_right()[0] == pytest.approx(expected[0])
-    assert yade.displacement[-1, free, :3] == pytest.approx(np.diff(run.poses["displacement"][[0, -1], free], axis=0)[0])
+    assert yade.displacement[-1, free, :3] == pytest.approx(np.diff(run.poses.displacement[[0, -1], free], axis=0)[0])
 
 
 def test_the_report_takes_it_in_when_it_is_written_again(animated: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,11 +6,13 @@ import math
 import numpy as np
 import pytest
 import scenes
+from runs import made_up_run
 
 from comparison.judge import prediction as check_prediction
 from comparison.judge import run_checks, sections, tolerances
 from comparison.judge.check import Check, Verdict, overall
 from comparison.judge.run_checks import check_expected, check_run
+from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -31,7 +33,7 @@ def _case(name: str) -> tuple[Scene, LimitAnalysis]:
 
 def _perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
     """The run of a YADE that follows limit analysis to the digit."""
-    least = analysis.rounded[Drive.YIELDING]
+    least = analysis.bounds[Drive.YIELDING]
     settlement = np.linspace(0.0, TRAVEL, 5)
     scalars = {
         "status": "plateau", "reaction": least.value, "uncertainty": 0.0, "settlement": TRAVEL, "asked_settlement": TRAVEL,
@@ -44,7 +46,7 @@ def _perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
         "rotation": settlement[:, None, None] * least.twists[None, :, 3:],
         "forces": np.repeat(least.forces[None], 5, axis=0),
     }
-    return Run({**scalars, **result}, {}, poses, np.zeros((0, 2), dtype=int), {})
+    return made_up_run({**scalars, **result}, poses=poses)
 
 
 def _verdict(name: str, found: list[Check]) -> Verdict:
@@ -68,34 +70,34 @@ def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scen
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.004, Verdict.AGREE), (0.996, Verdict.AGREE), (1.006, Verdict.DISAGREE)])
 def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnalysis], factor: float, verdict: Verdict) -> None:
-    scene, analysis = arch
-    run = _perfect_run(analysis, reaction=factor * analysis.rounded[Drive.YIELDING].value)
-    assert _verdict("reaction against prediction", check_run(scene, analysis, run)) is verdict
+    _scene, analysis = arch
+    run = _perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
+    assert _verdict("reaction against prediction", check_run(Results(analysis, run))) is verdict
 
 
 def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
-    run = _perfect_run(analysis, reaction=0.9 * analysis.rounded[Drive.YIELDING].value)
-    assert _verdict("reaction within bounds", check_run(scene, analysis, run)) is Verdict.DISAGREE
+    _scene, analysis = arch
+    run = _perfect_run(analysis, reaction=0.9 * analysis.bounds[Drive.YIELDING].value)
+    assert _verdict("reaction within bounds", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
 def test_a_run_that_does_not_know_its_reaction_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
-    run = _perfect_run(analysis, uncertainty=0.2 * analysis.rounded[Drive.YIELDING].value)
-    assert _verdict("reaction against prediction", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+    _scene, analysis = arch
+    run = _perfect_run(analysis, uncertainty=0.2 * analysis.bounds[Drive.YIELDING].value)
+    assert _verdict("reaction against prediction", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
 
 def test_an_undefined_reaction_never_agrees(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
-    found = check_run(scene, analysis, _perfect_run(analysis, reaction=math.nan))
+    _scene, analysis = arch
+    found = check_run(Results(analysis, _perfect_run(analysis, reaction=math.nan)))
     assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
     assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE
 
 
 def test_a_settlement_that_was_not_delivered_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
+    _scene, analysis = arch
     run = _perfect_run(analysis, settlement=0.5 * TRAVEL)
-    assert _verdict("settlement achieved", check_run(scene, analysis, run)) is Verdict.DISAGREE
+    assert _verdict("settlement achieved", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
 def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tuple[Scene, LimitAnalysis]) -> None:
@@ -104,7 +106,7 @@ def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tup
     effects = dataclasses.replace(small.assembly.effects, displacement="finite")
     analysis = dataclasses.replace(small, assembly=dataclasses.replace(small.assembly, effects=effects))
     run = dataclasses.replace(_perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
-    check = next(c for c in check_run(scene, analysis, run) if c.name == "contact lists")
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "contact lists")
     assert check.verdict is Verdict.DISAGREE
     assert scene.blocks.names[0] in check.reason and scene.blocks.names[2] in check.reason
 
@@ -120,26 +122,26 @@ def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
     analysis = analyse(scene)
     run = _perfect_run(analysis, reaction=0.0)
     at_edge = np.isclose(analysis.assembly.points.position[:, 0], 0.4 - scene.inset)
-    run.poses["forces"][:] = np.where(at_edge[:, None], [0.0, 0.0, scene.weight / at_edge.sum()], 0.0)
-    found = check_run(scene, analysis, run)
+    run.poses.forces[:] = np.where(at_edge[:, None], [0.0, 0.0, scene.weight / at_edge.sum()], 0.0)
+    found = check_run(Results(analysis, run))
     assert _verdict("equilibrium of the YADE state", found) is Verdict.AGREE
     assert _verdict("balance along the mechanism", found) is Verdict.INCONCLUSIVE
     assert not any(check.name.startswith("reaction") for check in found) and Verdict.DISAGREE not in {check.verdict for check in found}
 
 
 def test_a_state_out_of_equilibrium_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
+    _scene, analysis = arch
     run = _perfect_run(analysis)
-    run.poses["forces"][:, 0] += 0.5 * analysis.assembly.mean_weight
-    assert _verdict("equilibrium", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+    run.poses.forces[:, 0] += 0.5 * analysis.assembly.mean_weight
+    assert _verdict("equilibrium", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
 
 def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
+    _scene, analysis = arch
     run = _perfect_run(analysis)
-    run.poses["displacement"][:] = 0.0
-    run.poses["displacement"][:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
-    found = check_run(scene, analysis, run)
+    run.poses.displacement[:] = 0.0
+    run.poses.displacement[:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
+    found = check_run(Results(analysis, run))
     assert _verdict("mechanism similarity", found) is Verdict.DISAGREE
     assert _verdict("moving blocks", found) is Verdict.DISAGREE
 
@@ -147,13 +149,13 @@ def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, Li
 def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None:
     """Three equal voussoirs of a flat arch may hinge at either inner joint; the solver mixes both mechanisms."""
     scene, analysis = _case("flat_arch")
-    least = analysis.rounded[Drive.YIELDING]
+    least = analysis.bounds[Drive.YIELDING]
     one_hinge = solve(_with_heavier_left(analysis), Drive.YIELDING).twists
     assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < check_prediction.SIMILAR
     run = _perfect_run(analysis)
-    run.poses["displacement"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, :3]
-    run.poses["rotation"][:] = run.poses["settlement"][:, None, None] * one_hinge[None, :, 3:]
-    check = next(c for c in check_run(scene, analysis, run) if c.name == "mechanism similarity")
+    run.poses.displacement[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, :3]
+    run.poses.rotation[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, 3:]
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "mechanism similarity")
     assert check.verdict is Verdict.AGREE and "not unique" in check.reason
 
 
@@ -170,24 +172,24 @@ def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, Limit
     support = int(np.flatnonzero(scene.blocks.role == 2)[0])
     a, b = analysis.assembly.contact_blocks
     at_support = (a == support) | (b == support)
-    run.poses["forces"][:, at_support, 2] += 0.1 * scene.weight
-    assert _verdict("support's force along z", check_run(scene, analysis, run)) is Verdict.DISAGREE
+    run.poses.forces[:, at_support, 2] += 0.1 * scene.weight
+    assert _verdict("support's force along z", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
 def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
     scene, analysis = _case("two_blocks")
     analysis = dataclasses.replace(analysis, coulomb=None, coulomb_sharp=None)
     run = _perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
-    check = next(c for c in check_run(scene, analysis, run) if c.name == "reaction against prediction")
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "reaction against prediction")
     assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
-    assert _verdict("reaction within bounds", check_run(scene, analysis, run)) is Verdict.AGREE
+    assert _verdict("reaction within bounds", check_run(Results(analysis, run))) is Verdict.AGREE
 
 
 def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = arch
-    assert overall(check_run(scene, analysis, _perfect_run(analysis, status="no plateau")))[0] is Verdict.INCONCLUSIVE
+    _scene, analysis = arch
+    assert overall(check_run(Results(analysis, _perfect_run(analysis, status="no plateau"))))[0] is Verdict.INCONCLUSIVE
     for status in ("timeout", "failed"):
-        assert overall(check_run(scene, analysis, _perfect_run(analysis, status=status)))[0] is Verdict.INCONCLUSIVE
+        assert overall(check_run(Results(analysis, _perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
 
 
 def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
@@ -204,14 +206,14 @@ def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdi
     scene = load_scene(path)
     analysis = analyse(scene)
     run = _perfect_run(analysis, status=status)
-    found, reason = overall(check_run(scene, analysis, run))
+    found, reason = overall(check_run(Results(analysis, run)))
     assert found is verdict
     assert verdict is Verdict.AGREE or '"block"' in reason or "block would fall" in reason
 
 
 def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
     scene, analysis = _case("two_pads")
-    assert {check.verdict for check in check_expected(scene, analysis)} == {Verdict.AGREE}
+    assert {check.verdict for check in check_expected(analysis)} == {Verdict.AGREE}
     assert scene.expected is not None
     wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
     assert Verdict.DISAGREE in {check.verdict for check in check_expected(wrong, analysis)}
@@ -245,10 +247,10 @@ def _coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object
     """The run of a YADE that follows the Coulomb prediction, its reaction scattered by this share of it."""
     assert analysis.coulomb is not None
     coulomb = analysis.coulomb
-    stand_in = dataclasses.replace(analysis.rounded[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
-    run = _perfect_run(dataclasses.replace(analysis, rounded={**analysis.rounded, Drive.YIELDING: stand_in}), **result)
+    stand_in = dataclasses.replace(analysis.bounds[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
+    run = _perfect_run(dataclasses.replace(analysis, rounded={**analysis.bounds, Drive.YIELDING: stand_in}), **result)
     settlement = np.linspace(0.0, TRAVEL, 400)
-    reaction = run.result["reaction"] * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
+    reaction = run.result.reaction * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
     return dataclasses.replace(run, record={"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction})
 
 
@@ -271,20 +273,20 @@ def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tu
 def test_within_its_interval_friction_s_history_decides_and_outside_nothing_excuses(
     wall: tuple[Scene, LimitAnalysis], factor: float, prediction: Verdict, interval: Verdict
 ) -> None:
-    scene, analysis = wall
+    _scene, analysis = wall
     assert analysis.coulomb is not None
-    found = check_run(scene, analysis, _coulomb_run(analysis, reaction=factor * analysis.coulomb.value))
+    found = check_run(Results(analysis, _coulomb_run(analysis, reaction=factor * analysis.coulomb.value)))
     assert _verdict("reaction against prediction", found) is prediction
     assert _verdict("reaction within the mechanism's interval", found) is interval
 
 
 def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, LimitAnalysis]) -> None:
-    scene, analysis = wall
+    _scene, analysis = wall
     assert analysis.coulomb is not None
     run = _coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
-    run.poses["displacement"][:] = 0.0
-    run.poses["displacement"][:, 3, 0] = run.poses["settlement"]
-    found = check_run(scene, analysis, run)
+    run.poses.displacement[:] = 0.0
+    run.poses.displacement[:, 3, 0] = run.poses.settlement
+    found = check_run(Results(analysis, run))
     assert _verdict("reaction within the mechanism's interval", found) is Verdict.INCONCLUSIVE
     assert _verdict("mechanism similarity", found) is Verdict.INCONCLUSIVE
 
@@ -300,10 +302,10 @@ def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, Limi
 
 def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple[Scene, LimitAnalysis]) -> None:
     """The state that carries the most by friction is in equilibrium and within its cones, but its joints do not slide down."""
-    scene, analysis = wall
+    _scene, analysis = wall
     run = _coulomb_run(analysis)
-    run.poses["forces"][:] = analysis.rounded[Drive.PUSHING].forces
-    assert _verdict("YADE's friction state", check_run(scene, analysis, run)) is Verdict.INCONCLUSIVE
+    run.poses.forces[:] = analysis.bounds[Drive.PUSHING].forces
+    assert _verdict("YADE's friction state", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
 
 @pytest.mark.parametrize(
@@ -318,10 +320,10 @@ def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple
 def test_an_iteration_that_did_not_converge_may_confirm_but_not_contradict(
     wall: tuple[Scene, LimitAnalysis], residual: float, factor: float, verdict: Verdict
 ) -> None:
-    scene, analysis = wall
+    _scene, analysis = wall
     assert analysis.coulomb is not None
     coulomb = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, dilatancy_residual=residual)
-    found = check_run(scene, dataclasses.replace(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value))
+    found = check_run(Results(dataclasses.replace(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value)))
     check = next(c for c in found if c.name == "reaction against prediction")
     assert check.verdict is verdict and ("not converged" in check.reason) is (verdict is not Verdict.AGREE)
     assert Verdict.DISAGREE not in {c.verdict for c in found}
@@ -335,25 +337,25 @@ def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
     scene = load_scene(path)
     analysis = analyse(scene)
     for status in ("timeout", "failed"):
-        assert overall(check_run(scene, analysis, _perfect_run(analysis, status=status)))[0] is Verdict.INCONCLUSIVE
+        assert overall(check_run(Results(analysis, _perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
 
 
 def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> None:
-    scene, analysis = _case("two_pads")
-    doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.items()}
-    assert analysis.coulomb_sharp is not None
-    coulomb = dataclasses.replace(analysis.coulomb_sharp, status=Status.INACCURATE)
-    verdicts = {check.verdict for check in check_expected(scene, dataclasses.replace(analysis, sharp=doubtful, coulomb_sharp=coulomb))}
+    _scene, analysis = _case("two_pads")
+    doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.bounds.items()}
+    assert analysis.sharp.coulomb is not None
+    coulomb = dataclasses.replace(analysis.sharp.coulomb, status=Status.INACCURATE)
+    verdicts = {check.verdict for check in check_expected(dataclasses.replace(analysis, sharp=doubtful, coulomb_sharp=coulomb))}
     assert verdicts == {Verdict.INCONCLUSIVE}
 
 
 def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene, LimitAnalysis]) -> None:
     """Taking an inaccurate upper bound for none would let any great reaction pass."""
-    scene, analysis = arch
+    _scene, analysis = arch
     for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
-        greatest = dataclasses.replace(analysis.rounded[Drive.PUSHING], status=status)
-        doubtful = dataclasses.replace(analysis, rounded={**analysis.rounded, Drive.PUSHING: greatest})
-        assert _verdict("reaction within bounds", check_run(scene, doubtful, _perfect_run(analysis))) is verdict
+        greatest = dataclasses.replace(analysis.bounds[Drive.PUSHING], status=status)
+        doubtful = dataclasses.replace(analysis, rounded={**analysis.bounds, Drive.PUSHING: greatest})
+        assert _verdict("reaction within bounds", check_run(Results(doubtful, _perfect_run(analysis)))) is verdict
 
 
 def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:

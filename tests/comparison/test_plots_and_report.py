@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from runs import made_up_run
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
@@ -16,6 +17,7 @@ from comparison.figures import structure
 from comparison.figures.line_labels import ROW, Word, write_words
 from comparison.judge.summary import limit_analysis_summary
 from comparison.report import report
+from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -75,7 +77,7 @@ def scene_of(folder: Path, body: str, title: str = "A scene") -> Scene:
 
 def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
     """A record that falls from rest to a plateau 1 % of the weight above the least reaction, with the associated mechanism."""
-    least = analysis.rounded[Drive.YIELDING]
+    least = analysis.bounds[Drive.YIELDING]
     weight = analysis.assembly.weight
     settlement = np.linspace(0.0, 4e-4, 200)
     plateau = least.value + 0.01 * weight
@@ -87,20 +89,20 @@ def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
         "rotation": settlement[::20, None, None] * least.twists[None, :, 3:],
     }
     known = {"status": "plateau", "reaction": plateau, "uncertainty": 2.0, "plateau_start": 2e-4, "slope": 0.0, "message": "settled"}
-    return Run({**known, **result}, record, poses, np.zeros((0, 2), dtype=int), {})
+    return made_up_run({**known, **result}, record, poses)
 
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind], title="Costs $5 and $\\\\badmacro")
     analysis = analyse(scene)
-    solution = analysis.rounded[analysis.main]
+    solution = analysis.bounds[analysis.main]
     run = synthetic_run(analysis) if np.isfinite(solution.value) and scene.live is None else None
     mechanisms = {"limit analysis (associated)": solution.twists, "YADE": run.mechanism() if run else np.full_like(solution.twists, np.nan)}
     figures = {
         "assembly": structure.assembly_figure(scene, analysis.assembly),
         "mechanisms": structure.mechanism_figure(analysis.assembly, mechanisms, scene.title, solution.falling),
-        "reaction": structure.reaction_figure(scene, analysis, run),
+        "reaction": structure.reaction_figure(Results(analysis, run)),
     }
     for name, figure in figures.items():
         structure.save(figure, tmp_path / f"{name}.png")
@@ -111,14 +113,14 @@ def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["solid"])
     analysis = analyse(scene)
     for path in (tmp_path / "first.png", tmp_path / "second.png"):
-        structure.save(structure.reaction_figure(scene, analysis, synthetic_run(analysis)), path)
+        structure.save(structure.reaction_figure(Results(analysis, synthetic_run(analysis))), path)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
 
 
 def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
-    twists = analysis.rounded[Drive.YIELDING].twists
+    twists = analysis.bounds[Drive.YIELDING].twists
     figure = structure.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
     drawn = [float(word) for word in re.findall(r"([0-9.]+) mm", figure.get_suptitle())]
     # The block turns about (0.4, 0) by 1/0.6 of the settlement at x = 1; its upper right corner is the fastest, by hypot(0.6, 0.5)/0.6.
@@ -128,7 +130,7 @@ def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: 
 def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
     assembly = analysis.assembly
-    opens, slides = structure.contact_motion(assembly, analysis.rounded[Drive.YIELDING].twists)
+    opens, slides = structure.contact_motion(assembly, analysis.bounds[Drive.YIELDING].twists)
     # The block turns about the fixed pad's right end and stays on the settling pad at its right end: the other two points open.
     where = assembly.points.position[:, 0]
     assert [round(float(x), 1) for x in np.sort(where[opens])] == [0.0, 0.5]
@@ -184,8 +186,8 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
-    whole, close = structure.reaction_figure(scene, analysis, synthetic_run(analysis)).axes
-    greatest, least = (analysis.rounded[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
+    whole, close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes
+    greatest, least = (analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
     assert close.get_ylim()[1] < greatest
     assert "lies above" in close.get_title(loc="right")
     assert close.get_ylim()[0] < least < close.get_ylim()[1]
@@ -196,7 +198,7 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
     run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
-    (axes,) = structure.reaction_figure(scene, analysis, run).axes
+    (axes,) = structure.reaction_figure(Results(analysis, run)).axes
     assert "no plateau" in axes.get_title(loc="left")
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
@@ -204,7 +206,7 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
 def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
     """The analysis with a Coulomb value of so many times the least reaction, and its interval likewise; and a short path."""
     assert analysis.coulomb is not None
-    least = analysis.rounded[analysis.main].value
+    least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
     settlement = np.linspace(0.0, 8e-4, 9)
     path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
@@ -225,9 +227,9 @@ def labels_of(axes: Any) -> dict[str, Any]:
 def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), share)
-    figure = structure.reaction_figure(scene, analysis, synthetic_run(analysis))
+    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
     structure.save(figure, tmp_path / "reaction.png")
-    least = analysis.rounded[Drive.YIELDING].value
+    least = analysis.bounds[Drive.YIELDING].value
     for axes in figure.axes:
         band = labels_of(axes).get(plot_reaction.HISTORY)
         assert (band is not None) == drawn
@@ -240,7 +242,7 @@ def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[floa
 def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    figure = structure.reaction_figure(scene, analysis, synthetic_run(analysis))
+    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     beside = {
@@ -261,7 +263,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
 def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
-    figure = structure.reaction_figure(scene, analysis, None)
+    figure = structure.reaction_figure(Results(analysis))
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any("associated, and Coulomb prediction" in word for word in words)
     assert not any(word.startswith("Coulomb prediction") for word in words)
@@ -273,7 +275,7 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
     missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = structure.reaction_figure(scene, replace(analysis, **missing), None)
+    figure = structure.reaction_figure(Results(replace(analysis, **missing)))
     structure.save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:
@@ -288,8 +290,8 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
 def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 5.0))
-    close = structure.reaction_figure(scene, analysis, synthetic_run(analysis)).axes[1]
-    assert close.get_ylim()[1] < 1.5 * analysis.rounded[Drive.YIELDING].value
+    close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
+    assert close.get_ylim()[1] < 1.5 * analysis.bounds[Drive.YIELDING].value
 
 
 def test_words_keep_off_lines_and_each_other() -> None:

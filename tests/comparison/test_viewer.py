@@ -18,6 +18,7 @@ from comparison.figures.canvas import size
 from comparison.figures.motion import DRAWN, motions
 from comparison.report import viewer
 from comparison.report.report import write_report
+from comparison.yade import Results
 from la_core.analysis.stage import analyse
 
 SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
@@ -30,13 +31,13 @@ def array(text: str, dtype: str, *shape: int) -> np.ndarray:
 
 
 def data_of(found: CrossChecked) -> dict[str, Any]:
-    return dict(json.loads(viewer.viewer_text(found.scene, found.analysis, found.run)))
+    return dict(json.loads(viewer.viewer_text(Results(found.analysis, found.run))))
 
 
 def test_the_triangles_enclose_each_block() -> None:
     scene = shipped("arch_spreading")
     analysis = analyse(scene)
-    data, blocks = json.loads(viewer.viewer_text(scene, analysis, None)), analysis.assembly.blocks
+    data, blocks = json.loads(viewer.viewer_text(Results(analysis))), analysis.assembly.blocks
     vertices = array(data["vertices"], "<f4", -1, 3).astype(float)
     triangles, owner = array(data["triangles"], "<u4", -1, 3), array(data["owner"], "<u4", -1)
     a, b, c = np.moveaxis(vertices[triangles], 1, 0)
@@ -53,19 +54,19 @@ def test_yade_moves_as_it_recorded_from_rest_and_limit_analysis_by_its_mechanism
     data, run, blocks = data_of(found), found.run, len(found.analysis.assembly.blocks)
     limit_analysis, yade = data["methods"]
     moved = array(yade["displacement"], "<f4", -1, blocks, 6)
-    poses = np.concatenate([run.poses["displacement"], run.poses["rotation"]], axis=2)
+    poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     assert moved == pytest.approx(poses - poses[0], rel=SINGLE, abs=SINGLE * np.abs(poses).max())
-    assert array(yade["settlement"], "<f4", -1) == pytest.approx(run.poses["settlement"], rel=SINGLE)
-    assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(run.poses["forces"], rel=SINGLE, abs=1e-3)
+    assert array(yade["settlement"], "<f4", -1) == pytest.approx(run.poses.settlement, rel=SINGLE)
+    assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(run.poses.forces, rel=SINGLE, abs=1e-3)
     assert found.analysis.coulomb is not None
     last = array(limit_analysis["displacement"], "<f4", 2, blocks, 6)[1]
     assert last == pytest.approx(data["end"] * found.analysis.coulomb.twists, rel=SINGLE, abs=1e-12)
-    assert data["end"] == run.poses["settlement"][-1]
+    assert data["end"] == run.poses.settlement[-1]
 
 
 def test_the_fastest_point_is_drawn_to_move_a_fixed_share_of_the_size(two_pads: str) -> None:
     analysis = analyse(load(two_pads))
-    shown, blocks = motions(analysis, None), analysis.assembly.blocks
+    shown, blocks = motions(Results(analysis)), analysis.assembly.blocks
     (method,) = shown.methods
     moved = shown.magnification * method.at(shown.end)
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
@@ -80,12 +81,12 @@ def test_a_collapse_stays_in_the_picture(cross_checked: Callable[[str], CrossChe
     blocks = found.analysis.assembly.blocks
     (free,) = np.flatnonzero(blocks.free)
     for fall, drawn in ((0.01, 0.5 * size(blocks)), (3.0, 3.0)):  # m
-        displacement = found.run.poses["displacement"].copy()
+        displacement = found.run.poses.displacement.copy()
         displacement[-1, free, 2] -= fall
         run = replace(
             found.run, result={**found.run.result, "plateau_start": np.nan}, poses={**found.run.poses, "displacement": displacement}
         )
-        shown = motions(found.analysis, run)
+        shown = motions(Results(found.analysis, run))
         moved = shown.magnification * shown.methods[1].at(shown.end)[free]
         assert np.linalg.norm(moved[:3]) == pytest.approx(drawn, rel=0.05)  # its corners move a little more
 
@@ -100,14 +101,14 @@ def test_large_states_are_fewer_and_the_first_and_last_are_kept(
         monkeypatch.setattr(viewer, "LARGEST", count * each)
         settlement = array(data_of(found)["methods"][1]["settlement"], "<f4", -1)
         assert len(settlement) == count
-        assert settlement[[0, -1]] == pytest.approx(found.run.poses["settlement"][[0, -1]], rel=SINGLE)
+        assert settlement[[0, -1]] == pytest.approx(found.run.poses.settlement[[0, -1]], rel=SINGLE)
 
 
 def test_what_cannot_stand_is_shown_at_rest_with_its_reason(two_pads: str) -> None:
     scene = load(
         two_pads.replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]").replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
     )
-    data = json.loads(viewer.viewer_text(scene, analyse(scene), None))
+    data = json.loads(viewer.viewer_text(Results(analyse(scene))))
     (method,) = data["methods"]
     assert (data["start"], data["end"], method["note"]) == (0.0, 0.0, "cannot stand under its own weight")
     assert not np.any(array(method["displacement"], "<f4", -1)) and not np.any(array(method["forces"], "<f4", -1))
@@ -146,6 +147,6 @@ def test_without_a_view_the_page_has_no_script(tmp_path: Path) -> None:
 
 def test_the_page_of_a_small_scene_stays_small(cross_checked: Callable[[str], CrossChecked], tmp_path: Path) -> None:
     found = cross_checked("two_pads")
-    page = page_of(tmp_path, viewer.viewer_text(found.scene, found.analysis, found.run))
+    page = page_of(tmp_path, viewer.viewer_text(Results(found.analysis, found.run)))
     assert len(page) < 0.7e6  # the library is 0.57 MB of it
     assert "The view needs scripts and WebGL; the figures below show the same without." in page

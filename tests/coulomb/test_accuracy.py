@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from runs import made_up_run
 
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
 from comparison.judge.check import Verdict
 from comparison.workflow import one_scene
-from comparison.yade import accuracy_settings
+from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
 from la_core.analysis.accuracy import MOST_STEPS, analyse, answers, with_accuracy
-from la_core.analysis.accuracy_record import Attempt, Purchase, from_text, to_text
+from la_core.analysis.accuracy_record import AccuracyRecord, Attempt, from_text, to_text
 from la_core.analysis.result import LimitAnalysis
 from la_core.errors import SceneError
 from la_core.exchange.dem_settings import TRAVEL_PERIODS
@@ -52,7 +53,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
     """PUBLISHED: how well the value is known, as a share of it."""
     scene = with_accuracy(scenes.shipped(name), accuracy)
     analysis = analyse(scene)
-    assert analysis.purchase is not None and analysis.purchase.limit_analysis[-1].keeps(accuracy)
+    assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
     exact = expected_value(scene) * divisor(scene)
     for answer in answers(analysis):  # at the shared inset and for sharp arrises
         assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
@@ -60,7 +61,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
 
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scene, "_figures", lambda *results: {})  # they would take most of the time
+    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # they would take most of the time
     names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
     assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
     for name in names:
@@ -85,23 +86,23 @@ def test_rounded_arrises_are_sharpened_until_they_fit_the_accuracy() -> None:
     coarse, fine = (analyse(with_accuracy(scenes.shipped("two_pads"), accuracy)) for accuracy in (0.05, 0.002))
     assert coarse.assembly.inset == scenes.shipped("two_pads").inset
     assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
-    assert fine.purchase is not None and len(fine.purchase.limit_analysis) == 2
+    assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
 
 
 def test_finer_answers_take_more_steps_and_tell_what_the_last_doubling_changed() -> None:
     analysis = analyse(with_accuracy(scenes.shipped("wall_third"), 0.01))
-    assert analysis.purchase is not None
-    attempts = analysis.purchase.limit_analysis
+    assert analysis.accuracy is not None
+    attempts = analysis.accuracy.limit_analysis
     steps = [attempt.settings["steps"] for attempt in attempts]
     assert steps == [steps[0] * 2**k for k in range(len(steps))] and steps[-1] <= MOST_STEPS
-    assert math.isnan(attempts[0].error) and attempts[-1].keeps(0.01)  # nothing is known before the first doubling
+    assert math.isnan(attempts[0].error) and attempts[-1].is_within(0.01)  # nothing is known before the first doubling
 
 
 def test_a_structure_that_cannot_stand_has_no_error_to_judge() -> None:
     scene = with_accuracy(overhang(), 0.01)
     analysis = analyse(scene)
-    assert analysis.purchase is not None and math.isnan(analysis.purchase.limit_analysis[-1].error)
-    assert not list(requested_accuracy.check_accuracy(scene, analysis, None))
+    assert analysis.accuracy is not None and math.isnan(analysis.accuracy.limit_analysis[-1].error)
+    assert not list(requested_accuracy.check_accuracy(Results(analysis)))
 
 
 def overhang() -> Scene:
@@ -111,22 +112,22 @@ def overhang() -> Scene:
 
 def made_up(name: str = "wall_third", accuracy: float = 0.01) -> tuple[Scene, LimitAnalysis]:
     scene = with_accuracy(scenes.shipped(name), accuracy)
-    return scene, accuracy_settings.initial_settings(scene, analyse(scene))
+    return scene, accuracy_settings.initial_settings(analyse(scene))
 
 
 def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
-    assert analysis.purchase is not None
+    assert analysis.accuracy is not None
     reaction = (1.0 + change) * answers(analysis)[0].value if status == "plateau" else math.nan
-    settings = {"travel_periods": TRAVEL_PERIODS, "damping_ratio": 0.3, "stop_uncertainty": 1e-3} | analysis.purchase.settings
+    settings = {"travel_periods": TRAVEL_PERIODS, "damping_ratio": 0.3, "stop_uncertainty": 1e-3} | analysis.accuracy.settings
     settings |= {"travel_periods": periods} if periods else {}
     result = {"status": status, "reaction": reaction, "uncertainty": uncertainty * reaction, "kinetic_ratio": 1e-5, "seconds": 1.0}
-    return Run(result, {}, {}, None, settings)  # type: ignore[arg-type]
+    return made_up_run(result, settings=settings)
 
 
 def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
-    periods = [made_up("two_blocks", one)[1].purchase.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
+    periods = [made_up("two_blocks", one)[1].accuracy.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
     assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS > periods[0]
-    quick = made_up("two_pads")[1].purchase
+    quick = made_up("two_pads")[1].accuracy
     assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
 
 
@@ -134,9 +135,9 @@ def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> Non
     scene, analysis = made_up()
     assert accuracy_settings.slower_settings(scene, analysis, run_of(analysis), LIMIT) is None
     slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
-    assert slower is not None and slower.purchase is not None and analysis.purchase is not None
-    assert slower.purchase.settings["travel_periods"] >= 2.0 * analysis.purchase.settings["travel_periods"]
-    second = accuracy_settings.attempt_of(scene, slower, run_of(slower, change=0.004))
+    assert slower is not None and slower.accuracy is not None and analysis.accuracy is not None
+    assert slower.accuracy.settings["travel_periods"] >= 2.0 * analysis.accuracy.settings["travel_periods"]
+    second = accuracy_settings.attempt_of(Results(slower, run_of(slower, change=0.004)))
     assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
     assert accuracy_settings.slower_settings(scene, slower, run_of(slower, change=0.004), LIMIT) is None
 
@@ -144,11 +145,11 @@ def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> Non
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
     scene, analysis = made_up()
     slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
-    assert slower is not None and slower.purchase is not None
-    assert slower.purchase.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
+    assert slower is not None and slower.accuracy is not None
+    assert slower.accuracy.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
     assert accuracy_settings.slower_settings(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
-    undefined = accuracy_settings.attempt_of(scene, slower, run_of(slower, status="no plateau"))
-    assert math.isnan(undefined.error) and not undefined.keeps(1.0)
+    undefined = accuracy_settings.attempt_of(Results(slower, run_of(slower, status="no plateau")))
+    assert math.isnan(undefined.error) and not undefined.is_within(1.0)
 
 
 def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
@@ -158,7 +159,7 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
         last, analysis = analysis, accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
         tried += 1
     assert tried == accuracy_settings.MOST_ATTEMPTS
-    checks = {check.name: check for check in requested_accuracy.check_accuracy(scene, last, run_of(last, uncertainty=0.5))}
+    checks = {check.name: check for check in requested_accuracy.check_accuracy(Results(last, run_of(last, uncertainty=0.5)))}
     check = checks["accuracy of YADE"]
     assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50 %" in check.reason
     assert checks["accuracy of limit analysis"].verdict is Verdict.AGREE
@@ -167,42 +168,42 @@ def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
 @pytest.mark.parametrize("own", [{"speed": 1e-3}, {"travel_periods": 75.0}])
 def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str, float]) -> None:
     scene = replace(with_accuracy(scenes.shipped("wall_third"), 0.01), yade=own)
-    analysis = accuracy_settings.initial_settings(scene, analyse(scene))
-    assert analysis.purchase is not None and "travel_periods" not in analysis.purchase.settings
+    analysis = accuracy_settings.initial_settings(analyse(scene))
+    assert analysis.accuracy is not None and "travel_periods" not in analysis.accuracy.settings
     fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
-    assert accuracy_settings.attempt_of(scene, analysis, fast).parts["friction's history"] > 0.02
+    assert accuracy_settings.attempt_of(Results(analysis, fast)).parts["friction's history"] > 0.02
     assert accuracy_settings.slower_settings(scene, analysis, fast, LIMIT) is None
-    (_, check) = requested_accuracy.check_accuracy(scene, analysis, fast)
+    (_, check) = requested_accuracy.check_accuracy(Results(analysis, fast))
     assert check.verdict is Verdict.INCONCLUSIVE
 
 
 def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
     text = scenes.shipped("wall_low_friction").text
     scene = with_accuracy(scenes.load(f'{text}\n[effects]\nfriction = "associated"\n', "bound"), 0.01)
-    analysis = accuracy_settings.initial_settings(scene, analyse(scene))
-    assert analysis.purchase is not None and analysis.purchase.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
-    assert "friction's history" in accuracy_settings.attempt_of(scene, analysis, run_of(analysis)).parts
-    (check,) = requested_accuracy.check_accuracy(scene, analysis, None)
+    analysis = accuracy_settings.initial_settings(analyse(scene))
+    assert analysis.accuracy is not None and analysis.accuracy.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
+    assert "friction's history" in accuracy_settings.attempt_of(Results(analysis, run_of(analysis))).parts
+    (check,) = requested_accuracy.check_accuracy(Results(analysis))
     assert check.verdict is Verdict.INCONCLUSIVE  # a bound of what slides is no prediction
 
 
 def test_a_run_at_another_inset_is_another_run() -> None:
     coarse, fine = (made_up("two_pads", accuracy)[1] for accuracy in (0.05, 0.002))
-    assert coarse.purchase is not None
-    alike = replace(fine, purchase=coarse.purchase)
+    assert coarse.accuracy is not None
+    alike = replace(fine, accuracy=coarse.accuracy)
     assert one_scene._run_inputs("scene", coarse) != one_scene._run_inputs("scene", alike)
 
 
 def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
     scene, analysis = made_up()
     run = run_of(analysis)
-    again = accuracy_settings.initial_settings(scene, accuracy_settings.after(analysis, run, analyse(scene)))
-    assert again.purchase is not None and analysis.purchase is not None
-    assert len(again.purchase.limit_analysis) == 2 * len(analysis.purchase.limit_analysis)
-    assert [one.seconds for one in again.purchase.yade] == [1.0] and again.purchase.settings == analysis.purchase.settings
-    fresh = accuracy_settings.attempt_of(scene, again, run_of(again, change=0.1))
+    again = accuracy_settings.initial_settings(accuracy_settings.after(analysis, run, analyse(scene)))
+    assert again.accuracy is not None and analysis.accuracy is not None
+    assert len(again.accuracy.limit_analysis) == 2 * len(analysis.accuracy.limit_analysis)
+    assert [one.seconds for one in again.accuracy.yade] == [1.0] and again.accuracy.settings == analysis.accuracy.settings
+    fresh = accuracy_settings.attempt_of(Results(again, run_of(again, change=0.1)))
     assert fresh.parts["friction's history"] == pytest.approx(
-        accuracy_settings.attempt_of(scene, analysis, run).parts["friction's history"]
+        accuracy_settings.attempt_of(Results(analysis, run)).parts["friction's history"]
     )
 
 
@@ -212,7 +213,7 @@ def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
 
 
 def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
-    scene, analysis = made_up("two_pads")
+    _scene, analysis = made_up("two_pads")
     run = run_of(analysis)
     record = {
         "stage": np.array([0, 1, 1, 1]), "settlement": np.array([0.0, 0.0, 1e-4, 2e-4]),
@@ -220,15 +221,15 @@ def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
     }  # fmt: skip
     still = replace(run, result=run.result | {"kinetic_ratio": math.nan, "plateau_start": 1e-4}, record=record)
     expected = 1e-6 / (answers(analysis)[1].value * 1e-4)
-    inertia = accuracy_settings.attempt_of(scene, analysis, still).parts["inertia"]
+    inertia = accuracy_settings.attempt_of(Results(analysis, still)).parts["inertia"]
     assert inertia == pytest.approx(accuracy_settings.INERTIA_OF_SPEED * math.sqrt(expected))
 
 
 def test_finer_steps_that_make_it_worse_are_not_the_answer() -> None:
     """The history of this wall changes more from 32 to 64 steps than before."""
     analysis = analyse(with_accuracy(scenes.shipped("wall_tall"), 0.002))
-    assert analysis.purchase is not None
-    *others, answer = analysis.purchase.limit_analysis
+    assert analysis.accuracy is not None
+    *others, answer = analysis.accuracy.limit_analysis
     assert all(not other.error < answer.error for other in others)
     assert answers(analysis)[0].value == answer.value
 
@@ -274,7 +275,7 @@ def test_a_scene_with_an_impossible_accuracy_names_it(tmp_path: Path, capsys: py
 
 def test_a_purchase_survives_its_text() -> None:
     attempt = Attempt({"steps": 8}, 1.5, {"dilatancy": math.nan}, 0.1)
-    stored = from_text(to_text(Purchase(0.01, (attempt,), (), {"travel_periods": 300.0})))
+    stored = from_text(to_text(AccuracyRecord(0.01, (attempt,), (), {"travel_periods": 300.0})))
     assert stored is not None and stored.limit_analysis[0].settings == attempt.settings
     assert math.isnan(stored.limit_analysis[0].error) and stored.settings == {"travel_periods": 300.0}
     assert from_text(to_text(None)) is None

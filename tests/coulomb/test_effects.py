@@ -11,9 +11,11 @@ from comparison.judge import check_plane, prediction
 from comparison.judge.check import Check, Verdict
 from comparison.judge.effects_table import EFFECTS, effects_summary
 from comparison.workflow import one_scene, restored_effects
+from comparison.yade import Results
 from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.decisions import decided_model
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.stage import analyse, settled
+from la_core.analysis.stage import analyse
 from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve
@@ -48,8 +50,8 @@ def test_where_no_joint_slides_friction_is_left_out_and_nothing_changes(name: st
     assert short.coulomb is not None and full.coulomb is not None
     assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=SOLVER, abs=SOLVER * scene.weight)
     assert short.coulomb.interval == (short.coulomb.value, short.coulomb.value)
-    assert short.coulomb_sharp is not None and full.coulomb_sharp is not None
-    assert short.coulomb_sharp.value == pytest.approx(full.coulomb_sharp.value, rel=SHARP)
+    assert short.sharp.coulomb is not None and full.sharp.coulomb is not None
+    assert short.sharp.coulomb.value == pytest.approx(full.sharp.coulomb.value, rel=SHARP)
     assert short.coulomb.iterations < full.coulomb.iterations
     assert short.coulomb.dilatancy_residual <= SLIDING_SHARE
 
@@ -59,14 +61,14 @@ def test_where_no_joint_slides_heymans_law_gives_the_same(name: str) -> None:
     scene = scenes.shipped(name)
     heyman, short = analyse(with_friction(scene, "none-slides")), analyse(scene)
     assert heyman.coulomb is None and heyman.assembly.effects.sliding_excluded
-    value = short.rounded[Drive.YIELDING].value
-    assert heyman.rounded[Drive.YIELDING].value == pytest.approx(value, rel=SOLVER)
+    value = short.bounds[Drive.YIELDING].value
+    assert heyman.bounds[Drive.YIELDING].value == pytest.approx(value, rel=SOLVER)
 
 
 @pytest.mark.parametrize("name", WITH_SLIDING)
 def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
     """A dome's lunes are wedged by dilatancy in every associated mechanism and slide without it: elastic steps find that."""
-    effects = settled(scenes.shipped(name)).effects
+    effects = decided_model(scenes.shipped(name)).assembly.effects
     assert effects.friction == "coulomb" and effects.elasticity == "plateau"
     assert "the joint between" in effects.reasons["friction"]
 
@@ -83,7 +85,7 @@ def test_a_wall_without_sliding_is_another_structure() -> None:
     scene = scenes.shipped("wall_third")
     heyman, full = analyse(with_friction(scene, "none-slides")), analyse(scene)
     assert full.coulomb is not None
-    assert heyman.rounded[Drive.YIELDING].value < 0.5 * full.coulomb.value
+    assert heyman.bounds[Drive.YIELDING].value < 0.5 * full.coulomb.value
 
 
 def test_a_joint_within_two_per_cent_of_sliding_counts_as_sliding() -> None:
@@ -95,9 +97,9 @@ def test_a_joint_within_two_per_cent_of_sliding_counts_as_sliding() -> None:
         solution = solve(assemble(arch(middle, model="associated")), Drive.YIELDING)
         holds = solution.status is Status.SOLVED and abs(solution.value - free) <= SOLVER * free
         low, high = (low, middle) if holds else (middle, high)
-    assert settled(arch(1.005 * high)).effects.friction == "coulomb"
-    assert settled(arch(1.5 * high)).effects.friction == "none-slides"
-    assert settled(arch(0.97 * low)).effects.friction == "coulomb"
+    assert decided_model(arch(1.005 * high)).assembly.effects.friction == "coulomb"
+    assert decided_model(arch(1.5 * high)).assembly.effects.friction == "none-slides"
+    assert decided_model(arch(0.97 * low)).assembly.effects.friction == "coulomb"
 
 
 @pytest.mark.parametrize("friction", [0.4, 0.5, 0.6, 0.7])
@@ -140,14 +142,14 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     found = cross_checked("wall_third")
     assembly = found.analysis.assembly
     wrong = dataclasses.replace(found.analysis, assembly=without_friction(assembly))
-    assert prediction.slides_unforeseen(wrong, found.run)
-    assert "ask for effects.friction" in prediction.predicted(wrong, found.run).obstacle
+    assert prediction.slides_unforeseen(Results(wrong, found.run))
+    assert "ask for effects.friction" in prediction.predicted(Results(wrong, found.run)).obstacle
     arch_run = cross_checked("arch_spreading")
-    assert not prediction.slides_unforeseen(arch_run.analysis, arch_run.run)
+    assert not prediction.slides_unforeseen(Results(arch_run.analysis, arch_run.run))
 
 
 def without_friction(assembly: Assembly) -> Assembly:
-    return dataclasses.replace(assembly, effects=assembly.effects.settled("friction", "none-slides", "made up"))
+    return dataclasses.replace(assembly, effects=assembly.effects.with_effect("friction", "none-slides", "made up"))
 
 
 def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_up(tmp_path, monkeypatch, cross_checked) -> None:
@@ -166,16 +168,16 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
     monkeypatch.setattr(restored_effects, "check_reach", lambda scene, analysis, run: reach(analysis))
     monkeypatch.setattr(restored_effects, "check_displacement", lambda analysis, run: displacement(analysis))
     assembly = found.analysis.assembly
-    reduced = dataclasses.replace(assembly, effects=assembly.effects.settled("reach", True, "made up"))
+    reduced = dataclasses.replace(assembly, effects=assembly.effects.with_effect("reach", True, "made up"))
     first = dataclasses.replace(found.analysis, assembly=reduced)
     assert first.assembly.effects.displacement == "small"
-    asked = restored_effects.needed(found.scene, first, found.run)
+    asked = restored_effects.needed(Results(first, found.run))
     assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
     again = restored_effects.analyse_with(found.scene, asked)
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
-    assert restored_effects.called_back(again) == asked
+    assert restored_effects.restored(again) == asked
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]
-    assert not restored_effects.needed(found.scene, again, found.run)
+    assert not restored_effects.needed(Results(again, found.run))
 
 
 # --- joints that cannot slide ----------------------------------------------------------------------------------------------------
@@ -307,8 +309,8 @@ def test_effects_that_are_no_table_of_their_own_are_not_replaced() -> None:
 
 def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> None:
     falls = scenes.build(scenes.arch(11, 0.05), model="auto", settlement=(1.0, 0.0, 0.0), effects={"elasticity": "none"})
-    assert analyse(falls).rounded[Drive.YIELDING].status is Status.INFEASIBLE
-    assert settled(falls).effects.friction == "coulomb"
+    assert analyse(falls).bounds[Drive.YIELDING].status is Status.INFEASIBLE
+    assert decided_model(falls).assembly.effects.friction == "coulomb"
 
 
 # --- what the user sees ------------------------------------------------------------------------------------------------------------
@@ -317,7 +319,7 @@ def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> Non
 def test_every_effect_is_listed_with_its_reason_and_what_it_saves() -> None:
     scene = scenes.shipped("arch_spreading")
     analysis = analyse(scene)
-    summary = effects_summary(scene, analysis.assembly, analysis)
+    summary = effects_summary(scene, analysis.whole, analysis.assembly, analysis)
     assert [row["effect"] for row in summary["table"]] == list(EFFECTS)
     rows = {row["effect"]: row for row in summary["table"]}
     assert not rows["plane"]["on"] and not rows["friction"]["on"]
@@ -330,7 +332,8 @@ def test_every_effect_is_listed_with_its_reason_and_what_it_saves() -> None:
 @every_shipped_scene
 def test_every_shipped_scene_says_what_it_does_without_before_it_is_solved(name: str) -> None:
     scene = scenes.shipped(name)
-    summary = effects_summary(scene, settled(scene))
+    decided = decided_model(scene)
+    summary = effects_summary(scene, decided.whole, decided.assembly)
     assert [row["effect"] for row in summary["table"]] == list(EFFECTS)
     for row in summary["table"]:
         assert row["reason"] and row["modelled"]
@@ -341,5 +344,5 @@ def test_every_shipped_scene_says_what_it_does_without_before_it_is_solved(name:
 def test_settled_effects_come_back_from_the_file(tmp_path) -> None:
     scene = scenes.shipped("arch_spreading")
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "inputs")
-    assert read_case(tmp_path / "case.h5", scene).assembly.effects == analysis.assembly.effects == settled(scene).effects
+    write_case(tmp_path / "case.h5", analysis, "inputs")
+    assert read_case(tmp_path / "case.h5", scene).assembly.effects == analysis.assembly.effects == decided_model(scene).assembly.effects

@@ -78,7 +78,7 @@ def analysed(number: int) -> LimitAnalysis:
 
 def coulomb(analysis: LimitAnalysis) -> CoulombSolution:
     """The Coulomb answer, which must have converged."""
-    solution = analysis.coulomb_sharp
+    solution = analysis.sharp.coulomb
     assert solution is not None and solution.status is Status.SOLVED
     return solution
 
@@ -93,7 +93,7 @@ def test_walls_are_those_of_the_authors(number: int) -> None:
 @every_wall
 def test_associated_multiplier(number: int) -> None:
     analysis = analysed(number)
-    solution = analysis.sharp[analysis.main]
+    solution = analysis.sharp.bounds[analysis.main]
     last_digit = SIX_DIGITS if number == 6 else 10.0 * SIX_DIGITS
     assert solution.status is Status.SOLVED
     assert solution.value == pytest.approx(ASSOCIATED[number], abs=0.6 * last_digit)
@@ -110,7 +110,7 @@ def test_coulomb_lies_between_the_least_found_and_the_associated_multiplier(numb
     value = coulomb(analysis).value
     low, high = coulomb(analysis).interval
     assert low * (1.0 - LEAST) <= value <= high * (1.0 + LEAST)
-    assert value <= analysis.sharp[analysis.main].value * (1.0 + LEAST)
+    assert value <= analysis.sharp.bounds[analysis.main].value * (1.0 + LEAST)
     if number in LEAST_FOUND:
         assert value >= LEAST_FOUND[number] * (1.0 - LEAST)
 
@@ -136,7 +136,7 @@ def test_wall_1_in_space() -> None:
     scene, plane = wall(1, plane=False), analysed(1)
     space = analyse(scene)
     assert not space.assembly.effects.plane
-    assert space.sharp[space.main].value == pytest.approx(ASSOCIATED[1], abs=0.6e-5)
+    assert space.sharp.bounds[space.main].value == pytest.approx(ASSOCIATED[1], abs=0.6e-5)
     assert coulomb(space).value == pytest.approx(coulomb(plane).value, rel=1e-3)
     assert coulomb(space).interval == pytest.approx(coulomb(plane).interval, rel=1e-3)
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Silent
+from runs import made_up_run
 
 from comparison.judge.check import Verdict
 from comparison.judge.reduced_model import check_reach
 from comparison.judge.tolerances import HISTORY
 from comparison.workflow.one_scene import run_scene
-from comparison.yade import read_results
+from comparison.yade import Results, read_results
 from comparison.yade.run_record import Run
 from la_core import exchange
 from la_core.analysis import reach
@@ -83,12 +84,12 @@ def test_setting_aside_changes_no_answer(scene) -> None:
     assert part.assembly.aside.sum() >= reach.LEAST_BLOCKS
     weight = whole.assembly.weight
     for drive in (Drive.YIELDING, Drive.PUSHING):
-        assert part.rounded[drive].value == pytest.approx(whole.rounded[drive].value, abs=SOLVER * weight)
-        assert part.sharp[drive].value == pytest.approx(whole.sharp[drive].value, abs=SOLVER * weight)
-    assert part.coulomb is not None and whole.coulomb is not None and part.coulomb_sharp is not None and whole.coulomb_sharp is not None
+        assert part.bounds[drive].value == pytest.approx(whole.bounds[drive].value, abs=SOLVER * weight)
+        assert part.sharp.bounds[drive].value == pytest.approx(whole.sharp.bounds[drive].value, abs=SOLVER * weight)
+    assert part.coulomb is not None and whole.coulomb is not None and part.sharp.coulomb is not None and whole.sharp.coulomb is not None
     assert part.coulomb.status is Status.SOLVED
     assert part.coulomb.value == pytest.approx(whole.coulomb.value, rel=HISTORY)
-    assert part.coulomb_sharp.value == pytest.approx(whole.coulomb_sharp.value, rel=HISTORY)
+    assert part.sharp.coulomb.value == pytest.approx(whole.sharp.coulomb.value, rel=HISTORY)
     assert whole.coulomb.interval[0] <= part.coulomb.value <= whole.coulomb.interval[1]
     assert part.coulomb.at_rest == pytest.approx(whole.coulomb.at_rest, rel=SAME)
 
@@ -97,8 +98,8 @@ def test_where_no_joint_may_slide_the_answer_is_the_same_too() -> None:
     part, whole = (analyse(end_settles(model="none-slides", reach=asked)) for asked in (True, False))
     assert part.assembly.effects.reach
     for drive in (Drive.YIELDING, Drive.PUSHING):
-        assert part.rounded[drive].status is whole.rounded[drive].status
-    assert part.rounded[Drive.YIELDING].value == pytest.approx(whole.rounded[Drive.YIELDING].value, abs=SOLVER * whole.assembly.weight)
+        assert part.bounds[drive].status is whole.bounds[drive].status
+    assert part.bounds[Drive.YIELDING].value == pytest.approx(whole.bounds[Drive.YIELDING].value, abs=SOLVER * whole.assembly.weight)
 
 
 def test_a_wall_far_away_is_set_aside_whole_and_leaves_the_reaction_as_it_is() -> None:
@@ -121,7 +122,7 @@ def test_both_parts_together_are_a_state_of_the_whole_structure() -> None:
     part = analyse(scene)
     assert part.coulomb is not None
     whole = assemble(scene)
-    lifted, _ = reach.lift(whole, part.assembly, part.coulomb.forces)
+    lifted, _ = reach.extend_forces(whole, part.assembly, part.coulomb.forces)
     assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED
     assert residuals.cone_violation(whole, lifted) <= ACCEPTED
     assert residuals.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
@@ -148,9 +149,9 @@ def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
     scene = middle_settles(reach=False)
     whole, part = reduced(scene, 0)
     analysis = analyse(scene)
-    wrong = predict(part, analysis.stiffness, analysis.rounded[Drive.YIELDING])
+    wrong = predict(part, analysis.stiffness, analysis.bounds[Drive.YIELDING])
     assert wrong.value < 0.5 * reaction(analysis)  # between blocks that cannot yield the wall hangs by friction
-    assert "on the support" in reach.obstacle(whole, part, wrong.twists, wrong.forces)
+    assert "on the support" in reach.why_not_valid(whole, part, wrong.twists, wrong.forces)
 
 
 def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
@@ -169,13 +170,13 @@ def test_a_part_that_cannot_stand_is_found_although_it_could_be_set_aside() -> N
     overhang = scenes.box("overhang", (20.3, 0.0, 0.0), (20.9, 0.3, 0.2))
     scene = scenes.build(*scenes.wall(30, 6, split=11.2), ledge, overhang, inset=INSET, model="coulomb", reach=True)
     analysis = analyse(scene)
-    assert analysis.rounded[Drive.YIELDING].status is Status.INFEASIBLE
-    assert analysis.rounded[Drive.YIELDING].falling == ("overhang",)
+    assert analysis.bounds[Drive.YIELDING].status is Status.INFEASIBLE
+    assert analysis.bounds[Drive.YIELDING].falling == ("overhang",)
     whole, part = reduced(scene, reach.LAYERS[0])
     assert part.aside[whole.blocks.names.index("overhang")]
     answer = solve(part, Drive.YIELDING)  # the region knows nothing of it
     assert answer.status is Status.SOLVED
-    assert '"overhang"' in reach.obstacle(whole, part, np.full((len(whole.blocks), 6), np.nan), answer.forces)
+    assert '"overhang"' in reach.why_not_valid(whole, part, np.full((len(whole.blocks), 6), np.nan), answer.forces)
 
 
 # --- when ----------------------------------------------------------------------------------------------------------------------
@@ -184,7 +185,7 @@ def test_a_part_that_cannot_stand_is_found_although_it_could_be_set_aside() -> N
 @pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
 def test_small_shipped_scenes_are_modelled_whole(name: str) -> None:
     scene = load_scene(shipped.find(name))
-    masks, why = reach.choices(scene, assemble(scene))
+    masks, why = reach.candidate_masks(scene, assemble(scene))
     assert masks == [] and why
 
 
@@ -201,7 +202,7 @@ def test_a_live_load_reaches_every_block() -> None:
 def test_case_file_keeps_what_was_set_aside_and_yade_lays_no_body_it_does_not_need(tmp_path: Path) -> None:
     scene = end_settles()
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "")
+    write_case(tmp_path / "case.h5", analysis, "")
     again = read_case(tmp_path / "case.h5", scene)
     assert again.assembly.effects == analysis.assembly.effects
     assert np.array_equal(again.assembly.aside, analysis.assembly.aside)
@@ -221,24 +222,24 @@ def plateau_of(analysis: LimitAnalysis, forces: np.ndarray) -> Run:
     moved = np.stack([np.zeros_like(analysis.coulomb.twists), analysis.coulomb.twists])
     poses = {"settlement": np.array([0.0, 1.0]), "forces": np.stack([forces, forces])}
     poses |= {"displacement": moved[..., :3], "rotation": moved[..., 3:]}
-    return Run({"status": "plateau", "plateau_start": 0.0}, {}, poses, np.zeros((0, 2), dtype=int), {})
+    return made_up_run({"plateau_start": 0.0}, poses=poses)
 
 
 def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> None:
     scene = end_settles()
     analysis = analyse(scene)
     assert analysis.coulomb is not None
-    (check,) = check_reach(scene, analysis, plateau_of(analysis, analysis.coulomb.forces))
+    (check,) = check_reach(Results(analysis, plateau_of(analysis, analysis.coulomb.forces)))
     assert check.verdict is Verdict.AGREE
     a, b = analysis.assembly.contact_blocks
     thrust = np.where(
         (analysis.assembly.aside[a] | analysis.assembly.aside[b])[:, None], analysis.assembly.weight * analysis.assembly.normal, 0.0
     )
-    (check,) = check_reach(scene, analysis, plateau_of(analysis, analysis.coulomb.forces + thrust))
+    (check,) = check_reach(Results(analysis, plateau_of(analysis, analysis.coulomb.forces + thrust)))
     assert check.verdict is Verdict.INCONCLUSIVE
     assert "would not stand" in check.reason and "reach = false" in check.reason
     whole = replace(analysis, assembly=assemble(scene))
-    assert list(check_reach(scene, whole, plateau_of(analysis, analysis.coulomb.forces))) == []
+    assert list(check_reach(Results(whole, plateau_of(analysis, analysis.coulomb.forces)))) == []
 
 
 def test_yade_agrees_with_itself_whether_a_part_is_set_aside_or_not(tmp_path: Path) -> None:
@@ -248,11 +249,12 @@ def test_yade_agrees_with_itself_whether_a_part_is_set_aside_or_not(tmp_path: Pa
         path.write_text(scenes.text(*scenes.wall(20, 3, split=7.2), inset=INSET, model="coulomb", reach=asked))
         summary = run_scene(load_scene(path), tmp_path / path.stem, Silent(), with_yade=True)
         assert summary["verdict"] == "agree", summary["reason"]
-        _, analysis, run = read_results(tmp_path / path.stem)
+        results = read_results(tmp_path / path.stem)
+        analysis, run = results.analysis, results.recorded
         assert run is not None
         found[asked] = run
         assert analysis.assembly.effects.reach is asked
-        assert not np.any(run.poses["displacement"][:, analysis.assembly.aside])
+        assert not np.any(run.poses.displacement[:, analysis.assembly.aside])
     part, whole = found[True].result, found[False].result
     tolerance = HISTORY * abs(whole["reaction"]) + whole["uncertainty"] + part["uncertainty"]
     assert part["reaction"] == pytest.approx(whole["reaction"], abs=tolerance)

@@ -115,10 +115,10 @@ def test_where_nothing_is_held_there_is_no_stiffness_but_an_answer(tmp_path: Pat
         scenes.box("a", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.box("b", (0.0, 0.0, 1.0), (1.0, 1.0, 2.0)), live=(1, 0, 0)
     )
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "")
+    write_case(tmp_path / "case.h5", analysis, "")
     found = read_case(tmp_path / "case.h5", scene).stiffness
     assert np.isnan([found.normal, found.shear, found.sag]).all() and found.travel == pytest.approx(1.0 / 400.0)
-    assert analysis.rounded[analysis.main].status is Status.INFEASIBLE
+    assert analysis.bounds[analysis.main].status is Status.INFEASIBLE
 
 
 # --- what a scene asks for ---------------------------------------------------------------------------------------------------
@@ -172,7 +172,7 @@ def test_yade_runs_with_the_case_s_numbers(asked: str, tmp_path: Path) -> None:
 
     scene = scenes.load(scenes.text(*scenes.wall(3, 4, split=0.8), inset=0.001) + asked)
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "")
+    write_case(tmp_path / "case.h5", analysis, "")
     assert read_case(tmp_path / "case.h5", scene).stiffness == analysis.stiffness
     one = case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))
     chosen = settings.derive(one)
@@ -186,6 +186,6 @@ def test_yade_refuses_a_case_without_stiffness(tmp_path: Path) -> None:
     scene = wall()
     analysis = analyse(scene)
     broken = dataclasses.replace(analysis, stiffness=dataclasses.replace(analysis.stiffness, normal=float("nan")))
-    write_case(tmp_path / "case.h5", scene, broken, "")
+    write_case(tmp_path / "case.h5", broken, "")
     with pytest.raises(case.CaseError, match="joints/normal_stiffness is nan; it must be a finite number greater than 0"):
         case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))

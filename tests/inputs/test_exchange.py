@@ -10,9 +10,9 @@ import pytest
 import scenes
 
 from la_core import exchange
-from la_core.analysis.case_file import read_case, write_case
+from la_core.analysis.case_file import read_case, scene_digest, write_case
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.stage import analyse, digest
+from la_core.analysis.stage import analyse
 from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, write_sealed
 from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
 from la_core.limit.associated import Solution
@@ -49,7 +49,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Scene, LimitAn
     scene = scenes.build(*scenes.wall(3, 4, split=0.8), inset=0.001)
     analysis = analyse(scene)
     path = tmp_path_factory.mktemp("case") / "case.h5"
-    write_case(path, scene, analysis, digest(scene))
+    write_case(path, analysis, scene_digest(scene))
     return path, scene, analysis
 
 
@@ -104,7 +104,7 @@ def test_case_comes_back_as_it_was(case) -> None:
     back = read_case(path, scene)
     assert back.main is analysis.main
     assert np.array_equal(back.assembly.points.position, analysis.assembly.points.position)
-    for written, read in ((analysis.rounded, back.rounded), (analysis.sharp, back.sharp)):
+    for written, read in ((analysis.bounds, back.bounds), (analysis.sharp, back.sharp)):
         assert written.keys() == read.keys()
         for drive, solution in written.items():
             for field in fields(Solution):
@@ -118,16 +118,16 @@ def test_case_that_cannot_stand_comes_back_with_the_names_of_what_falls(tmp_path
     pads = scenes.box("pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed"), scenes.box("s", (1.0, 0.0, -0.1), (1.01, 1.0, 0.0), "support")
     scene = scenes.build(*pads, overhang, inset=0.001)
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "")
+    write_case(tmp_path / "case.h5", analysis, "")
     back = read_case(tmp_path / "case.h5", scene)
-    assert back.rounded[Drive.YIELDING].falling == ("overhang",) and np.isnan(back.rounded[Drive.YIELDING].value)
+    assert back.bounds[Drive.YIELDING].falling == ("overhang",) and np.isnan(back.bounds[Drive.YIELDING].value)
 
 
 def test_case_of_a_live_load(tmp_path) -> None:
     scene = scenes.build(*scenes.wall(3, 3), live=(1.0, 0.0, 0.0))
     analysis = analyse(scene)
-    write_case(tmp_path / "case.h5", scene, analysis, "")
-    assert read_case(tmp_path / "case.h5", scene).rounded[Drive.LIVE].value == analysis.rounded[Drive.LIVE].value
+    write_case(tmp_path / "case.h5", analysis, "")
+    assert read_case(tmp_path / "case.h5", scene).bounds[Drive.LIVE].value == analysis.bounds[Drive.LIVE].value
 
 
 def test_case_holds_the_geometry_yade_needs(case) -> None:
@@ -283,7 +283,7 @@ def test_digest_of_inputs_is_only_that_of_a_whole_file(whole, tmp_path) -> None:
 
 def test_digest_follows_the_scene(two_pads) -> None:
     first, same, other = scenes.load(two_pads), scenes.load(two_pads), scenes.load(two_pads.replace("0.6", "0.61"))
-    assert digest(first) == digest(same) != digest(other)
+    assert scene_digest(first) == scene_digest(same) != scene_digest(other)
 
 
 # --- the schema itself -------------------------------------------------------------------------------------------------------

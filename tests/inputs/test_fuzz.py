@@ -11,7 +11,7 @@ import fuzz_readers
 import pytest
 from fuzz_readers import READ, REFUSED, Reader
 
-from la_core.analysis import stage
+from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
 from la_core.scene.scene import scene_of_text
 from la_core.scene.shipped import find
@@ -76,4 +76,4 @@ def test_a_scene_that_was_no_scene_is_refused(name: str, old: str, new: str, wor
     text = find(name).read_text()
     assert old in text
     with pytest.raises(SceneError, match=words):
-        stage.model(scene_of_text(text.replace(old, new, 1), Path("scene.toml"), "scene"))
+        structural_model(scene_of_text(text.replace(old, new, 1), Path("scene.toml"), "scene"))

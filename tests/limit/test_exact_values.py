@@ -131,8 +131,8 @@ def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
     analysis = analyse(scene)
     assert analysis.assembly.inset == inset
     rounded = (0.5 - (0.4 - inset)) / (1.0 - 0.4)
-    assert analysis.rounded[Drive.YIELDING].value / scene.weight == pytest.approx(rounded, abs=EXACT)
-    assert analysis.sharp[Drive.YIELDING].value / scene.weight == pytest.approx(1.0 / 6.0, abs=EXACT)
+    assert analysis.bounds[Drive.YIELDING].value / scene.weight == pytest.approx(rounded, abs=EXACT)
+    assert analysis.sharp.bounds[Drive.YIELDING].value / scene.weight == pytest.approx(1.0 / 6.0, abs=EXACT)
 
 
 @pytest.mark.parametrize("width", [0.4, 0.02])
@@ -144,8 +144,8 @@ def test_sharp_scene_is_compared_at_the_smallest_inset(width) -> None:
     assert 0.0 < inset <= min(0.001, 0.02 * width)
     # Edges of the two bases that carry: the fixed one's right edge, the settling one's right edge, both drawn in.
     fixed = width - inset
-    assert analysis.rounded[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - fixed) / (1.0 - inset - fixed), abs=EXACT)
-    assert analysis.sharp[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - width) / (1.0 - width), abs=EXACT)
+    assert analysis.bounds[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - fixed) / (1.0 - inset - fixed), abs=EXACT)
+    assert analysis.sharp.bounds[Drive.YIELDING].value / scene.weight == pytest.approx((0.5 - width) / (1.0 - width), abs=EXACT)
 
 
 # --- stack bond: the dilatant head joint -------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import CrossChecked
+from runs import made_up_run
 
 from comparison.judge.check import Verdict
 from comparison.judge.energy import DRIFT, audit, check_energy
@@ -50,7 +51,7 @@ def made_up(assembly: Assembly, friction: float) -> Run:
         "reaction": np.full(rows + 1, weight - friction),
         "kinetic_energy": np.zeros(rows + 1),
     }
-    return Run({}, record, poses, np.zeros((0, 2)), {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
+    return made_up_run({}, record, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
 
 
 def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> None:
@@ -66,7 +67,7 @@ def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> 
 def test_energy_from_nowhere_is_seen() -> None:
     assembly, weight = sliding_column()
     run = made_up(assembly, 0.2 * weight)
-    louder = dataclasses.replace(run, record=run.record | {"reaction": 1.3 * run.record["reaction"]})
+    louder = dataclasses.replace(run, record=run.record | {"reaction": 1.3 * run.record.reaction})
     (check,) = check_energy(assembly, louder)
     assert check.verdict is Verdict.INCONCLUSIVE and "not accounted for" in check.reason
     (check,) = check_energy(assembly, run)

@@ -15,7 +15,7 @@ RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promis
 
 @pytest.fixture(autouse=True)
 def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scene, "_figures", lambda *results: {})
+    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})
 
 
 def of(cases: list[HardCase]) -> pytest.MarkDecorator:

@@ -23,26 +23,26 @@ def test_columns_without_bond_carry_nothing_by_friction_in_either_method(name: s
     weight = settling * found.scene.weight
     assert found.analysis.coulomb is not None
     assert found.analysis.coulomb.value == pytest.approx(weight, rel=SETTLING_WEIGHT)
-    assert found.run.result["reaction"] == pytest.approx(weight, rel=SETTLING_WEIGHT)
+    assert found.run.result.reaction == pytest.approx(weight, rel=SETTLING_WEIGHT)
     dilatant = weight / (1.0 + found.scene.friction**2)
-    assert found.analysis.rounded[Drive.YIELDING].value == pytest.approx(dilatant, rel=SETTLING_WEIGHT)
+    assert found.analysis.bounds[Drive.YIELDING].value == pytest.approx(dilatant, rel=SETTLING_WEIGHT)
 
 
 @pytest.mark.parametrize(("name", "known"), [("wall_third", 0.0703), ("wall_half", 0.1309), ("wall_low_friction", 0.0765)])
 def test_walls_come_to_the_reaction_of_an_independent_path_following(name: str, known: float, cross_checked: CrossCheck) -> None:
     found = cross_checked(name)
-    assert found.analysis.coulomb_sharp is not None
-    assert found.analysis.coulomb_sharp.value / found.scene.weight == pytest.approx(known, rel=HISTORY)
+    assert found.analysis.sharp.coulomb is not None
+    assert found.analysis.sharp.coulomb.value / found.scene.weight == pytest.approx(known, rel=HISTORY)
     if found.run.scatter() <= STEADY:
-        assert found.run.result["reaction"] / found.scene.weight == pytest.approx(known, rel=HISTORY)
+        assert found.run.result.reaction / found.scene.weight == pytest.approx(known, rel=HISTORY)
 
 
 @pytest.mark.parametrize("name", WALLS)
 def test_yade_meets_the_coulomb_prediction_where_it_is_steady_and_its_interval_always(name: str, cross_checked: CrossCheck) -> None:
     found = cross_checked(name)
-    coulomb, reaction = found.analysis.coulomb, found.run.result["reaction"]
+    coulomb, reaction = found.analysis.coulomb, found.run.result.reaction
     assert coulomb is not None and coulomb.status is Status.SOLVED
-    tolerance = HISTORY * found.scene.weight * 1e-2 + found.run.result["uncertainty"]
+    tolerance = HISTORY * found.scene.weight * 1e-2 + found.run.result.uncertainty
     assert coulomb.interval[0] - tolerance <= reaction <= coulomb.interval[1] + tolerance
     named = [check["reason"] for check in found.summary["checks"] if check["name"] == "steadiness of the plateau"]
     assert all(("Stick-slip" in reason) is (found.run.scatter() > STEADY) for reason in named)

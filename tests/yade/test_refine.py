@@ -9,7 +9,7 @@ from conftest import Silent
 
 from comparison.workflow import finer_prediction
 from comparison.workflow.one_scene import run_scene
-from comparison.yade import read_results
+from comparison.yade import Results, read_results
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -57,23 +57,24 @@ def test_what_was_made_again_is_kept(summary: dict, folder: Path) -> None:
 
 
 def stored(folder: Path) -> tuple[Scene, LimitAnalysis, Run]:
-    scene, analysis, run = read_results(folder)
+    results = read_results(folder)
+    scene, analysis, run = results.scene, results.analysis, results.recorded
     assert run is not None
     return scene, analysis, read_run(folder / "run.h5", analysis.assembly)
 
 
 def test_a_prediction_that_is_not_contradicted_is_left_alone(summary: dict, folder: Path) -> None:
-    scene, analysis, run = stored(folder)
+    _scene, analysis, run = stored(folder)
     assert analysis.coulomb is not None
     as_if_first = replace(analysis, coulomb=replace(analysis.coulomb, steps=STEPS))
-    assert list(finer_prediction.predictions(scene, as_if_first, run)) == []
+    assert list(finer_prediction.predictions(Results(as_if_first, run))) == []
 
 
 def test_a_contradiction_that_finer_steps_do_not_mend_stands(summary: dict, folder: Path) -> None:
     """A reaction of YADE's that no prediction comes near."""
     scene, _, run = stored(folder)
     wrong = replace(run, result={**run.result, "reaction": 0.3 * scene.weight})
-    tried = [steps for steps, _ in finer_prediction.predictions(scene, analyse(scene), wrong)]
+    tried = [steps for steps, _ in finer_prediction.predictions(Results(analyse(scene), wrong))]
     assert tried == [steps for steps, _ in finer_prediction.FINER] and tried == sorted(tried)
 
 

@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from runs import made_up_run
 
 from comparison.judge.check import Check, Verdict
 from comparison.judge.reduced_model import check_displacement, largest_displacements
 from comparison.judge.run_checks import check_run
 from comparison.workflow.one_scene import run_scene
-from comparison.yade import process
+from comparison.yade import Results, process
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
@@ -64,7 +65,7 @@ def buffer(gap: float = GAP, travel: float = TRAVEL) -> str:
 def run_in_yade(scene: Scene, folder: Path, time_limit: float = 60.0) -> Ran:
     """Both methods' results of a scene, each read back from its file."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_case(folder / "case.h5", scene, analyse(scene), "test")
+    write_case(folder / "case.h5", analyse(scene), "test")
     process.run_yade(process.find_yade(), folder, "test", time_limit, lambda report: None)
     analysis = read_case(folder / "case.h5", scene)
     return analysis, read_run(folder / "run.h5", analysis.assembly)
@@ -86,13 +87,13 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], R
 def decided(scene: Scene) -> tuple[Effects, float]:
     """Effects of the run and the least gap, limit analysis left out."""
     assembly = assemble(scene)
-    settled, gap = dem_effects.settle_run(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
+    settled, gap = dem_effects.decide_dem_effects(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
     return settled.effects, gap
 
 
 def cost(scene: Scene, folder: Path) -> dict:
     """What YADE builds for a scene, and what it costs."""
-    write_case(folder / "case.h5", scene, analyse(scene), "test")
+    write_case(folder / "case.h5", analyse(scene), "test")
     yade, script = process.find_yade(), Path(__file__).parents[1] / "benchmarks" / "yade_cost.py"
     environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
     command = [yade.python, "-s", script, folder / "case.h5", "10"]
@@ -231,7 +232,7 @@ def made_up(assembly: Assembly, shift: float, turn: float) -> Run:
     """A run whose second block moves by `shift` (m) along x and turns by `turn` (rad) about y."""
     displacement, rotation = np.zeros((2, len(assembly.blocks), 3)), np.zeros((2, len(assembly.blocks), 3))
     displacement[1, 1, 0], rotation[1, 1, 1] = shift, turn
-    return Run({}, {}, {"displacement": displacement, "rotation": rotation}, np.zeros((0, 2), dtype=int), {})
+    return made_up_run(poses={"displacement": displacement, "rotation": rotation})
 
 
 def verdict(checks: list[Check], name: str) -> Check:
@@ -242,7 +243,7 @@ def verdict(checks: list[Check], name: str) -> Check:
 def test_a_run_that_moved_its_blocks_by_half_the_least_gap_decides_nothing(share: float, expected: Verdict) -> None:
     analysis = analyse(with_effects(TEXTS["arch"], displacement="small"))
     limit = 0.5 * analysis.least_gap
-    (check,) = check_displacement(analysis, made_up(analysis.assembly, share * limit, 0.0))
+    (check,) = check_displacement(Results(analysis, made_up(analysis.assembly, share * limit, 0.0)))
     assert check.verdict is expected
     if expected is Verdict.INCONCLUSIVE:
         assert analysis.assembly.blocks.names[1] in check.reason and 'displacement = "finite"' in check.reason
@@ -261,16 +262,16 @@ def test_a_turn_counts_with_the_size_of_its_block() -> None:
 
 def test_an_undefined_displacement_decides_nothing() -> None:
     analysis = analyse(with_effects(TEXTS["two_pads"], displacement="small"))
-    (check,) = check_displacement(analysis, made_up(analysis.assembly, np.nan, 0.0))
+    (check,) = check_displacement(Results(analysis, made_up(analysis.assembly, np.nan, 0.0)))
     assert check.verdict is Verdict.INCONCLUSIVE
 
 
 def test_a_real_run_with_small_displacements_keeps_within_its_gap(ran: Callable[..., Ran]) -> None:
     analysis, run = ran("arch", "small")
-    (check,) = check_displacement(analysis, run)
+    (check,) = check_displacement(Results(analysis, run))
     travel = analysis.stiffness.travel * analysis.assembly.support_speed
     assert check.verdict is Verdict.AGREE
-    assert check.yade is not None and check.yade >= run.result["settlement"]  # the springer itself moves so far
+    assert check.yade is not None and check.yade >= run.result.settlement  # the springer itself moves so far
     assert analysis.least_gap == dem_effects.GAP_OVER_TRAVEL * travel
 
 
@@ -298,7 +299,7 @@ def test_recording_the_plateau_alone_keeps_rest_and_plateau_and_nothing_between(
 def test_a_run_without_a_plateau_keeps_rest_and_the_last_state(tmp_path: Path) -> None:
     _, run = run_in_yade(with_effects(TEXTS["wall"], recording="plateau"), tmp_path, time_limit=0.5)
     assert run.status == "timeout"
-    assert 1 <= len(run.poses["settlement"]) <= 2
+    assert 1 <= len(run.poses.settlement) <= 2
 
 
 def test_what_auto_takes_for_the_size_of_the_states_is_their_size(ran: Callable[..., Ran]) -> None:

@@ -32,7 +32,7 @@ def with_settings(name: str, path: Path, **settings: float) -> Path:
 @pytest.mark.parametrize("name", ["arch_spreading", "slab_four_corners", "wall_third", "rubble_wall"])
 def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
     scene = scenes.shipped(name)
-    write_case(tmp_path / "case.h5", scene, analyse(scene), "hold")
+    write_case(tmp_path / "case.h5", analyse(scene), "hold")
     yade = process.find_yade()
     command = [str(part) for part in (yade.python, "-s", HOLD, tmp_path / "case.h5", STEPS)]
     environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
@@ -70,7 +70,7 @@ def test_a_time_step_beyond_the_stable_one_is_refused(
 def test_spheres_sink_in_by_a_small_share_of_their_radius(name: str, cross_checked: CrossCheck) -> None:
     found = cross_checked(name)
     settings, assembly = found.run.settings, found.analysis.assembly
-    normal = np.einsum("pci,ci->pc", found.run.poses["forces"], assembly.normal)
+    normal = np.einsum("pci,ci->pc", found.run.poses.forces, assembly.normal)
     sunk = normal.max(axis=1) / settings["normal_stiffness"] / settings["sphere_radius"]
     assert sunk[0] <= PENETRATION and sunk.max() <= MOST_PENETRATION
 
@@ -82,6 +82,6 @@ def test_much_softer_or_stiffer_joints_agree_or_say_why_not(factor: float, cross
     code = main(["run", str(path), "-o", str(tmp_path / "out"), "-q", "--time-limit", "120"])
     summary = json.loads((tmp_path / "out" / "joints" / "comparison.json").read_text())
     if code == 0:
-        assert summary["yade"]["reaction"] == pytest.approx(found.run.result["reaction"], rel=5e-3)
+        assert summary["yade"]["reaction"] == pytest.approx(found.run.result.reaction, rel=5e-3)
     else:
         assert code == 4 and summary["reason"]
