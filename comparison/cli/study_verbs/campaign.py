@@ -17,7 +17,6 @@ from rich.table import Table
 
 from comparison.campaign import (
     Campaign,
-    CampaignNarration,
     CampaignTable,
     Dask,
     Engine,
@@ -30,6 +29,7 @@ from comparison.campaign import (
 )
 from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, TOOL
 from comparison.numbers import DASH, plural
+from comparison.progress import CampaignNarration
 from la_core.errors import SceneError, nearest
 from la_core.text_table import number
 
