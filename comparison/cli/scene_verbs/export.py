@@ -1,8 +1,22 @@
 """`crosscheck export`: stored results, or limit analysis of a scene, as files for ParaView."""
 
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
+from comparison.report import export
 from comparison.yade import Run, locate_results, read_results
 from la_core.analysis import LimitAnalysis, accuracy
 from la_core.scene import load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for broken results."""
+    options = context.options
+    files = [str(path) for path in export(*results_of(options.source), options.output)]
+    if options.json:
+        context.print_json({"files": files})
+    else:
+        context.out.print("\n".join(files), markup=False)
+    return AGREE
 
 
 def results_of(source: str) -> tuple[LimitAnalysis, Run | None]:
