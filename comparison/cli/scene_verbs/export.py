@@ -1,10 +1,13 @@
 """`crosscheck export`: stored results, or limit analysis of a scene, as files for ParaView."""
 
+from pathlib import Path
+
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.report import export
 from comparison.yade import Run, locate_results, read_results
 from la_core.analysis import LimitAnalysis, accuracy
+from la_core.errors import SceneError
 from la_core.scene import load_scene, shipped
 
 
@@ -25,6 +28,8 @@ def results_of(source: str) -> tuple[LimitAnalysis, Run | None]:
     Raises SceneError, or exchange.ExchangeError for broken results.
     """
     folder = locate_results(source)
-    if folder is not None:
-        return read_results(folder)[1:]
-    return accuracy.analyse(load_scene(shipped.find(source))), None
+    if folder is None:
+        return accuracy.analyse(load_scene(shipped.find(source))), None
+    if folder != Path(source):
+        raise SceneError(source, "holds the results of a run, not of one scene", hint=f"name one of its folders: {folder.name}")
+    return read_results(folder)[1:]
