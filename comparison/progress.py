@@ -1,25 +1,25 @@
-"""Narration on stderr: stages as they happen, and YADE's progress as a bar on a terminal or a line now and then elsewhere."""
+"""Narration on stderr, of one scene's stages or of a campaign: bars on a terminal, elsewhere a line now and then; failures at once."""
 
 import time
 from types import TracebackType
 from typing import Any, Self
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, TaskID, TextColumn, TimeElapsedColumn
 
+from comparison.numbers import plural
 from la_core.errors import visible
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal
 
 
-class Narration:
-    """A listener of `comparison.workflow` that tells a person; silent on a quiet console."""
+class _Bars:
+    """Bars of one console, which hold from entering to leaving; silent on a quiet console."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, *more: ProgressColumn) -> None:
         columns = (TextColumn("{task.description}", markup=False), BarColumn(), TextColumn("{task.fields[state]}", markup=False))
         self._console = console
-        self._bars = Progress(*columns, TimeElapsedColumn(), console=console, transient=True, disable=not console.is_terminal)
-        self._tasks: dict[str, TaskID] = {}
+        self._bars = Progress(*columns, *more, console=console, transient=True, disable=not console.is_terminal)
         self._spoke = time.monotonic()
 
     def __enter__(self) -> Self:
@@ -29,9 +29,26 @@ class Narration:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._bars.stop()
 
+    def _say(self, line: str) -> None:
+        self._console.print(visible(line), markup=False)
+
+    def _say_now_and_then(self, line: str) -> None:
+        """Print a line where the last one is LINE_EVERY ago."""
+        if time.monotonic() - self._spoke >= LINE_EVERY:
+            self._spoke = time.monotonic()
+            self._say(line)
+
+
+class Narration(_Bars):
+    """A listener of `comparison.workflow` that tells a person."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(console, TimeElapsedColumn())
+        self._tasks: dict[str, TaskID] = {}
+
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Tell that a stage began, was found cached or ended badly."""
-        self._console.print(visible(f"{scene}: {stage}: {state}"), markup=False)
+        self._say(f"{scene}: {stage}: {state}")
         if scene in self._tasks:
             self._bars.remove_task(self._tasks.pop(scene))
 
@@ -41,13 +58,65 @@ class Narration:
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work, or say a line now and then where bars do not show."""
+        if not self._console.is_terminal:
+            self._say_now_and_then(f"{scene}: {state}")
+            return
+        if scene not in self._tasks:
+            self._tasks[scene] = self._bars.add_task(scene, total=1.0, state="")
+        self._bars.update(self._tasks[scene], completed=fraction, state=state)
+
+
+class CampaignNarration(_Bars):
+    """Counts a campaign's runs in one bar."""
+
+    def __init__(self, console: Console, title: str) -> None:
+        super().__init__(console)
+        self._title = title
+        self._task = self._bars.add_task(visible(title), total=None, state="")
+        self._total = self._running = self._done = self._failed = self._before = 0
+        self._began = time.monotonic()
+
+    def opens(self, cases: int, runs: int, cached: int) -> None:
+        """Tell how much there is to do."""
+        self._total, self._done, self._before = runs, cached, cached
+        self._began = time.monotonic()
+        known = f", {cached} of them finished before" if cached else ""
+        self._say(f"{self._title}: {plural(cases, 'case')}, {plural(runs, 'run')}{known}")
+
+    def begins(self) -> None:
+        """A run was handed to a worker."""
+        self._running += 1
+        self.shows()
+
+    def ends(self, name: str, state: str, reason: str) -> None:
+        """A run ended; a failed one is told with its reason."""
+        self._running -= 1
+        self._done += state == "done"
+        self._failed += state == "failed"
+        if state == "failed":
+            self._say(f"{name}: failed: {reason}")
+        self.shows()
+
+    def shows(self) -> None:
+        """Show the counts."""
+        words = f"{self._done} of {self._total} done, {self._running} running, {self._failed} failed{self._left()}"
         if self._console.is_terminal:
-            if scene not in self._tasks:
-                self._tasks[scene] = self._bars.add_task(scene, total=1.0, state="")
-            self._bars.update(self._tasks[scene], completed=fraction, state=state)
-        elif time.monotonic() - self._spoke >= LINE_EVERY:
-            self._spoke = time.monotonic()
-            self._console.print(f"{scene}: {state}", markup=False)
+            self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=words)
+        else:
+            self._say_now_and_then(f"{self._title}: {words}")
+
+    def _left(self) -> str:
+        """Time left, if what is to come takes as long as what was done in this call."""
+        ended = self._done + self._failed
+        if ended in (self._before, self._total):
+            return ""
+        return _time_left((time.monotonic() - self._began) / (ended - self._before) * (self._total - ended))
+
+
+def _time_left(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f", about {hours} h {minutes:02} min left" if hours else f", about {minutes}:{rest:02} min left"
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -2,7 +2,7 @@
 
 import fcntl
 import re
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -27,6 +27,16 @@ def refuse_name(scene: Scene) -> None:
     """Raise SceneError for a scene whose name cannot be that of a folder of results."""
     if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
         raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
+
+
+def refuse_names(scenes: Iterable[Scene]) -> None:
+    """Raise SceneError for scenes that cannot all have a folder of their own: each is named after its scene."""
+    seen: dict[str, Scene] = {}
+    for scene in scenes:
+        refuse_name(scene)
+        if scene.name in seen:
+            raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
+        seen[scene.name] = scene
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import scenes
 from faulty_runs import Fake
 from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
@@ -29,9 +30,9 @@ every_shipped_scene = pytest.mark.parametrize(
 
 
 # Laws under random structures: few scenes in every run, many with `--hypothesis-profile long`.
-for profile, scenes in (("few", 20), ("long", 500)):
+for profile, examples in (("few", 20), ("long", 500)):
     slow = [HealthCheck.too_slow, HealthCheck.filter_too_much]
-    settings.register_profile(profile, max_examples=scenes, derandomize=True, deadline=None, suppress_health_check=slow)
+    settings.register_profile(profile, max_examples=examples, derandomize=True, deadline=None, suppress_health_check=slow)
 settings.load_profile("few")
 
 

@@ -1,5 +1,6 @@
 """Who may know whom: the rooms of the house in order, and rules about imports, read from the sources."""
 
+import argparse
 import ast
 import subprocess
 import sys
@@ -16,7 +17,8 @@ MOST_LINES, MOST_MODULES = 300, 12  # of a module; of a room, its sentence aside
 
 # Every room may import the rooms before it, and modules of its own. A name in parentheses is a module on a package's own floor.
 ROOMS = (
-    "la_core.errors", "la_core.digests", "la_core.text_table", "la_core.exchange", "la_core.geometry", "la_core.scene", "la_core.model", "la_core.measures",
+    "la_core.errors", "la_core.digests", "la_core.text_table",
+    "la_core.exchange", "la_core.geometry", "la_core.scene", "la_core.model", "la_core.measures",
     "la_core.limit", "la_core.coulomb", "la_core.analysis",
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
     "comparison.progress", "comparison.yade", "comparison.judge", "comparison.figures", "comparison.report", "comparison.workflow",
@@ -25,7 +27,7 @@ ROOMS = (
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", ""),
     "comparison.campaign": ("", "workers", "figures", "report"),
-    "comparison.cli": ("", "help_verbs", "scene_verbs", "study_verbs", "commands"),
+    "comparison.cli": ("", "help_verbs", "study_verbs", "scene_verbs", "commands"),
 }
 DRAW = ("comparison/figures/", "comparison/studies/figure_of_", "comparison/campaign/figures/")  # who may know matplotlib
 PRINT = ("comparison/cli/", "yade_scripts/run_case.py")
@@ -196,6 +198,21 @@ def test_loading_exchange_loads_nothing_it_need_not() -> None:
 
 def test_the_command_line_does_not_wait_for_what_draws() -> None:
     assert not loaded_by("from comparison.cli import main") & {"matplotlib", "jinja2", "distributed", "vtk"}
+
+
+def test_every_verb_has_a_module_of_its_own() -> None:
+    """The command line loads it by its name, which no checker of types or imports follows."""
+    from comparison.cli.arguments import parser
+    from comparison.cli.commands import COMMANDS
+
+    (words,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
+    assert set(words.choices) == set(COMMANDS)
+    for verb, module in COMMANDS.items():
+        assert module.split(".")[-1] == verb and module.split(".")[-2] in INNER["comparison.cli"]
+        tree = ast.parse(ROOT.joinpath(*module.split(".")).with_suffix(".py").read_text(encoding="utf-8"))
+        assert [ast.unparse(node.args) for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "execute"] == [
+            "context: Context"
+        ]
 
 
 def test_top_level_is_as_the_owner_fixed_it() -> None:

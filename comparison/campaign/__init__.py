@@ -4,8 +4,7 @@ from comparison.campaign import definition
 from comparison.campaign.cases import expand
 from comparison.campaign.definition import shipped_campaigns
 from comparison.campaign.engine import Campaign, Engine, run_campaign
-from comparison.campaign.narration import CampaignNarration
-from comparison.campaign.report.compare import compare
+from comparison.campaign.report.compare import Comparison, compare
 from comparison.campaign.report.compare_report import MOST_SHOWN, sentence, stored_comparison, terminal_tables, write_comparison
 from comparison.campaign.report.report import stored_report, write_campaign_report
 from comparison.campaign.report.yade_versions import with_versions
@@ -17,8 +16,8 @@ __all__ = [
     "MOST_SHOWN",
     "STORED",
     "Campaign",
-    "CampaignNarration",
     "CampaignTable",
+    "Comparison",
     "Dask",
     "Engine",
     "Local",

@@ -13,7 +13,7 @@ from comparison.campaign.cases import Case, Run, axes
 from comparison.campaign.columns import result_columns
 from comparison.campaign.definition import Definition
 from comparison.campaign.job import LOADED, Job, Outcome, digest, stored_outcome
-from comparison.campaign.narration import CampaignNarration
+from comparison.progress import CampaignNarration
 from comparison.provenance import describe
 from comparison.run_folder import alone_in, write_text
 from la_core.limit import ClassicParameters

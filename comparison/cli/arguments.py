@@ -1,7 +1,7 @@
 """The words of the command line, and kinds of arguments, each of which raises argparse's error for a text that is none."""
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 
 from comparison.provenance import version
@@ -14,12 +14,16 @@ MOVING_FORMATS = (".gif", ".mp4")
 MOST_FRAMES = 50  # a second: a GIF counts hundredths, and players refuse less than two
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
+SCENE_HELP = "path of a scene file, or the name of a shipped scene"
+NO_YADE_HELP = "limit analysis alone"
 LIMIT_HELP = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
 SHELLS = ("bash", "zsh", "fish")
 
+AddVerb = Callable[[str, str], argparse.ArgumentParser]  # of a verb and its sentence: the parser of its words
 
-def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParser:
-    """The whole command line; `commands` are what its words run, called with the options."""
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line; its options say the verb, and as `configured` which of them the settings fill."""
     whole = argparse.ArgumentParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
@@ -28,56 +32,77 @@ def parser(commands: Mapping[str, Callable[..., int]]) -> argparse.ArgumentParse
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
     words = whole.add_subparsers(required=True, metavar="COMMAND")
 
-    def add(name: str, text: str) -> argparse.ArgumentParser:
-        sub = words.add_parser(name, help=text, description=text)
-        sub.set_defaults(command=commands[name], configured=())
+    def add(verb: str, text: str) -> argparse.ArgumentParser:
+        sub = words.add_parser(verb, help=text, description=text)
+        sub.set_defaults(verb=verb, configured=())
         sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
         sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
         return sub
 
-    scene_help = "path of a scene file, or the name of a shipped scene"
-    add("scenes", "list the shipped scenes: title, expected value, kind, source")
-    show = add("show", "draw a scene: blocks, roles, contact points; counts and weight")
-    show.add_argument("scene", metavar="SCENE", help=scene_help)
-    show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
-    solve = add("solve", "limit analysis alone")
-    solve.add_argument("scene", metavar="SCENE", help=scene_help)
-    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
-    solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
-    study = add("sensitivity", "how the classic iteration for friction depends on its own parameters")
-    study.add_argument("scene", metavar="SCENE", help=scene_help)
-    study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
-    cost = add("cost", "what accuracy costs in time: error against seconds over methods and settings, table and figure")
-    cost.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
-    cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
-    cost.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
-    run.add_argument("scenes", metavar="SCENE", nargs="+", help=scene_help)
-    run.set_defaults(configured=("output", "time_limit"))
-    run.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-results, or as configured)"
-    )
-    accuracy_help = "share of the answer, such as 1%%: the cheapest settings that reach it, finer ones where they do not"
-    run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
-    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
-    run.add_argument("--no-yade", action="store_true", help="limit analysis alone")
-    run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
-    _add_campaign(add)
-    _add_compare(add)
-    report = add("report", "write the report again from stored results")
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
-    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
-    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
-    _add_animate(add)
-    _add_tutorial(add)
-    add("doctor", "what is installed, what is missing, the command that mends it")
-    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
-    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
+    for add_verb in (
+        _add_scenes,
+        _add_show,
+        _add_solve,
+        _add_sensitivity,
+        _add_cost,
+        _add_run,
+        _add_campaign,
+        _add_compare,
+        _add_report,
+        _add_export,
+        _add_animate,
+        _add_tutorial,
+        _add_doctor,
+        _add_completion,
+    ):
+        add_verb(add)
     return whole
 
 
-def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+def _add_scenes(add: AddVerb) -> None:
+    add("scenes", "list the shipped scenes: title, expected value, kind, source")
+
+
+def _add_show(add: AddVerb) -> None:
+    show = add("show", "draw a scene: blocks, roles, contact points; counts and weight")
+    show.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
+
+
+def _add_solve(add: AddVerb) -> None:
+    solve = add("solve", "limit analysis alone")
+    solve.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
+    solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
+
+
+def _add_sensitivity(add: AddVerb) -> None:
+    study = add("sensitivity", "how the classic iteration for friction depends on its own parameters")
+    study.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
+    study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
+
+
+def _add_cost(add: AddVerb) -> None:
+    cost = add("cost", "what accuracy costs in time: error against seconds over methods and settings, table and figure")
+    cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
+    cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
+    cost.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
+
+
+def _add_run(add: AddVerb) -> None:
+    run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
+    run.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
+    run.set_defaults(configured=("output", "time_limit"))
+    output_help = "folder of the results (default: crosscheck-results, or as configured)"
+    run.add_argument("-o", "--output", type=Path, metavar="DIR", help=output_help)
+    accuracy_help = "share of the answer, such as 1%%: the cheapest settings that reach it, finer ones where they do not"
+    run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
+    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
+    run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
+    run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
+
+
+def _add_campaign(add: AddVerb) -> None:
     campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
     campaign.set_defaults(configured=("workers", "time_limit"))
     file_help = "campaign file (TOML): scenes, and the ranges of their keys; or the name of a shipped one, such as seed_paper"
@@ -86,12 +111,30 @@ def _add_campaign(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     where = campaign.add_mutually_exclusive_group()
     where.add_argument("--workers", type=count, metavar="N", help="processes on this machine (default: its cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
-    campaign.add_argument("--no-yade", action="store_true", help="limit analysis alone")
+    campaign.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     campaign.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
 
 
-def _add_animate(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+def _add_compare(add: AddVerb) -> None:
+    compare = add("compare", "two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; 1 where something changed")
+    compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
+    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
+    compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
+
+
+def _add_report(add: AddVerb) -> None:
+    report = add("report", "write the report again from stored results")
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
+
+
+def _add_export(add: AddVerb) -> None:
+    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
+    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+
+
+def _add_animate(add: AddVerb) -> None:
     animate = add("animate", "the settlement as an animation: both mechanisms grow while the reaction's record draws itself")
     animate.add_argument(
         "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is run first"
@@ -101,7 +144,7 @@ def _add_animate(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     animate.add_argument("--fps", type=frames_per_second, metavar="N", default=10, help="frames per second (default: 10)")
 
 
-def _add_tutorial(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
+def _add_tutorial(add: AddVerb) -> None:
     tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
     tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
     output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
@@ -109,11 +152,13 @@ def _add_tutorial(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
     tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
 
 
-def _add_compare(add: Callable[[str, str], argparse.ArgumentParser]) -> None:
-    compare = add("compare", "two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; 1 where something changed")
-    compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
-    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
-    compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
+def _add_doctor(add: AddVerb) -> None:
+    add("doctor", "what is installed, what is missing, the command that mends it")
+
+
+def _add_completion(add: AddVerb) -> None:
+    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
+    completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
 
 def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:

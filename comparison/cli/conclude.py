@@ -1,22 +1,19 @@
 """How `crosscheck run` and `crosscheck report` end: reports are written, the verdicts printed, the gravest decides."""
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
 from comparison.cli import tables
+from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
 from comparison.provenance import describe
 from comparison.report import stored_report, write_report
 
 
-def conclude(
-    reports: list[tuple[Path, list[dict[str, Any]]]], as_json: bool, out: Console, print_json: Callable[[dict[str, Any]], None]
-) -> int:
+def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context) -> int:
     """Write the report of each folder's comparisons, print the verdict tables or one JSON object, and return the gravest exit code."""
+    as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
         page = write_report(folder, comparisons, describe())
@@ -31,7 +28,7 @@ def conclude(
             out.print(f"report: {os.path.relpath(page)}", markup=False)
         codes += [_code(comparison) for comparison in comparisons]
     if as_json:
-        print_json(stored[0] if len(stored) == 1 else {"reports": stored})
+        context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=GRAVITY.index, default=AGREE)
 
 

@@ -81,7 +81,7 @@ def test_campaigns_tutorials_animations_and_pages_are_offered_where_they_belong(
 
 
 def test_every_positional_and_every_output_says_what_completes_it() -> None:
-    whole = parser(COMMANDS)
+    whole = parser()
     completion.script(whole, "bash")
     asked = [one for one in completion.actions(whole) if not one.option_strings or "-o" in one.option_strings]
     assert len(asked) > len(COMMANDS)

@@ -117,7 +117,7 @@ def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyP
     def hungry(*arguments: Any, **options: Any) -> None:
         raise MemoryError("Unable to allocate 1 TiB")
 
-    monkeypatch.setattr("comparison.cli.solve", hungry)
+    monkeypatch.setattr("comparison.cli.scene_verbs.solve.solve", hungry)
     assert main(["solve", "two_pads"]) == TOOL
     one_message(capsys.readouterr().err, "the memory does not suffice")
 

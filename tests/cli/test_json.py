@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 import pytest
 
 from comparison.cli.arguments import parser
-from comparison.cli.commands import COMMANDS, main
+from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, USAGE
 
 VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
@@ -18,7 +18,7 @@ PREFERRED = ("no_yade",)  # switches that spare time
 
 
 def _commands() -> dict[str, argparse.ArgumentParser]:
-    (words,) = [action for action in parser(COMMANDS)._actions if isinstance(action, argparse._SubParsersAction)]
+    (words,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
     return dict(words.choices)
 
 

@@ -11,8 +11,8 @@ from comparison.campaign import definition
 from comparison.campaign.cases import expand
 from comparison.campaign.engine import Campaign, run_campaign
 from comparison.campaign.job import Job, Outcome, run_job
-from comparison.campaign.narration import CampaignNarration
 from comparison.campaign.table import CampaignTable
+from comparison.progress import CampaignNarration
 
 QUICK = """
 title = "Friction of two scenes"

@@ -17,7 +17,7 @@ import la_core
 from comparison.campaign.columns import COSTS, result_columns
 from comparison.campaign.definition import CampaignFile
 from comparison.cli.arguments import parser
-from comparison.cli.commands import COMMANDS, main
+from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
 from comparison.run_folder import WRITTEN
 from comparison.settings import Settings
@@ -30,7 +30,7 @@ SOLVED = {"wall_third": ("--path",), "ferris_tin_loi_1": (), "two_pads": ()}
 
 def contract() -> dict[str, Any]:
     """The whole list; runs limit analysis on SOLVED and both methods on one scene."""
-    (commands,) = [action for action in parser(COMMANDS)._actions if isinstance(action, argparse._SubParsersAction)]
+    (commands,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
     fields = [*exchange.CASE_FIELDS, *exchange.solution_fields("G"), *exchange.coulomb_fields("G"), *exchange.PATH_FIELDS]
     return {
         "verbs": {name: sorted(words(sub)) for name, sub in commands.choices.items()},

@@ -1,4 +1,4 @@
-"""Scripts by which a shell completes the command line: commands, options, shipped scenes and campaigns, files and folders."""
+"""`crosscheck completion`: the script by which a shell completes commands, options, shipped scenes and campaigns, files and folders."""
 
 import argparse
 from collections.abc import Iterable, Iterator
@@ -7,7 +7,9 @@ from typing import Any
 import shtab
 
 from comparison.campaign import shipped_campaigns
-from comparison.cli.arguments import FIGURE_FORMATS, MOVING_FORMATS, PAGE_FORMATS
+from comparison.cli import arguments
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
 from comparison.cli.help_verbs.tutorial import NAMES
 from la_core.scene import shipped
 
@@ -32,6 +34,17 @@ end
 """
 
 
+def execute(context: Context) -> int:
+    """Print the script of one shell."""
+    shell = context.options.shell
+    text = script(arguments.parser(), shell)
+    if context.options.json:
+        context.print_json({"shell": shell, "script": text})
+    else:
+        print(text)
+    return AGREE
+
+
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
     """The completion script of a whole command line for a shell that `arguments.SHELLS` names."""
     _say_what_completes(parser)
@@ -43,7 +56,7 @@ def _say_what_completes(parser: argparse.ArgumentParser) -> None:
     """Tell shtab, by the name of an argument's value, what to offer for it."""
     scene, campaign = _named_or_file("scene", shipped.names()), _named_or_file("campaign", shipped_campaigns())
     of_kind = {"SCENE": scene, "DIR|SCENE": scene, "FILE": campaign} | dict.fromkeys(("DIR", "DIR1", "DIR2", "FOLDER"), shtab.DIRECTORY)
-    formats = {"FIG": FIGURE_FORMATS, "MOVIE": MOVING_FORMATS, "PAGE": PAGE_FORMATS}
+    formats = {"FIG": arguments.FIGURE_FORMATS, "MOVIE": arguments.MOVING_FORMATS, "PAGE": arguments.PAGE_FORMATS}
     of_kind |= {kind: shtab.glob(*(f"*{ending}" for ending in endings)) for kind, endings in formats.items()}
     for action in actions(parser):
         if action.metavar in of_kind:

@@ -1,4 +1,4 @@
-"""What is installed, what is missing, and the command that mends it."""
+"""`crosscheck doctor`: what is installed, what is missing, and the command that mends it."""
 
 import importlib.metadata
 import shutil
@@ -8,6 +8,8 @@ from typing import Any
 
 from rich.table import Table
 
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE, TOOL
 from comparison.cli.tables import new_table, plain
 from comparison.errors import YadeMissingError
 from comparison.provenance import PACKAGES
@@ -23,6 +25,21 @@ class Finding:
     well: bool
     state: str
     remedy: str = ""
+
+
+def execute(context: Context) -> int:
+    """Print every part and every setting; the exit code is 3 where a part is missing."""
+    findings, settings = examine(), configuration_dict()
+    if context.options.json:
+        context.print_json({"parts": [vars(finding) for finding in findings], "configuration": settings})
+    else:
+        context.out.print(doctor_table(findings))
+        for finding in findings:
+            if finding.remedy:
+                context.out.print(f"{finding.part}: {finding.remedy}", markup=False)
+        context.out.print(settings_table(settings))
+        context.out.print(configuration_words(settings), markup=False)
+    return AGREE if all(finding.well for finding in findings) else TOOL
 
 
 def examine() -> list[Finding]:

@@ -1,11 +1,10 @@
 """Walk-throughs for students: scripts in cells of text and code that are told, run and drawn, or written as notebooks."""
 
-import argparse
 import contextlib
 import io
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.markdown import Markdown
 
+from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.run_folder import write_text
 from comparison.yade import find_yade
@@ -97,8 +97,9 @@ def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:
     return paths
 
 
-def tutorial(options: argparse.Namespace, console: Console, print_json: Callable[[Any], None]) -> int:
-    """Do what `crosscheck tutorial` was asked for on the console, or print it as one JSON object; returns the exit code."""
+def execute(context: Context) -> int:
+    """List the walk-throughs, run one on the console or write notebooks; with `--json`, print the same as one JSON object."""
+    options, console = context.options, context.out
     console.quiet = options.json
     if options.notebook:
         paths = [str(path) for path in write_notebooks((options.name,) if options.name else NAMES, options.output)]
@@ -114,7 +115,7 @@ def tutorial(options: argparse.Namespace, console: Console, print_json: Callable
             kind = "text" if cell.is_text else "code"
             told["cells"].append({kind: cell.source, "output": said, "figures": [str(path) for path in figures]})
     if options.json:
-        print_json(told)
+        context.print_json(told)
     return AGREE
 
 

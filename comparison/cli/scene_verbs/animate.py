@@ -1,12 +1,8 @@
 """`crosscheck animate`: which results, and where the animation goes: into the run's folder, from where the report takes it."""
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from rich.console import Console
-
+from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, TOOL
 from comparison.figures import Story, write_animation
 from comparison.progress import Narration
@@ -17,13 +13,13 @@ from comparison.yade import locate_results, read_results
 from la_core.scene import load_scene, shipped
 
 
-def animation(options: argparse.Namespace, narrator: Console, out: Console, print_json: Callable[[Any], None]) -> int:
+def execute(context: Context) -> int:
     """Animate finished results, or a scene's after running it, and print the file; the exit code is 3 where YADE was missing or failed.
 
     Raises SceneError where nothing moves, exchange.ExchangeError for broken results, FileNotFoundError without ffmpeg for an MP4.
     """
-    code = AGREE
-    with Narration(narrator) as narration:
+    options, code = context.options, AGREE
+    with Narration(context.narrator) as narration:
         folder = locate_results(options.source)
         if folder is None:
             folder, code = _run(options.source, narration)
@@ -35,9 +31,9 @@ def animation(options: argparse.Namespace, narrator: Console, out: Console, prin
             story, path, options.fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}")
         )
     if options.json:
-        print_json({"scene": scene.name, "file": str(path), "frames": frames, "bytes": path.stat().st_size})
+        context.print_json({"scene": scene.name, "file": str(path), "frames": frames, "bytes": path.stat().st_size})
     else:
-        out.print(str(path), markup=False)
+        context.out.print(str(path), markup=False)
     return code
 
 

@@ -1,8 +1,25 @@
 """`crosscheck export`: stored results, or limit analysis of a scene, as files for ParaView."""
 
+from pathlib import Path
+
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
+from comparison.report import export
 from comparison.yade import Results, locate_results, read_results
 from la_core.analysis import analyse
+from la_core.errors import SceneError
 from la_core.scene import load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for broken results."""
+    options = context.options
+    files = [str(path) for path in export(results_of(options.source), options.output)]
+    if options.json:
+        context.print_json({"files": files})
+    else:
+        context.out.print("\n".join(files), markup=False)
+    return AGREE
 
 
 def results_of(source: str) -> Results:
@@ -11,6 +28,8 @@ def results_of(source: str) -> Results:
     Raises SceneError, or exchange.ExchangeError for broken results.
     """
     folder = locate_results(source)
-    if folder is not None:
-        return read_results(folder)
-    return Results(analyse(load_scene(shipped.find(source))))
+    if folder is None:
+        return Results(analyse(load_scene(shipped.find(source))))
+    if folder != Path(source):
+        raise SceneError(source, "holds the results of a run, not of one scene", hint=f"name one of its folders: {folder.name}")
+    return read_results(folder)

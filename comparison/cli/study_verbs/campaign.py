@@ -1,15 +1,13 @@
 """`crosscheck campaign`: what its words mean, what it prints, and with which code it ends."""
 
-import argparse
 import contextlib
 import importlib.util
 import os
 import signal
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from rich import box
 from rich.console import Console
@@ -17,7 +15,6 @@ from rich.table import Table
 
 from comparison.campaign import (
     Campaign,
-    CampaignNarration,
     CampaignTable,
     Dask,
     Engine,
@@ -28,16 +25,19 @@ from comparison.campaign import (
     shipped_campaigns,
     write_campaign_report,
 )
+from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, TOOL
 from comparison.numbers import DASH, plural
+from comparison.progress import CampaignNarration
 from la_core.errors import SceneError, nearest
 from la_core.text_table import number
 
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
-def campaign(options: argparse.Namespace, narrator: Console, out: Console, print_json: Callable[[Any], None]) -> int:
+def execute(context: Context) -> int:
     """Run a campaign, print its table, and return the gravest exit code of its cases."""
+    options = context.options
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
         raise SceneError("--parquet", "is written by pyarrow, which is not installed", hint='install the extra "parquet"')
     path = find(options.campaign)
@@ -46,12 +46,12 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     yade = asked.file.yade and not options.no_yade
     whole = Campaign(asked, expand(asked), folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
-    with _a_request_to_end_is_an_interruption(), CampaignNarration(narrator, asked.title) as narration:
+    with _a_request_to_end_is_an_interruption(), CampaignNarration(context.narrator, asked.title) as narration:
         found = run_campaign(whole, engine, narration, write_campaign_report)
     if options.json:
-        print_json({name: value for name, value in vars(found).items() if name != "folder"} | {"folder": str(folder)})
+        context.print_json({name: value for name, value in vars(found).items() if name != "folder"} | {"folder": str(folder)})
     else:
-        show(found, out)
+        show(found, context.out)
     return exit_code(found)
 
 

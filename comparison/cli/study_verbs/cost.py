@@ -1,20 +1,39 @@
-"""One ladder from a scene to its files: `SCENE-cost.png` and `SCENE-cost.json`."""
+"""`crosscheck cost`: one ladder from each scene to its files, `SCENE-cost.png` and `SCENE-cost.json`."""
 
 import json
 import tempfile
 from pathlib import Path
 
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
 from comparison.figures import structure
 from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.run_folder import write_text
-from comparison.studies import Ladder, climb, cost_figure, ladder_dict, limit_analysis_methods, prediction_inset, yade_methods
+from comparison.run_folder import refuse_names, write_text
+from comparison.studies import Ladder, climb, cost, cost_figure, ladder_dict, limit_analysis_methods, prediction_inset, yade_methods
 from comparison.yade import find_yade
 from la_core.analysis import drives
 from la_core.errors import SceneError
 from la_core.limit import Status, solve
 from la_core.model import assemble
-from la_core.scene import Scene
+from la_core.scene import Scene, load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Climb every scene's ladder and print a table for each reference; raises SceneError."""
+    options = context.options
+    scenes = [load_scene(shipped.find(name)) for name in options.scenes]
+    refuse_names(scenes)
+    with Narration(context.narrator) as narration:
+        ladders = [climb_and_draw(scene, options.output, not options.no_yade, narration) for scene in scenes]
+    if options.json:
+        context.print_json({"ladders": [ladder_dict(ladder) for ladder in ladders]})
+    else:
+        for ladder in ladders:
+            for target in ladder.references:
+                context.out.print(cost.ladder_table(ladder, target))
+    context.narrator.print(f"drawn in {options.output}", markup=False)
+    return AGREE
 
 
 def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> Ladder:

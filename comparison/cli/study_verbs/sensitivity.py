@@ -1,18 +1,35 @@
-"""The study of the classic iteration on one scene: references, runs, figure."""
+"""`crosscheck sensitivity`: the study of the classic iteration on one scene: references, runs, figure."""
 
 from pathlib import Path
 
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
 from comparison.figures import structure
 from comparison.progress import Narration
-from comparison.studies import Sensitivity, sensitivity_figure, study
+from comparison.studies import Sensitivity, sensitivity, sensitivity_figure, study
 from la_core.analysis import analyse
 from la_core.errors import SceneError
 from la_core.limit import Status
-from la_core.scene import Scene
+from la_core.scene import Scene, load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Study a scene, draw the figure and print the table; raises SceneError."""
+    options = context.options
+    scene = load_scene(shipped.find(options.scene))
+    figure = options.output or Path(f"{scene.name}-sensitivity.png")
+    with Narration(context.narrator) as narration:
+        result, references = study_and_draw(scene, figure, narration)
+    if options.json:
+        context.print_json(sensitivity.sensitivity_dict(result) | {"figure": str(figure)})
+    else:
+        context.out.print(sensitivity.sensitivity_table(result, references))
+        context.narrator.print(f"drawn in {figure}", markup=False)
+    return AGREE
 
 
 def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Sensitivity, dict[str, tuple[float, int]]]:
-    """Study a scene and write the figure; also returns the value and the number of programmes of what it is held against.
+    """Study a scene and write the figure; also returns the value and the number of programmes of each reference.
 
     Raises SceneError for a structure without an answer.
     """

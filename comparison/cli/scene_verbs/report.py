@@ -1,0 +1,36 @@
+"""`crosscheck report`: the report of stored results, of runs or of campaigns, written again."""
+
+from pathlib import Path
+from typing import Any
+
+from comparison.cli.conclude import conclude
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE, GRAVITY, TOOL, complain
+from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
+from comparison.errors import FolderInUseError
+from comparison.progress import Narration
+from comparison.workflow import report_again
+from la_core.errors import SceneError
+from la_core.exchange import ExchangeError
+
+
+def execute(context: Context) -> int:
+    """Write every folder's report again; a scene whose results cannot be read is named, and the others are reported."""
+    folders = context.options.folders
+    if any(map(is_campaign, folders)):
+        return report_campaigns(context)
+    reports: list[tuple[Path, list[dict[str, Any]]]] = []
+    broken = AGREE
+    with Narration(context.narrator) as narration:
+        for folder in folders:
+            cases = sorted(path.parent for path in folder.glob("*/case.h5"))
+            if not cases:
+                raise SceneError(str(folder), "holds no results of `crosscheck run`")
+            comparisons = []
+            for case in cases:
+                try:
+                    comparisons.append(report_again(case, narration))
+                except (ExchangeError, FolderInUseError) as error:
+                    broken = complain(str(error), TOOL)
+            reports.append((folder, comparisons))
+    return max(broken, conclude(reports, context), key=GRAVITY.index)

@@ -1,0 +1,42 @@
+"""`crosscheck run`: scenes through both methods, and their report."""
+
+import argparse
+from typing import Any
+
+from comparison.cli.conclude import conclude
+from comparison.cli.context import Context
+from comparison.errors import FolderInUseError
+from comparison.progress import Narration
+from comparison.run_folder import refuse_names
+from comparison.workflow import run_scene
+from la_core.analysis import StructuralModel, structural_model, with_accuracy
+from la_core.errors import SceneError
+from la_core.scene import full_model, load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Run every scene in a folder of its own and write the report; a bad scene is refused before the first one runs."""
+    options = context.options
+    models = _models(options)
+    comparisons: list[dict[str, Any]] = []
+    try:
+        with Narration(context.narrator) as narration:
+            for model in models:
+                folder = options.output / model.scene.name
+                comparisons.append(run_scene(model, folder, narration, not options.no_yade, options.time_limit))
+    except (SceneError, FolderInUseError):  # found only by solving or in the folder: the scenes before it keep their report
+        if comparisons:
+            conclude([(options.output, comparisons)], context)
+        raise
+    return conclude([(options.output, comparisons)], context)
+
+
+def _models(options: argparse.Namespace) -> list[StructuralModel]:
+    """Models of the scenes to run, each once, as the options ask for them; raises SceneError for a scene that cannot be modelled."""
+    scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
+    if options.accuracy is not None:
+        scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
+    if options.full:
+        scenes = [full_model(scene) for scene in scenes]
+    refuse_names(scenes)
+    return [structural_model(scene) for scene in scenes]

@@ -1,0 +1,27 @@
+"""`crosscheck show`: a drawing of a scene, its counts and its effects."""
+
+from pathlib import Path
+
+from comparison.cli import tables
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
+from comparison.figures import structure
+from la_core.analysis import decided_model
+from la_core.scene import load_scene, shipped
+
+
+def execute(context: Context) -> int:
+    """Draw a scene and print its facts; raises SceneError."""
+    options = context.options
+    scene = load_scene(shipped.find(options.scene))
+    decided = decided_model(scene)
+    figure = options.output or Path(f"{scene.name}.png")
+    structure.save(structure.assembly_figure(scene, decided.assembly), figure)
+    facts = tables.scene_facts(scene, decided)
+    if options.json:
+        context.print_json(facts | {"figure": str(figure)})
+    else:
+        context.out.print(tables.facts_table(scene.title, facts))
+        context.out.print(tables.effects_table(facts["effects"]))
+        context.narrator.print(f"drawn in {figure}", markup=False)
+    return AGREE

@@ -1,0 +1,57 @@
+"""`crosscheck compare`: two campaigns, before and after a change."""
+
+from pathlib import Path
+
+from rich.console import Console
+
+from comparison.campaign import (
+    MOST_SHOWN,
+    CampaignTable,
+    Comparison,
+    compare,
+    read,
+    sentence,
+    stored_comparison,
+    terminal_tables,
+    with_versions,
+    write_comparison,
+)
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE, DISAGREE
+from comparison.cli.study_verbs.campaign_report import is_campaign
+from la_core.errors import SceneError
+
+MOST_NAMES = 8  # of cases in one campaign only, on a terminal
+
+
+def execute(context: Context) -> int:
+    """Compare two campaigns: 0 where nothing of substance changed, 1 where something did; raises SceneError."""
+    options = context.options
+    comparison = compare(_read(options.before), _read(options.after))
+    if options.output is not None:
+        write_comparison(comparison, options.output)
+        context.narrator.print(f"written in {options.output}", markup=False)
+    if options.json:
+        context.print_json(stored_comparison(comparison))
+    else:
+        _show(comparison, context.out)
+    return DISAGREE if comparison.changed else AGREE
+
+
+def _show(comparison: Comparison, out: Console) -> None:
+    """Print the tables, the cases of one campaign only, and the sentence that sums them up."""
+    for table in terminal_tables(comparison):
+        out.print(table)
+    if len(comparison.changes) > MOST_SHOWN:
+        out.print(f"and {len(comparison.changes) - MOST_SHOWN} more changes", markup=False)
+    for words, names in (("before", comparison.only_before), ("after", comparison.only_after)):
+        if names:
+            more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+            out.print(f"only {words}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
+    out.print(sentence(comparison), markup=False)
+
+
+def _read(folder: Path) -> CampaignTable:
+    if not is_campaign(folder):
+        raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
+    return with_versions(read(folder))
