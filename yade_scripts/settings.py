@@ -59,35 +59,37 @@ def derive(case: Case) -> Settings:
     asked = _checked(case.overrides)
     chosen: dict[str, Any] = {}
 
-    def settle(**values: float) -> None:
+    def set_default(**values: float) -> None:
         chosen.update({name: asked.get(name, value) for name, value in values.items()})
 
-    settle(damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES)
-    settle(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01)
-    settle(settings_uncertainty=2e-4, time_limit=3600.0)
-    settle(sphere_radius=RADIUS_OVER_INSET * case.inset)
+    set_default(
+        damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES
+    )
+    set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01)
+    set_default(settings_uncertainty=2e-4, time_limit=3600.0)
+    set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
-    settle(normal_stiffness=case.normal_stiffness, shear_stiffness=case.shear_stiffness, max_travel=case.travel)
-    settle(**_damping(case, chosen))
+    set_default(normal_stiffness=case.normal_stiffness, shear_stiffness=case.shear_stiffness, max_travel=case.travel)
+    set_default(**_damping(case, chosen))
     stable = _stable_time_step(case, chosen)
-    settle(time_step=chosen["time_step_share"] * stable)
+    set_default(time_step=chosen["time_step_share"] * stable)
     if chosen["time_step"] > stable:
         rule = f"it must be at most {stable:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
         raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
     period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
-    settle(travel_periods=TRAVEL_PERIODS)
-    settle(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
+    set_default(travel_periods=TRAVEL_PERIODS)
+    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # what an asked-for speed comes to
-    settle(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
-    settle(gravity_time=GRAVITY_PERIODS * period)
+    set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
+    set_default(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
-    settle(rest_energy=REST_SHARE * 0.5 * weight * case.sag)
-    settle(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_reach))
-    settle(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
+    set_default(rest_energy=REST_SHARE * 0.5 * weight * case.sag)
+    set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_reach))
+    set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
 
 

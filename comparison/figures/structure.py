@@ -177,11 +177,11 @@ def _owner(blocks: Blocks) -> np.ndarray:
 def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
     """Arrows of the support's motion or the live load; returns what they show."""
     blocks = assembly.blocks
-    reach = ARROW * structure_size(blocks)
+    length = ARROW * structure_size(blocks)
     if assembly.has_live_load:
         direction = _unit(assembly.live_load[:, :3].sum(axis=0))
         start = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
-        canvas.arrow(start - reach * direction, start + reach * direction)
+        canvas.arrow(start - length * direction, start + length * direction)
         return "live load, proportional to weight"
     owner = _owner(blocks)
     driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))
@@ -190,13 +190,13 @@ def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
     if np.any(assembly.support_twist[:, 3:]):
         for vertex, motion in zip(blocks.vertices[driven], velocity / speed.max(), strict=True):
             if np.linalg.norm(motion) > SHORT:
-                canvas.arrow(vertex, vertex + reach * motion)
+                canvas.arrow(vertex, vertex + length * motion)
         return "motion of the turning support"
     for k in np.unique(owner[driven])[:FEW]:
         direction = _unit(assembly.support_twist[k, :3])
         ahead = (blocks.vertices[owner == k] - blocks.centroid[k]) @ direction
         start = blocks.centroid[k] + ahead.max() * direction
-        canvas.arrow(start, start + reach * direction)
+        canvas.arrow(start, start + length * direction)
     return "motion of the support"
 
 

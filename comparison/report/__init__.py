@@ -3,14 +3,14 @@
 from comparison.report import viewer
 from comparison.report.paraview import export
 from comparison.report.report import VERDICTS, stored_report, write_report
-from comparison.report.templating import environment, flat
+from comparison.report.templating import flat, template_environment
 
 __all__ = [
     "VERDICTS",
-    "environment",
     "export",
     "flat",
     "stored_report",
+    "template_environment",
     "viewer",
     "write_report",
 ]

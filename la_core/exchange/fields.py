@@ -30,7 +30,7 @@ CASE_FIELDS = (
     Field("scene/title", "str", (), "", "title for people"),
     Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
     Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
-    Field("scene/effects", "str", (), "", "effects as they were settled, with their reasons, a JSON object"),
+    Field("scene/effects", "str", (), "", "effects as they were decided, with their reasons, a JSON object"),
     Field("scene/displacement", "str", (), "", "small: contacts are those listed; finite: new ones are looked for"),
     Field("scene/least_gap", "f8", (), "m", "blocks without a joint are at least so far apart; NaN where nobody looked"),
     Field("scene/recording", "str", (), "", "states stored: plateau (at rest and on the plateau) or states (all along)"),

@@ -72,8 +72,8 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
     trees = [cKDTree(centre[members]) for members in classes]
     found = []
     for i, j in itertools.combinations_with_replacement(range(len(classes)), 2):
-        reach = radius[classes[i]].max() + radius[classes[j]].max()
-        near = trees[i].sparse_distance_matrix(trees[j], reach, output_type="ndarray")
+        distance = radius[classes[i]].max() + radius[classes[j]].max()
+        near = trees[i].sparse_distance_matrix(trees[j], distance, output_type="ndarray")
         a, b = classes[i][near["i"]], classes[j][near["j"]]
         meet = np.all((low[a] <= high[b]) & (low[b] <= high[a]), axis=1) & ((i != j) | (a < b))
         found.append(np.sort(np.stack([a[meet], b[meet]], axis=1), axis=1))
@@ -82,7 +82,7 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    """Separating faces settle almost every pair; for the few left, a linear programme seeks the largest ball in both blocks."""
+    """Separating faces decide almost every pair; for the few left, a linear programme seeks the largest ball in both blocks."""
     apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
     for (a, b), limit in zip(pairs[~apart], tolerance[~apart], strict=True):
         faces = np.isin(blocks.face_block, (a, b))

@@ -37,7 +37,7 @@ def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
     both = [row for row in rows if exists(over_weight(row, prediction(row))) and exists(over_weight(row, "yade"))]
     if not both:
         return None
-    figure, (left, right) = shared_axes.panels(2, 4.6)
+    figure, (left, right) = shared_axes.panel_figure(2, 4.6)
     scenes = list(dict.fromkeys(sweep_of(row) for row in both))
     largest = max(abs(_value(row, name)) for row in both for name in (prediction(row), "yade"))
     for row in both:
@@ -96,8 +96,8 @@ def _finish(left: Any, right: Any, rows: list[Row], words: str) -> None:
     right.axhline(0.0, color=INK, linewidth=0.8, linestyle="--", zorder=2)
     right.set_xlim(left.get_xlim())
     right.set_yscale("symlog", linthresh=LINEAR)
-    reach = max(map(abs, right.get_ylim()))
-    beyond = next((k for k, level in enumerate(LEVELS) if level >= 0.8 * reach), len(LEVELS) - 1)
+    highest = max(map(abs, right.get_ylim()))
+    beyond = next((k for k, level in enumerate(LEVELS) if level >= 0.8 * highest), len(LEVELS) - 1)
     levels = LEVELS[: beyond + 1]
     right.set_ylim(-1.3 * levels[-1], 1.3 * levels[-1])
     right.set_yticks(

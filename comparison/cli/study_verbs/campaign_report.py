@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from comparison.campaign import STORED, read, stored_report, with_versions, write_campaign_report
+from comparison.campaign import STORED, read_campaign, stored_campaign_report, with_versions, write_campaign_report
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import GRAVITY
 from comparison.cli.study_verbs.campaign import exit_code, show
@@ -22,10 +22,10 @@ def report_campaigns(context: Context) -> int:
         raise SceneError(str(strangers[0]), "holds no campaign, unlike the other folders", hint="report campaigns and runs apart")
     codes, stored = [], []
     for folder in folders:
-        results = read(folder)
+        results = read_campaign(folder)
         write_campaign_report(results)
         codes.append(exit_code(results))
-        stored.append(stored_report(with_versions(results)))
+        stored.append(stored_campaign_report(with_versions(results)))
         if not as_json:
             show(results, context.out)
     if as_json:

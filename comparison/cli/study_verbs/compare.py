@@ -9,7 +9,7 @@ from comparison.campaign import (
     CampaignTable,
     Comparison,
     compare,
-    read,
+    read_campaign,
     sentence,
     stored_comparison,
     terminal_tables,
@@ -54,4 +54,4 @@ def _show(comparison: Comparison, out: Console) -> None:
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
         raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
-    return with_versions(read(folder))
+    return with_versions(read_campaign(folder))

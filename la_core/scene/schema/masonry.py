@@ -73,7 +73,7 @@ class Wall(Table):
         if self.leaves == 1:
             raise ValueError("`headers_every` goes with two or three `leaves`")
         if abs(self.block[0] - 2.0 * self.block[1]) > 1e-6 * self.block[0]:
-            raise ValueError("headers reach across two leaves, so the length of a `block` must be twice its depth")
+            raise ValueError("headers span two leaves, so the length of a `block` must be twice its depth")
         return self
 
 
