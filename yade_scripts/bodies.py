@@ -96,7 +96,7 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
             members.append(omega.bodies.append(sphere))
             spheres[contact] = members[-1]
         clumps.append(omega.bodies.clump(members))
-    _settle_inertia(case, carriers, clumps)
+    _set_inertia(case, carriers, clumps)
     for block, clump in enumerate(clumps):
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
     if case.displacement == "small":
@@ -215,7 +215,7 @@ def _quaternion(axes: np.ndarray) -> Quaternion:
     return rotation
 
 
-def _settle_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
+def _set_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
     """Make every clump's inertia that of its block.
 
     YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. So where a clump comes out wrong, its

@@ -88,7 +88,7 @@ class Case:
         return bool(np.any(self.support_twist[3:]))
 
     @cached_property
-    def support_reach(self) -> float:
+    def support_speed(self) -> float:
         """Largest speed of a contact point of the support per unit settlement speed: 1 for translations, m for rotations."""
         touching = np.isin(self.block_a, self.supports) | np.isin(self.block_b, self.supports)
         velocity = self.support_twist[:3] + np.cross(self.support_twist[3:], self.position[touching])

@@ -130,7 +130,7 @@ class Protocol:
         Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
-        limit = self.settings.max_travel * self.case.support_reach
+        limit = self.settings.max_travel * self.case.support_speed
         numbers = (row.reaction, row.kinetic_energy, row.unbalanced)
         if not all(map(math.isfinite, numbers)):
             self._end(Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable")

@@ -88,7 +88,7 @@ def derive(case: Case) -> Settings:
     set_default(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
     set_default(rest_energy=REST_SHARE * 0.5 * weight * case.sag)
-    set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_reach))
+    set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
     set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
 

@@ -222,7 +222,8 @@ def _rounding(comparison: dict[str, Any]) -> str:
     share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     unit = f" {results['unit']}".rstrip()
     return (
-        f"An inset of {format_number(1e3 * inset, 3)} mm changes the associated {quantity} for sharp arrises from {format_number(sharp, 5)}{unit} "
+        f"An inset of {format_number(1e3 * inset, 3)} mm changes the associated {quantity} "
+        f"from {format_number(sharp, 5)}{unit} for sharp arrises "
         f"to {format_number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
     )
 

@@ -45,7 +45,7 @@ class Face:
                 gaps.append((opening.from_[0], opening.to[0]))
             elif course == past:
                 heads.append(opening)
-        cuts = sorted(gaps + [self._reach(opening) for opening in heads])
+        cuts = sorted(gaps + [self._head_span(opening) for opening in heads])
         plain = [Piece(span, span) for span in self._between(course, first_joint, pitch, cuts)]
         for opening in heads:
             plain = self._bridged(plain, opening)
@@ -72,7 +72,7 @@ class Face:
                 rule = f"with its bearing it reaches into the wall that meets this one from {start:g} to {end:g} m"
                 raise SceneError(f"{self.where}: opening", rule, value=(opening.from_, opening.to))
 
-    def _reach(self, opening: Opening) -> Span:
+    def _head_span(self, opening: Opening) -> Span:
         """What the head of an opening takes of its course; a lintel ends with the wall."""
         low, high = opening.from_[0] - opening.bearing, opening.to[0] + opening.bearing
         return (max(0.0, low), min(self.total, high)) if opening.head == "lintel" else (low, high)
@@ -95,7 +95,7 @@ class Face:
 
     def _bridged(self, plain: list[Piece], opening: Opening) -> list[Piece]:
         """With the head of an opening: one lintel, or the voussoirs of a flat arch and skewbacks cut on its neighbours."""
-        low, high = self._reach(opening)
+        low, high = self._head_span(opening)
         if opening.head == "lintel":
             return [*plain, Piece((low, high), (low, high))]
         left, right = opening.from_[0], opening.to[0]
