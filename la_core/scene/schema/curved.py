@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Positive, Real, Table, Vector
+from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Positive, Real, Table, Vector, described
 
 WIDEST = 120.0  # degrees that one voussoir may span: wider ones are slivers about their centre
 ON_JOINT = 1e-9  # of a lune: sectors this close to a whole number of lunes end on a joint
@@ -13,20 +13,24 @@ ON_JOINT = 1e-9  # of a lune: sectors this close to a whole number of lunes end 
 class Springers(Table):
     """Roles of the held blocks behind the springing joints of an arch or a vault."""
 
-    left: Literal["fixed", "support"]
-    right: Literal["fixed", "support"]
+    left: Literal["fixed", "support"] = described("whether the left springing is ground or moves with the settlement")
+    right: Literal["fixed", "support"] = described("the same of the right springing")
 
 
 class Ring(Table):
     """Straight-sided voussoirs with radial joints in the xz plane, numbered from the left springing."""
 
-    centre: Vector  # centre of the circle; its y is where depth or length begin
-    radius: Positive  # of the ring's mid line
-    thickness: Positive
-    voussoirs: Count
-    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = 180.0  # degrees; 180 is semicircular, less is segmental
-    springers: Springers | None = None
-    density: Positive | None = None
+    centre: Vector = described("centre of the circle; its y is where the depth or the length begins", "m")
+    radius: Positive = described("radius of the ring's mid line", "m")
+    thickness: Positive = described("of the ring, along the radius; less than twice the radius", "m")
+    voussoirs: Count = described("number of voussoirs of a ring; one may span at most 120 degrees")
+    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = described(
+        "angle that the ring spans: 180 is semicircular, less is segmental", "degrees", default=180.0
+    )
+    springers: Springers | None = described(
+        "held blocks behind the two springing joints; without it you place them as [[block]]", default=None
+    )
+    density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
 
     @model_validator(mode="after")
     def _is_a_ring(self) -> Self:
@@ -40,17 +44,17 @@ class Ring(Table):
 class Arch(Ring):
     """One ring of a given depth along y."""
 
-    name: Name = "arch"
-    depth: Positive
+    name: Name = described("goes before the voussoirs' numbers", default="arch")
+    depth: Positive = described("along y", "m")
 
 
 class Vault(Ring):
     """Barrel vault: courses of voussoirs along y, cut into `rings` of equal length."""
 
-    name: Name = "vault"
-    length: Positive  # along y
-    rings: Count
-    bond: Literal["running", "stack"]  # running: every other course is shifted by half a ring, with half voussoirs at its ends
+    name: Name = described("goes before the voussoirs' numbers", default="vault")
+    length: Positive = described("of the vault along y", "m")
+    rings: Count = described("rings of equal length along y")
+    bond: Literal["running", "stack"] = described("running: every other course is shifted by half a ring, with half voussoirs at its ends")
 
     @model_validator(mode="after")
     def _is_bounded(self) -> Self:
@@ -65,18 +69,26 @@ class Dome(Table):
     A lune is what two neighbouring meridian joints cut out. Springers, one to a lune, are fixed but for those in `support`.
     """
 
-    name: Name = "dome"
-    centre: Vector
-    radius: Positive  # of the middle surface
-    thickness: Positive
-    courses: Count  # along the meridian, the keystone among them
-    lunes: Annotated[Count, Field(ge=3)]  # of the full circle
-    embrace: Annotated[Real, Field(gt=0.0, le=90.0)] = 90.0  # degrees from the crown to the springing; 90 is hemispherical, less segmental
-    oculus: Annotated[Real, Field(ge=0.0, lt=90.0)]  # degrees from the crown left open; 0 is closed by one keystone
-    sector: Annotated[Real, Field(gt=0.0, le=360.0)] = 360.0  # degrees about the vertical; 360 is the whole dome
-    sides: Literal["fixed", "free"] | None = None  # of a sector: abutments along its two end meridians, or nothing
-    support: tuple[Count, Count] | None = None  # first and last lune whose springers move
-    density: Positive | None = None
+    name: Name = described("goes before the blocks' numbers", default="dome")
+    centre: Vector = described("centre of the sphere", "m")
+    radius: Positive = described("radius of the middle surface", "m")
+    thickness: Positive = described("of the shell, along the radius; less than twice the radius", "m")
+    courses: Count = described("courses from the crown to the springing, the keystone among them")
+    lunes: Annotated[Count, Field(ge=3)] = described("lunes of the full circle, also for a sector")
+    embrace: Annotated[Real, Field(gt=0.0, le=90.0)] = described(
+        "angle from the crown to the springing: 90 is hemispherical, less is segmental", "degrees", default=90.0
+    )
+    oculus: Annotated[Real, Field(ge=0.0, lt=90.0)] = described("angle left open at the crown; 0 is closed by one keystone", "degrees")
+    sector: Annotated[Real, Field(gt=0.0, le=360.0)] = described(
+        "angle about the vertical, a multiple of a lune; 360 is the whole dome", "degrees", default=360.0
+    )
+    sides: Literal["fixed", "free"] | None = described(
+        "only of a sector, and needed there: abutments along its two end meridians, or nothing", default=None
+    )
+    support: tuple[Count, Count] | None = described(
+        "first and last lune whose springers move with the settlement; all others are fixed", default=None
+    )
+    density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
 
     @property
     def lunes_built(self) -> int:

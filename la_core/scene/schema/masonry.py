@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Pair, Positive, Table, Vector
+from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Pair, Positive, Table, Vector, described
 
 SIDES = {  # walls of a plan: which axis each runs along
     "rectangle": {"south": "x", "east": "y", "north": "x", "west": "y"},
@@ -15,16 +15,17 @@ SIDES = {  # walls of a plan: which axis each runs along
 
 
 class Opening(Table):
-    """Rectangle cut out of a wall, in the wall's own length and height (from its lower left corner), under a head.
+    """Rectangle cut out of a wall, in the wall's own length and height (from its lower left corner), under a head."""
 
-    bearing (m): how far the head reaches beyond the opening on either side; of a flat arch, at its upper edge.
-    """
-
-    from_: Pair = Field(alias="from")
-    to: Pair
-    bearing: Positive
-    head: Literal["lintel", "flat arch"] = "lintel"
-    voussoirs: Count = 5  # of a flat arch
+    from_: Pair = described("lower left corner: along the wall, up; the height lies on a course line", "m", alias="from")
+    to: Pair = described("upper right corner; a course must be left above it for the head", "m")
+    bearing: Positive = described(
+        "length by which the head extends beyond the opening on either side; of a flat arch, at its upper edge", "m"
+    )
+    head: Literal["lintel", "flat arch"] = described(
+        "a lintel in one piece, or a flat arch of voussoirs between skewbacks", default="lintel"
+    )
+    voussoirs: Count = described("number of voussoirs; only with a flat arch", default=5)
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
@@ -42,17 +43,21 @@ class Opening(Table):
 class Wall(Table):
     """Courses of equal blocks along x, bottom course first; of two or three leaves, tied by courses of headers."""
 
-    name: Name = "wall"
-    bond: Literal["running", "stack"]
-    origin: Vector
-    block: tuple[Positive, Positive, Positive]  # length (x), depth (y) of one leaf, height (z)
-    per_course: Count
-    courses: Count
-    first: Literal["full", "half"] = "full"  # what the bottom course of a running bond starts with
-    leaves: Annotated[Count, Field(le=3)] = 1
-    headers_every: Count | None = None  # courses; blocks turned across two leaves
-    density: Positive | None = None
-    opening: tuple[Opening, ...] = ()
+    name: Name = described("goes before the blocks' numbers: wall 3.2 is the second block of the third course", default="wall")
+    bond: Literal["running", "stack"] = described(
+        "running: every other course is shifted by half a block; stack: all joints above each other"
+    )
+    origin: Vector = described("lower left front corner of the wall", "m")
+    block: tuple[Positive, Positive, Positive] = described("length (x), depth (y) of one leaf, height (z) of a block", "m")
+    per_course: Count = described("lengths of a block in a course")
+    courses: Count = described("number of courses")
+    first: Literal["full", "half"] = described("the block that the bottom course of a running bond starts with", default="full")
+    leaves: Annotated[Count, Field(le=3)] = described("leaves side by side in depth", default=1)
+    headers_every: Count | None = described(
+        "every how many courses a course of headers ties two leaves; a block is then twice as long as deep", "courses", default=None
+    )
+    density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
+    opening: tuple[Opening, ...] = described("doors and windows", default=())
 
     @model_validator(mode="after")
     def _starts_half_in_running_bond(self) -> Self:
@@ -80,22 +85,22 @@ class Wall(Table):
 class BuildingOpening(Opening):
     """Opening in one wall of a building; its length counts from the wall's west or south end."""
 
-    side: Name
+    side: Name = described("name of the wall, as its plan lists them")
 
 
 class Floor(Table):
-    """A floor borne by walls, as mass per metre of wall (kg/m) that the blocks of one course (from 1) take up."""
+    """A floor borne by walls: mass per metre of wall that the blocks of one course take up."""
 
-    course: Count
-    mass: Positive
-    sides: tuple[Name, ...] = ()  # all walls where none is named
+    course: Count = described("course whose blocks take up the floor, counted from 1 at the bottom")
+    mass: Positive = described("mass of the floor per metre of wall", "kg/m")
+    sides: tuple[Name, ...] = described("walls that bear the floor; all where none is named", default=())
 
 
 class Region(Table):
     """Rectangle in plan, m."""
 
-    from_: Pair = Field(alias="from")
-    to: Pair
+    from_: Pair = described("corner with the least x and y", "m", alias="from")
+    to: Pair = described("corner with the greatest x and y", "m")
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
@@ -107,8 +112,8 @@ class Region(Table):
 class Foundation(Table):
     """Strips under all walls, held: where they lie in the region `settling` they are the support, elsewhere the ground."""
 
-    height: Positive
-    settling: Region
+    height: Positive = described("height of the strips", "m")
+    settling: Region = described("part of the plan that settles; strips are cut at its edges, and it holds their whole breadth")
 
 
 class Building(Table):
@@ -118,16 +123,18 @@ class Building(Table):
     (along x, along y, through each other's middle).
     """
 
-    name: Name = "building"
-    plan: Literal["rectangle", "L", "T", "cross"] = "rectangle"
-    origin: Vector
-    size: tuple[Positive, Positive]  # over all, in x and y
-    block: tuple[Positive, Positive, Positive]  # length along the wall, thickness, height
-    courses: Count
-    density: Positive | None = None
-    opening: tuple[BuildingOpening, ...] = ()
-    floor: tuple[Floor, ...] = ()
-    foundation: Foundation | None = None
+    name: Name = described("goes before the walls' names and the blocks' numbers", default="building")
+    plan: Literal["rectangle", "L", "T", "cross"] = described("walls and their names, as above", default="rectangle")
+    origin: Vector = described("corner of the plan with the least x and y, at the foot of the walls", "m")
+    size: tuple[Positive, Positive] = described("outer length in x and in y, each at least two lengths of a block", "m")
+    block: tuple[Positive, Positive, Positive] = described("length along the wall, thickness (less than the length), height", "m")
+    courses: Count = described("number of courses")
+    density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
+    opening: tuple[BuildingOpening, ...] = described("doors and windows", default=())
+    floor: tuple[Floor, ...] = described("floors and roofs as mass on the walls", default=())
+    foundation: Foundation | None = described(
+        "strips under the walls, a part of which settles; without it you place the ground as [[block]]", default=None
+    )
 
     @model_validator(mode="after")
     def _is_bounded(self) -> Self:

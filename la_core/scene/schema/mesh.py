@@ -5,7 +5,7 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, model_validator
 
-from la_core.scene.schema.types import Direction, Name, Positive, Real, Table, Text, Vector
+from la_core.scene.schema.types import Direction, Name, Positive, Real, Table, Text, Vector, described
 
 FORMATS = (".obj", ".ply", ".stl", ".json")
 FOLDER_FORMATS = (".ply", ".stl")  # of a folder with one body per file
@@ -27,8 +27,8 @@ Pattern = Name  # as a shell's: `*`, `?` and `[...]`
 class Turn(Table):
     """Rotation about an axis through the origin, degrees, right-handed."""
 
-    axis: Direction
-    degrees: Real
+    axis: Direction = described("axis through the origin, of any length")
+    degrees: Real = described("angle, right-handed", "degrees")
 
 
 class Mesh(Table):
@@ -37,14 +37,16 @@ class Mesh(Table):
     `fixed` and `support` are shell-style patterns of the names that the bodies have in the file; all others are free.
     """
 
-    file: Annotated[Name, AfterValidator(_within_the_scene_s_folder)]
-    name: Text = ""  # goes before the bodies' names, for scenes with several meshes
-    density: Positive | None = None
-    fixed: tuple[Pattern, ...] = ()
-    support: tuple[Pattern, ...] = ()
-    scale: Positive = 1.0  # metres per unit of the file: 0.001 for mm
-    turn: Turn | None = None
-    shift: Vector = (0.0, 0.0, 0.0)
+    file: Annotated[Name, AfterValidator(_within_the_scene_s_folder)] = described(
+        "an .obj, .ply, .stl or .json file, or a folder of .ply or .stl files; a path from the scene's folder on, and within it"
+    )
+    name: Text = described("goes before the bodies' names, for scenes with several meshes", default="")
+    density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
+    fixed: tuple[Pattern, ...] = described("patterns of the names of bodies that are ground, such as `ground*`", default=())
+    support: tuple[Pattern, ...] = described("patterns of the names of bodies that move with the settlement", default=())
+    scale: Positive = described("metres per unit of the file: 0.001 for mm", default=1.0)
+    turn: Turn | None = described("rotation after scaling", default=None)
+    shift: Vector = described("translation after turning", "m", default=(0.0, 0.0, 0.0))
 
     @model_validator(mode="after")
     def _is_readable(self) -> Self:

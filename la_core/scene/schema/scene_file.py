@@ -21,6 +21,7 @@ from la_core.scene.schema.types import (
     Table,
     Text,
     Vector,
+    described,
 )
 
 LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # what is finer than a joint's strain, or coarser than a drawing, is not for sale
@@ -39,23 +40,27 @@ Accuracy = Annotated[Positive, Field(ge=LEAST_ACCURACY, le=MOST_ACCURACY)]  # a 
 
 
 class Stone(Table):
-    """What every block without its own density is made of (density in kg/m3)."""
+    """Material of every block that gives no density of its own."""
 
-    density: Positive
+    density: Positive = described("mass per volume, joints included: 1800 to 2700 for most masonry", "kg/m3")
 
 
 class Joint(Table):
-    """The dry joint: friction is tan(phi); inset in m draws contact points in from the edges of an interface."""
+    """The dry joint, alike everywhere: no mortar, no cohesion, no tension."""
 
-    friction: Annotated[NotNegative, Field(le=1e3)]  # 1e3 is a slope of 89.9 degrees
-    inset: NotNegative = 0.001
+    friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
+    inset: NotNegative = described(
+        "distance by which contact points are drawn in from the edges of a joint, in both methods; at most half the shortest joint",
+        "m",
+        default=0.001,
+    )
 
 
 class Box(Table):
     """Box along the axes between two corners, m."""
 
-    from_: Vector = Field(alias="from")
-    to: Vector
+    from_: Vector = described("corner with the least x, y and z", "m", alias="from")
+    to: Vector = described("corner with the greatest x, y and z", "m")
 
     @model_validator(mode="after")
     def _has_volume(self) -> Self:
@@ -67,8 +72,8 @@ class Box(Table):
 class Prism(Table):
     """Convex (x, z) profile, in either orientation, extruded from y[0] to y[1], m."""
 
-    profile: Annotated[tuple[Pair, ...], Field(min_length=3)]
-    y: Pair
+    profile: Annotated[tuple[Pair, ...], Field(min_length=3)] = described("corners (x, z) in order, convex", "m")
+    y: Pair = described("from, to", "m")
 
     @model_validator(mode="after")
     def _has_depth(self) -> Self:
@@ -80,18 +85,18 @@ class Prism(Table):
 class Polyhedron(Table):
     """Convex hull of vertices, m."""
 
-    vertices: Annotated[tuple[Vector, ...], Field(min_length=4)]
+    vertices: Annotated[tuple[Vector, ...], Field(min_length=4)] = described("corners in any order", "m")
 
 
 class Block(Table):
     """One convex block; role "support" moves with the settlement, "fixed" is the ground."""
 
-    name: Name
-    role: Role = "free"
-    density: Positive | None = None
-    box: Box | None = None
-    prism: Prism | None = None
-    polyhedron: Polyhedron | None = None
+    name: Name = described("unique in the scene; reports and messages use it")
+    role: Role = described("free: may move; fixed: ground; support: moves with the settlement", default="free")
+    density: Positive | None = described("density of this block, in place of [stone]'s", "kg/m3", default=None)
+    box: Box | None = described("one of the three shapes must be given", default=None)
+    prism: Prism | None = described("likewise", default=None)
+    polyhedron: Polyhedron | None = described("likewise", default=None)
 
     @model_validator(mode="after")
     def _has_one_shape(self) -> Self:
@@ -103,9 +108,9 @@ class Block(Table):
 class Settlement(Table):
     """Motion of all support blocks as one rigid body: a translation or a rotation."""
 
-    direction: Direction | None = None
-    axis: Direction | None = None
-    point: Vector | None = None
+    direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
+    axis: Direction | None = described("axis of a rotation, right-handed; the reaction is then a moment in N m", default=None)
+    point: Vector | None = described("a point on that axis", "m", default=None)
 
     @model_validator(mode="after")
     def _is_one_motion(self) -> Self:
@@ -116,42 +121,45 @@ class Settlement(Table):
 
 
 class Live(Table):
-    """A load proportional to weight along a direction."""
+    """A load proportional to weight, such as the static push of an earthquake; limit analysis alone, in place of [settlement]."""
 
-    direction: Direction
+    direction: Direction = described("direction of the load, of any length")
 
 
 class RequestedPath(Table):
-    """The curve from rest to the plateau: how far, m or rad (default: the joints' travel), and in how many increments."""
+    """Asks limit analysis for the curve of the reaction from rest to the plateau."""
 
-    settlement: Positive | None = None
-    increments: Annotated[Count, Field(le=10_000)] = 25
+    settlement: Positive | None = described("how far the support moves; as far as in YADE where none is given", "m or rad", default=None)
+    increments: Annotated[Count, Field(le=10_000)] = described("points on the curve after rest", default=25)
 
 
 class RequestedEffects(Table):
     """Which effects to model; "auto" decides from the scene."""
 
-    plane: AutoOrBool = "auto"
-    friction: Literal["auto", "coulomb", "associated", "none-slides"] = "auto"
-    elasticity: Literal["auto", "none", "plateau", "path"] = "auto"
-    reach: AutoOrBool = "auto"
-    displacement: Literal["auto", "small", "finite"] = "auto"
-    recording: Literal["auto", "plateau", "states"] = "auto"
+    plane: AutoOrBool = described("true: motion in the xz plane only; false: a model in space", default="auto")
+    friction: Literal["auto", "coulomb", "associated", "none-slides"] = described(
+        "coulomb: real friction, without dilatancy; associated: bounds alone; none-slides: sliding excluded (Heyman)", default="auto"
+    )
+    elasticity: Literal["auto", "none", "plateau", "path"] = described(
+        "strain of the joints in limit analysis: not at all, in a few steps to the plateau, or along the whole curve", default="auto"
+    )
+    reach: AutoOrBool = described("true: only the blocks that the support's motion can affect, for the prediction and YADE", default="auto")
+    displacement: Literal["auto", "small", "finite"] = described(
+        "small: contacts in YADE are those of the joints; finite: YADE looks for new ones", default="auto"
+    )
+    recording: Literal["auto", "plateau", "states"] = described("states that YADE stores: on the plateau, or all the way", default="auto")
 
 
 class Expected(Table):
-    """What the scene is known to yield for sharp arrises, and how it is known.
+    """The known answer for sharp edges (inset 0), and how it is known; limit analysis is checked by it. At least one value is needed."""
 
-    The reaction and the multiplier are those of the scene's own friction; `associated_` says what the associated flow rule yields.
-    """
-
-    reaction_over_weight: Real | None = None
-    reaction_max_over_weight: Real | None = None
-    multiplier: Real | None = None
-    associated_reaction_over_weight: Real | None = None
-    associated_multiplier: Real | None = None
-    tolerance: Positive = 1e-4
-    kind: Literal["exact", "published", "computed"]
+    reaction_over_weight: Real | None = described("R/W with the scene's own friction", default=None)
+    reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)
+    multiplier: Real | None = described("collapse multiplier of a live load with the scene's own friction", default=None)
+    associated_reaction_over_weight: Real | None = described("R/W by the associated flow rule", default=None)
+    associated_multiplier: Real | None = described("multiplier by the associated flow rule", default=None)
+    tolerance: Positive = described("largest difference that still agrees, in the unit of these values", default=1e-4)
+    kind: Literal["exact", "published", "computed"] = described("how the value is known: by hand, from a publication, by another program")
 
     @model_validator(mode="after")
     def _expects_something(self) -> Self:
@@ -163,26 +171,29 @@ class Expected(Table):
 class SceneFile(Table):
     """The whole file."""
 
-    title: Text = ""
-    source: Text = ""
-    accuracy: Accuracy | None = None
-    gravity: Gravity = (0.0, 0.0, -9.81)
-    stone: Stone | None = None
-    joint: Joint
-    block: tuple[Block, ...] = ()
-    wall: tuple[Wall, ...] = ()
-    building: tuple[Building, ...] = ()
-    arch: tuple[Arch, ...] = ()
-    vault: tuple[Vault, ...] = ()
-    dome: tuple[Dome, ...] = ()
-    mesh: tuple[Mesh, ...] = ()
-    settlement: Settlement | None = None
-    live: Live | None = None
-    path: RequestedPath | None = None
-    effects: RequestedEffects = RequestedEffects()
-    expected: Expected | None = None
-    # Settings for YADE in place of derived ones.
-    yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = Field(default_factory=dict)
+    title: Text = described("heading of tables and reports", default="")
+    source: Text = described("where the expected value, or the structure, comes from", default="")
+    accuracy: Accuracy | None = described(
+        "share of the answer that both methods must reach by the cheapest settings; as `crosscheck run --accuracy`", default=None
+    )
+    gravity: Gravity = described("acceleration of gravity, z is up", "m/s2", default=(0.0, 0.0, -9.81))
+    stone: Stone | None = described("material of blocks without their own density", default=None)
+    joint: Joint = described("friction and inset of every joint")
+    block: tuple[Block, ...] = described("single blocks", default=())
+    wall: tuple[Wall, ...] = described("walls in courses", default=())
+    building: tuple[Building, ...] = described("walls that meet and interlock", default=())
+    arch: tuple[Arch, ...] = described("arches", default=())
+    vault: tuple[Vault, ...] = described("barrel vaults", default=())
+    dome: tuple[Dome, ...] = described("domes", default=())
+    mesh: tuple[Mesh, ...] = described("imported blocks", default=())
+    settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
+    live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
+    path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
+    effects: RequestedEffects = described("what is modelled; all of it is chosen where nothing is said", default=RequestedEffects())
+    expected: Expected | None = described("the known answer", default=None)
+    yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = described(
+        "settings of YADE in place of derived ones", default_factory=dict
+    )
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:

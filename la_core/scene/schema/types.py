@@ -1,6 +1,6 @@
 """What the entries of a scene file are made of: numbers within sense, vectors, names, and tables that refuse unknown keys."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
@@ -51,6 +51,11 @@ def _not_weightless(vector: Vector) -> Vector:
 Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(_not_zero)]  # made unit, so of any length
 Gravity = Annotated[Vector, AfterValidator(_not_zero), AfterValidator(_not_weightless)]
+
+
+def described(meaning: str, unit: str = "", **options: Any) -> Any:
+    """A key with its meaning and its unit, which the page of keys shows; `options` are those of pydantic's Field."""
+    return Field(description=meaning, json_schema_extra={"unit": unit} if unit else None, **options)
 
 
 class Table(BaseModel):
