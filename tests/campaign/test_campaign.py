@@ -24,7 +24,7 @@ from comparison.campaign.definition import MOST_CASES, load_campaign
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.cli.commands import main
-from comparison.cli.study_verbs.campaign import find_campaign as find_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.errors import FolderInUseError
 from comparison.run_folder import alone_in
 from comparison.studies.sensitivity import study
