@@ -8,7 +8,7 @@ A_POINT = "a point"
 DASH = "–"  # what a number that does not exist is shown as
 
 
-def number(value: Any, digits: int = 4) -> str:
+def format_number(value: Any, digits: int = 4) -> str:
     """A number to so many significant digits, with an exponent only beyond a million or below a thousandth; a dash for none."""
     if not exists(value):
         return DASH
@@ -34,7 +34,7 @@ def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
     """Two bounds in words; `unbounded` is the greater one."""
     if not exists(low):
         return DASH
-    return f"at least {number(low, digits)}" if unbounded else f"{number(low, digits)} to {number(high, digits)}"
+    return f"at least {format_number(low, digits)}" if unbounded else f"{format_number(low, digits)} to {format_number(high, digits)}"
 
 
 def interval_words(low: Any, high: Any, unit: str) -> str:
@@ -43,7 +43,7 @@ def interval_words(low: Any, high: Any, unit: str) -> str:
         return DASH
     if exists(low) and exists(high) and high - low <= POINT * max(abs(low), abs(high)):
         return A_POINT
-    return f"{number(low, 5)} to {number(high, 5)} {unit}".rstrip()
+    return f"{format_number(low, 5)} to {format_number(high, 5)} {unit}".rstrip()
 
 
 def half_width(low: Any, high: Any) -> float | None:
@@ -53,7 +53,7 @@ def half_width(low: Any, high: Any) -> float | None:
 
 def signed(value: float, digits: int) -> str:
     """A number that shows its plus, too."""
-    return ("+" if value > 0.0 else "") + number(value, digits)
+    return ("+" if value > 0.0 else "") + format_number(value, digits)
 
 
 def plural(count: int, word: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from rich.console import Console
 
-from comparison.figures import figures, structure
+from comparison.figures import scene_figures, structure
 from comparison.judge import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
 from comparison.progress import Narration
 from comparison.provenance import describe
@@ -147,7 +147,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     """
     if isinstance(what, Scene):
         return Picture(structure.assembly_figure(what, decided_model(what).assembly))
-    drawings = figures(Results(what.analysis, run))
+    drawings = scene_figures(Results(what.analysis, run))
     chosen = name or "mechanisms"
     if chosen not in drawings:
         raise SceneError(f'unknown figure "{chosen}"', "not among those of this answer", hint=nearest(chosen, drawings, "figures"))

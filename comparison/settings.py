@@ -14,7 +14,7 @@ import pydantic
 from pydantic import BeforeValidator, Field, Strict
 
 from la_core.errors import CONTROL, SceneError, nearest
-from la_core.scene import Positive, Table, complaint
+from la_core.scene import Positive, Table, as_scene_error
 
 OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
 PREFIX = "CROSSCHECK_"
@@ -140,7 +140,7 @@ def _check(where: str, data: dict[str, Any]) -> None:
     try:
         Settings.model_validate(data)
     except pydantic.ValidationError as error:
-        raise SettingError(where, str(complaint(error, data, Settings))) from error
+        raise SettingError(where, str(as_scene_error(error, data, Settings))) from error
 
 
 def _check_of_a_folder(data: dict[str, Any]) -> None:

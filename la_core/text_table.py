@@ -7,7 +7,7 @@ from collections.abc import Sequence
 ROUND_OFF = 1e-9  # of the weight: what the solver leaves of a reaction that is zero
 
 
-def number(value: float | None, digits: int = 6) -> str:
+def number_text(value: float | None, digits: int = 6) -> str:
     """A number in `digits` significant digits, a dash for none; up to a million its whole part is written out."""
     if value is None or not math.isfinite(value):
         return "–"

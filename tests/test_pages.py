@@ -18,14 +18,14 @@ from scenes import load
 
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.definition import load as load_campaign
+from comparison.campaign.definition import load_campaign
 from comparison.cli.commands import COMMANDS, main
-from comparison.cli.study_verbs.campaign import find as find_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
 from la_core import text_table
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
-from la_core.limit.classic_iteration import ClassicParameters, iterate
+from la_core.limit.classic_iteration import ClassicParameters, solve_sequentially
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene import shipped
@@ -100,7 +100,7 @@ def test_the_scene_of_the_readme_is_a_scene_with_its_expected_value() -> None:
 def test_the_campaign_of_the_readme_is_one(tmp_path: Path) -> None:
     path = tmp_path / "campaign.toml"
     path.write_text(_blocks("toml")[1], encoding="utf-8")
-    cases = expand(definition.load(path))
+    cases = expand(definition.load_campaign(path))
     assert len(cases) == 3 * 2 * 2 and cases[1].name == "wall_third_mu=0.4_courses=8_to0=1.2"
     assert f"At most {definition.MOST_CASES:,} cases" in README
     parameters = re.findall(r"`classic\.(\w+)`", README)
@@ -135,7 +135,7 @@ def test_limit_analysis_of_the_results_table(name: str) -> None:
 
 
 def _shown(value: float | None) -> str:
-    return text_table.number(value if value is not None and math.isfinite(value) else None, 5)
+    return text_table.number_text(value if value is not None and math.isfinite(value) else None, 5)
 
 
 @every_shipped_scene
@@ -202,7 +202,7 @@ def test_the_table_of_friction_is_that_of_the_results() -> None:
         assert [float(end) for end in interval.split(" to ")] == pytest.approx(
             [float(end) for end in _results()[name][2].split(" to ")], abs=1e-4
         )
-        found = iterate(assemble(scene), Drive.YIELDING)
+        found = solve_sequentially(assemble(scene), Drive.YIELDING)
         assert float(classic) == pytest.approx(found.value / scene.weight, abs=1e-3)
         assert yade == _results()[name][5]
 

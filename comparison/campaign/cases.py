@@ -25,7 +25,7 @@ _UNSAFE = re.compile(r"[^\w.+=-]", re.ASCII)
 
 
 @dataclass(frozen=True)
-class Run:
+class CaseRun:
     """One scene to take through both methods, in a folder of its own: what cases share that differ in the classic iteration alone.
 
     path: of the scene it is made from, beside which its meshes lie. meshes: their paths and digests.
@@ -48,7 +48,7 @@ class Case:
 
     name: str
     sweep: str
-    run: Run
+    run: CaseRun
     values: dict[str, Any]
     classic: ClassicParameters | None
 
@@ -56,8 +56,8 @@ class Case:
 def expand(definition: Definition) -> list[Case]:
     """All cases in order, equal ones of a sweep once; raises SceneError, which names campaign and case, for any whose scene is wrong."""
     labels = _labels(definition)
-    runs: dict[tuple[Path, str], Run] = {}
-    found: dict[tuple[str, Run, ClassicParameters | None], Case] = {}
+    runs: dict[tuple[Path, str], CaseRun] = {}
+    found: dict[tuple[str, CaseRun, ClassicParameters | None], Case] = {}
     names, folders, sweeps = _Names(), _Names(), _Names()
     for sweep in definition.file.sweep:
         path, original = _scene_of(definition, sweep)
@@ -126,13 +126,13 @@ def _classic(given: dict[str, Any]) -> ClassicParameters | None:
         raise SceneError(CLASSIC.rstrip("."), _CLASSIC_RULE, hint=f"given: {given_words}; the rest is as by default") from error
 
 
-def _run(folder: str, path: Path, text: str) -> Run:
+def _run(folder: str, path: Path, text: str) -> CaseRun:
     """A run of a scene, which is checked by being built and modelled, all but solved."""
     name = _stem(path.stem)
     scene = scene_of_text(text, path, name)
     structural_model(scene)
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
-    return Run(folder, name, path, text, tuple(meshes))
+    return CaseRun(folder, name, path, text, tuple(meshes))
 
 
 def _values(whole: dict[str, Any], parameters: ClassicParameters | None, varied: tuple[str, ...]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import pydantic
 from pydantic import Field, Strict, model_validator
 
 from la_core.errors import SceneError
-from la_core.scene import LARGEST_FILE, Name, Table, Text, complaint, key_paths
+from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, key_paths
 
 MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
@@ -82,7 +82,7 @@ class Definition:
         return self.file.title or self.path.stem
 
 
-def load(path: Path) -> Definition:
+def load_campaign(path: Path) -> Definition:
     """Read and validate a campaign file; raises SceneError for anything a user must mend."""
     try:
         text = _read(path)
@@ -91,7 +91,7 @@ def load(path: Path) -> Definition:
         varied = list(dict.fromkeys(key for sweep in file.sweep for key in sweep.varied()))
         _require_sense(file, varied)
     except pydantic.ValidationError as error:
-        raise SceneError(str(path), str(complaint(error, data, CampaignFile))) from error
+        raise SceneError(str(path), str(as_scene_error(error, data, CampaignFile))) from error
     except (ValueError, RecursionError) as error:
         raise SceneError(str(path), f"not valid TOML: {error}") from error
     except SceneError as error:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Protocol, Self
 
 from comparison.campaign import table
-from comparison.campaign.cases import Case, Run, axes
+from comparison.campaign.cases import Case, CaseRun, axes
 from comparison.campaign.columns import result_columns
 from comparison.campaign.definition import Definition
-from comparison.campaign.job import LOADED, Job, Outcome, digest, stored_outcome
+from comparison.campaign.job import LOADED, Job, JobOutcome, digest, stored_outcome
 from comparison.campaign.narration import CampaignNarration
 from comparison.provenance import describe
 from comparison.run_folder import alone_in, write_text
@@ -38,7 +38,7 @@ class Engine(Protocol):
     def begin(self, job: Job) -> None:
         """Hand out a job; at most `capacity` are out at a time."""
 
-    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+    def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
         """Jobs that ended, with what they came to, once there is one or after so many seconds."""
 
 
@@ -57,7 +57,7 @@ class Campaign:
     parquet: bool = False
     time_limit: float | None = None
 
-    def folder_of(self, run: Run) -> Path:
+    def folder_of(self, run: CaseRun) -> Path:
         """A run's own folder."""
         return self.folder / CASES / run.name
 
@@ -75,19 +75,19 @@ def run_campaign(
     campaign.folder.mkdir(parents=True, exist_ok=True)
     with alone_in(campaign.folder):
         write_text(campaign.folder / "campaign.toml", campaign.definition.text)
-        began, outcomes = time.monotonic(), dict[str, Outcome]()
+        began, outcomes = time.monotonic(), dict[str, JobOutcome]()
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
         with _tables(campaign, outcomes, engine, began) as write:
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
-        found = table.read(campaign.folder)
+        found = table.read_campaign(campaign.folder)
         conclude(found)
     return found
 
 
-def _waiting(campaign: Campaign, outcomes: dict[str, Outcome]) -> list[tuple[Run, dict[str, ClassicParameters], str]]:
+def _waiting(campaign: Campaign, outcomes: dict[str, JobOutcome]) -> list[tuple[CaseRun, dict[str, ClassicParameters], str]]:
     """Runs that are not finished, each with the classic iterations asked for and the digest of its inputs; the others' are filled in."""
     found = []
     runs = {case.run.name: case.run for case in campaign.cases}
@@ -106,10 +106,10 @@ def _waiting(campaign: Campaign, outcomes: dict[str, Outcome]) -> list[tuple[Run
 
 def _run_all(
     campaign: Campaign,
-    waiting: deque[tuple[Run, dict[str, ClassicParameters], str]],
+    waiting: deque[tuple[CaseRun, dict[str, ClassicParameters], str]],
     engine: Engine,
     narration: CampaignNarration,
-    outcomes: dict[str, Outcome],
+    outcomes: dict[str, JobOutcome],
     write: Callable[[], None],
 ) -> None:
     running = 0
@@ -129,23 +129,23 @@ def _run_all(
 
 
 @contextmanager
-def _tables(campaign: Campaign, outcomes: dict[str, Outcome], engine: Engine, began: float) -> Iterator[Callable[[], None]]:
+def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Engine, began: float) -> Iterator[Callable[[], None]]:
     """Gives what writes the tables, at most now and then; they are written at the end in any case."""
     latest = time.monotonic()
 
     def write() -> None:
         nonlocal latest
         if time.monotonic() - latest >= WRITES_EVERY:
-            table.write(gather(campaign, outcomes, engine.name, began), campaign.parquet)
+            table.write_campaign(gather(campaign, outcomes, engine.name, began), campaign.parquet)
             latest = time.monotonic()
 
     try:
         yield write
     finally:
-        table.write(gather(campaign, outcomes, engine.name, began), campaign.parquet)
+        table.write_campaign(gather(campaign, outcomes, engine.name, began), campaign.parquet)
 
 
-def gather(campaign: Campaign, outcomes: dict[str, Outcome], engine: str, began: float) -> table.CampaignTable:
+def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, began: float) -> table.CampaignTable:
     """The table of the cases that ended, in the campaign's order."""
     keys, rows, costs = campaign.definition.keys, [], []
     blank = dict.fromkeys(result_columns(keys))

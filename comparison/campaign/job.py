@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from comparison.campaign.cases import Run
+from comparison.campaign.cases import CaseRun
 from comparison.campaign.columns import answers_of, costs_of
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.errors import FolderInUseError, message_of
@@ -22,7 +22,7 @@ from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, 
 from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, structural_model
 from la_core.digests import code_digest
-from la_core.limit import ClassicParameters, Drive, Status, iterate
+from la_core.limit import ClassicParameters, Drive, Status, solve_sequentially
 from la_core.scene import Scene
 
 OUTCOME = "outcome.json"
@@ -33,7 +33,7 @@ PATIENCE = 600.0  # s for another process to leave a case's folder: one that an 
 LOOKS_EVERY = 0.2  # s
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
 
-Outcome = dict[str, Any]
+JobOutcome = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,13 @@ def code() -> str:
 LOADED = code()  # of what this process works with, however long it lives and whatever is installed meanwhile
 
 
-def digest(run: Run, yade: bool, classic: dict[str, ClassicParameters], by: str) -> str:
+def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: str) -> str:
     """Digest of all that decides what a run comes to; `by` is that of the code."""
     what = [by, run.scene_name, run.text, run.meshes, yade, {name: asdict(parameters) for name, parameters in classic.items()}]
     return hashlib.sha256(json.dumps(what).encode()).hexdigest()
 
 
-def stored_outcome(folder: Path, scene_name: str, inputs: str) -> Outcome | None:
+def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | None:
     """What a job came to, where it was done from the same inputs and its results are still there; None where it is to be done."""
     try:
         stored = json.loads((folder / OUTCOME).read_text(encoding="utf-8"))
@@ -92,7 +92,7 @@ def stored_outcome(folder: Path, scene_name: str, inputs: str) -> Outcome | None
     return stored if is_final and all(path.is_file() for path in files) else None
 
 
-def run_job(job: Job, listener: Listener) -> Outcome:
+def run_job(job: Job, listener: Listener) -> JobOutcome:
     """Do a job; whatever goes wrong is a failed outcome with its reason. A done one is stored in the job's folder."""
     began = time.monotonic()
     try:
@@ -111,7 +111,7 @@ def run_job(job: Job, listener: Listener) -> Outcome:
         return failure(message_of(error), job)
 
 
-def failure(reason: str, job: Job) -> Outcome:
+def failure(reason: str, job: Job) -> JobOutcome:
     """A job's failed outcome, for a reason."""
     return {"state": "failed", "answers": {"reason": _told(reason, job)}, "costs": {}, "classic": {}}
 
@@ -123,7 +123,7 @@ def _told(reason: str, job: Job) -> str:
     return next(iter(reason.splitlines()), "")
 
 
-def _done(job: Job, listener: Listener) -> Outcome:
+def _done(job: Job, listener: Listener) -> JobOutcome:
     model = structural_model(job.scene)
     summary = run_scene(model, job.scene_folder, listener, job.yade, job.time_limit)
     write_report(job.folder, [summary], describe())
@@ -139,7 +139,7 @@ def _done(job: Job, listener: Listener) -> Outcome:
     answers = answers_of(summary, labels)
     answers["reason"] = _told(answers["reason"] or "", job)
     state = "failed" if answers["yade_status"] in ("missing", "failed") else "done"
-    outcome: Outcome = {"state": state, "answers": answers, "costs": costs_of(summary), "classic": {}}
+    outcome: JobOutcome = {"state": state, "answers": answers, "costs": costs_of(summary), "classic": {}}
     for name, parameters in job.classic.items():
         listener.stage(scene.name, "classic iteration", name)
         outcome["classic"][name] = _classic(analysis, parameters)
@@ -149,7 +149,7 @@ def _done(job: Job, listener: Listener) -> Outcome:
 def _classic(analysis: LimitAnalysis, parameters: ClassicParameters) -> dict[str, Any]:
     """The classic iteration on the whole structure, at the inset that both methods share."""
     assembly = analysis.whole
-    found = iterate(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING, parameters)
+    found = solve_sequentially(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING, parameters)
     value = found.value if found.status is Status.SOLVED else math.nan
     return {"value": value, "status": found.status.value, "iterations": found.iterations, "seconds": found.seconds}
 
@@ -169,6 +169,6 @@ def _alone_after_waiting(folder: Path) -> Iterator[None]:
         yield
 
 
-def _sum_of(outcome: Outcome) -> str:
+def _sum_of(outcome: JobOutcome) -> str:
     content = {name: value for name, value in outcome.items() if name != "sum"}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

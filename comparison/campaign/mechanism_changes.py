@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from comparison.campaign.row_groups import Line, Sweep, is_number, lines
+from comparison.campaign.row_groups import Line, SweepRows, is_number, lines
 from comparison.campaign.row_values import LIMIT, METHODS, Row, mechanism_name, over_weight, prediction
 
 
 @dataclass(frozen=True)
-class Change:
+class MechanismChange:
     """A method's mechanism between two neighbouring values of a parameter, all others held.
 
     cases: names of the two. slopes: of the reaction over weight (or multiplier) against the parameter, where two neighbours share a
@@ -30,7 +30,7 @@ class Change:
     slope_after: float | None
 
 
-def changes(found: list[Sweep]) -> Iterator[Change]:
+def mechanism_changes_along(found: list[SweepRows]) -> Iterator[MechanismChange]:
     """Every change of mechanism along every parameter, by both methods."""
     for sweep in found:
         for parameter in sweep.parameters:
@@ -39,7 +39,7 @@ def changes(found: list[Sweep]) -> Iterator[Change]:
                     yield from _along(sweep, parameter, line, method)
 
 
-def letters(found: list[Sweep]) -> dict[str, dict[str, str]]:
+def letters(found: list[SweepRows]) -> dict[str, dict[str, str]]:
     """Letters of every scene's mechanisms by their labels, in order of appearance: equal labels are equal letters."""
     named: dict[str, dict[str, str]] = {}
     for sweep in found:
@@ -56,14 +56,16 @@ def letter(k: int) -> str:
     return ("" if k < 26 else letter(k // 26 - 1)) + chr(ord("A") + k % 26)
 
 
-def _along(sweep: Sweep, parameter: str, line: Line, method: str) -> Iterator[Change]:
+def _along(sweep: SweepRows, parameter: str, line: Line, method: str) -> Iterator[MechanismChange]:
     known = [(row, name) for row in line.rows if (name := mechanism_name(row, method)) is not None]
     slopes = [_slope(first, second, parameter, method) for first, second in pairwise(known)]
     for k, ((first, before), (second, after)) in enumerate(pairwise(known)):
         if before != after:
             sides = (slopes[k - 1] if k else None, slopes[k + 1] if k + 1 < len(slopes) else None)
             cases = (str(first.get("case")), str(second.get("case")))
-            yield Change(sweep.scene, line.words, parameter, first[parameter], second[parameter], cases, method, before, after, *sides)
+            yield MechanismChange(
+                sweep.scene, line.words, parameter, first[parameter], second[parameter], cases, method, before, after, *sides
+            )
 
 
 def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, method: str) -> float | None:
@@ -75,7 +77,7 @@ def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, meth
     return (values[1] - values[0]) / (places[1] - places[0])
 
 
-def change_view(change: Change, lettered: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
+def change_view(change: MechanismChange, lettered: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
     """A change as the report's JSON holds it."""
     own = lettered[change.scene]
     return vars(change) | {"cases": list(change.cases), "before": own[change.before], "after": own[change.after]}

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from comparison.numbers import number
+from comparison.numbers import format_number
 
 NAMES = {
     "joint.friction": "friction mu (-)",
@@ -132,7 +132,7 @@ def shown(value: Any) -> str:
         return "(" + ", ".join(shown(part) for part in value) + ")"
     if isinstance(value, int | float):
         return f"{value:.6g}".replace("-", "−", 1) if value < 0 else f"{value:.6g}"
-    return number(None) if value is None else str(value)
+    return format_number(None) if value is None else str(value)
 
 
 def quantity(unit: str | None) -> str:

@@ -12,7 +12,7 @@ from comparison.campaign.table import CampaignTable
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepRows:
     """Cases of one scene that vary the same parameters. values: those of each parameter that occur, numbers rising.
 
     held: values of the parameters that a slice of a larger sweep holds. named: the campaign's short names of parameters.
@@ -63,7 +63,7 @@ def is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def sweeps(table: CampaignTable, classic: bool = False) -> list[Sweep]:
+def sweeps_of(table: CampaignTable, classic: bool = False) -> list[SweepRows]:
     """Sweeps in order of their first case. Without `classic`, cases that differ in the classic iteration alone are one case."""
     names = [name for name in table.axes if classic or not name.startswith(CLASSIC)]
     groups: dict[tuple[str, tuple[str, ...]], dict[tuple[str, ...], list[Row]]] = {}
@@ -75,7 +75,9 @@ def sweeps(table: CampaignTable, classic: bool = False) -> list[Sweep]:
     for (scene, known), places in groups.items():
         rows = [row for same in places.values() for row in (same if classic else same[:1])]
         free = _varied(known, rows)
-        found.append(Sweep(scene, {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}, rows, {}, table.labels))
+        found.append(
+            SweepRows(scene, {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}, rows, {}, table.labels)
+        )
     return found
 
 
@@ -104,7 +106,7 @@ def ordered(values: Sequence[Any], order: Sequence[Any] = ()) -> list[Any]:
     return sorted(different, key=rank)
 
 
-def lines(sweep: Sweep, parameter: str) -> list[Line]:
+def lines(sweep: SweepRows, parameter: str) -> list[Line]:
     """Lines of a sweep along one parameter, in order of the other parameters' values."""
     others = [name for name in sweep.parameters if name != parameter]
     groups: dict[tuple[str, ...], list[Row]] = {}
@@ -122,12 +124,12 @@ def lines(sweep: Sweep, parameter: str) -> list[Line]:
     return found
 
 
-def longest(sweep: Sweep) -> list[str]:
+def longest(sweep: SweepRows) -> list[str]:
     """The sweep's parameters, those of more values first."""
     return sorted(sweep.parameters, key=lambda name: -len(sweep.values[name]))
 
 
-def slices(sweep: Sweep, kept: Sequence[str]) -> list[Sweep]:
+def slices(sweep: SweepRows, kept: Sequence[str]) -> list[SweepRows]:
     """The sweep for each value of all parameters but those kept, in their order; slices without cases are left out."""
     others = [name for name in sweep.parameters if name not in kept]
     places: dict[tuple[str, ...], list[Row]] = {}
@@ -138,5 +140,5 @@ def slices(sweep: Sweep, kept: Sequence[str]) -> list[Sweep]:
     for held in product(*(sweep.values[name] for name in others)):
         rows = places.get(tuple(key(value) for value in held))
         if rows:
-            found.append(Sweep(sweep.scene, values, rows, dict(zip(others, held, strict=True)), sweep.named))
+            found.append(SweepRows(sweep.scene, values, rows, dict(zip(others, held, strict=True)), sweep.named))
     return found

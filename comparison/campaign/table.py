@@ -49,7 +49,7 @@ class CampaignTable:
         return [row for row in self.rows if row["state"] == "failed"]
 
 
-def read(folder: Path) -> CampaignTable:
+def read_campaign(folder: Path) -> CampaignTable:
     """The table of a campaign's folder; raises ExchangeError where there is none, or one that this program did not write."""
     path = folder / STORED
     try:
@@ -63,7 +63,7 @@ def read(folder: Path) -> CampaignTable:
     return CampaignTable(folder=folder, **{word: stored[word] for word in WORDS})
 
 
-def write(table: CampaignTable, parquet: bool = False) -> None:
+def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
     """Write every form of the table into its folder; each file is whole, or what was there before."""
     numeric = [key for key, values in table.axes.items() if all(type(value) in (int, float) for value in values)]
     columns = {"results": result_columns(list(table.axes), numeric), "costs": COSTS}

@@ -135,9 +135,9 @@ def _cost(options: argparse.Namespace, narrator: Console) -> int:
             found.append(ladders.climb_and_draw(scene, options.output, not options.no_yade, narration))
     for ladder in found if not options.json else ():
         for target in ladder.references:
-            _stdout().print(cost.ladder_table(ladder, target))
+            _stdout().print(cost.cost_table(ladder, target))
     if options.json:
-        _print_json({"ladders": [cost.ladder_dict(ladder) for ladder in found]})
+        _print_json({"ladders": [cost.cost_dict(ladder) for ladder in found]})
     narrator.print(f"drawn in {options.output}", markup=False)
     return AGREE
 

@@ -10,7 +10,7 @@ from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
-from la_core.text_table import number, over_weight
+from la_core.text_table import number_text, over_weight
 
 MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
 
@@ -37,7 +37,7 @@ def _expected(expected: Expected, live: bool) -> str:
     """The value of the scene's own friction, else the associated one, which is named so."""
     value = expected.multiplier if live else expected.reaction_over_weight
     associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
-    return f"{number(associated)} associated" if value is None and associated is not None else number(value)
+    return f"{number_text(associated)} associated" if value is None and associated is not None else number_text(value)
 
 
 def plain(text: str) -> str:
@@ -61,7 +61,7 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     table = new_table("what", "value", "unit", title=plain(title))
     for name, value in facts.items():
         if name != "effects":
-            table.add_row(name.replace("_", " "), number(value) if isinstance(value, float) else str(value), units.get(name, ""))
+            table.add_row(name.replace("_", " "), number_text(value) if isinstance(value, float) else str(value), units.get(name, ""))
     return table
 
 
@@ -80,7 +80,7 @@ def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -
     for row in answer_rows(scene, summary["limit_analysis"]):
         table.add_row(*map(plain, row))
     for check in checks:
-        table.add_row(check.name, number(check.limit_analysis), MARKS[check.verdict])
+        table.add_row(check.name, number_text(check.limit_analysis), MARKS[check.verdict])
     return table
 
 
@@ -90,9 +90,9 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
     columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
     for settlement, value, residual, converged, solves in zip(*columns, strict=True):
-        ratio = number(over_weight(value, scene.weight)) if scene.live is None else ""
-        shown = number(residual, 2) + ("" if converged else " not converged")
-        table.add_row(number(settlement, 4), number(value), ratio, shown, str(solves))
+        ratio = number_text(over_weight(value, scene.weight)) if scene.live is None else ""
+        shown = number_text(residual, 2) + ("" if converged else " not converged")
+        table.add_row(number_text(settlement, 4), number_text(value), ratio, shown, str(solves))
     return table
 
 
@@ -115,6 +115,6 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
         for method in (name for name in ACCURACY_METHODS if name in bought):
             found = bought[method]
             error = f"{MARKS['agree' if found['kept'] else 'inconclusive'].split()[0]}[/] {percent(found['error'])}"
-            row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number(found["seconds"], 2)]
+            row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number_text(found["seconds"], 2)]
             table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *row)
     return table

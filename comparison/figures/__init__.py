@@ -4,7 +4,7 @@ from comparison.figures import canvas, structure
 from comparison.figures.animation import Story, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
 from comparison.figures.motion import Motion, Motions, motions
-from comparison.figures.run_figures import figures
+from comparison.figures.run_figures import scene_figures
 from comparison.figures.structure import ROLE_NAME, save
 
 __all__ = [
@@ -18,7 +18,7 @@ __all__ = [
     "Motions",
     "Story",
     "canvas",
-    "figures",
+    "scene_figures",
     "method_colour",
     "motions",
     "save",

@@ -16,7 +16,7 @@ from comparison.figures.canvas import FAINT, YADE, Canvas, canvases, method_colo
 from comparison.figures.motion import Motion, motions
 from comparison.figures.reaction import draw_levels
 from comparison.figures.structure import TITLE_WIDTH, looks, wrapped
-from comparison.numbers import number
+from comparison.numbers import format_number
 from comparison.yade import Results
 from la_core.errors import SceneError
 from la_core.exchange import FREE, write_whole
@@ -82,7 +82,7 @@ class Story:
             at, reaction = at[drawn | (share == 1.0)] / self.scales.settlement, reaction[drawn | (share == 1.0)] / self.scales.reaction
             self.line.set_data(at, reaction)
             self.tip.set_data(at[-1:], reaction[-1:])
-            words += "".join(f"; YADE's R = {number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
+            words += "".join(f"; YADE's R = {format_number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
         self.reading.set_text(words)
 
     def _draw_blocks(self, canvas: Canvas, method: Motion, settlement: float) -> None:
@@ -98,7 +98,9 @@ class Story:
         unit, divisor = (
             (self.scales.settlement_unit, self.scales.settlement) if self.run else ("mrad" if self.scene.is_rotation else "mm", 1e-3)
         )
-        magnified = f", displacements drawn {number(self.shown.magnification, 3)} times as large" if self.shown.magnification != 1.0 else ""
+        magnified = (
+            f", displacements drawn {format_number(self.shown.magnification, 3)} times as large" if self.shown.magnification != 1.0 else ""
+        )
         motion = "rotation" if self.scene.is_rotation else "settlement"
         return f"{motion} {settlement / divisor:.3f} {unit}{magnified}"
 

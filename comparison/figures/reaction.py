@@ -18,13 +18,13 @@ from comparison.figures.reaction_levels import (
     has_sharp,
     interval_of,
     is_joint,
+    largest_settlement,
     levels,
     plateau_limits,
-    reached,
     scales_of,
     whole_limits,
 )
-from comparison.numbers import number
+from comparison.numbers import format_number
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
@@ -53,7 +53,7 @@ def reaction_figure(results: Results) -> Figure:
     if obstacle and run is None:
         figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
         return figure
-    scales, end = scales_of(results), reached(results)
+    scales, end = scales_of(results), largest_settlement(results)
     is_close = has_plateau(run) or (run is None and end > 0.0)
     whole, *close = figure.subplots(1, 2, width_ratios=(1.25, 1.0)) if is_close else [figure.subplots()]
     panels = [(whole, whole_limits(results)), *((axes, plateau_limits(results)) for axes in close)]
@@ -80,7 +80,7 @@ def reaction_figure(results: Results) -> Figure:
 def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
     """All of the whole curve's panel but YADE's record; returns the axes' scales and the labels that stand beside their lines."""
     scene, analysis = results.scene, results.analysis
-    scales, end, limits = scales_of(results), reached(results), whole_limits(results)
+    scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
     _draw_prediction(axes, analysis, scales, limits)
     _finish(axes, scene, scales, end, limits)
@@ -144,7 +144,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     if has_sharp(analysis):
         names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
     found = [
-        Word(lines[key], lines[key], f"{words}: {number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
+        Word(lines[key], lines[key], f"{words}: {format_number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
         for key, (words, keys) in names.items()
         if key in lines
     ]
@@ -162,7 +162,7 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
     if interval is not None:
         low, high = (value / scales.reaction for value in interval)
         if np.isfinite([low, high]).all():
-            ends = f"{number(low, 4)} to {number(high, 4)}{unit}"
+            ends = f"{format_number(low, 4)} to {format_number(high, 4)}{unit}"
         else:
             ends = "without a least value" if np.isfinite(high) else "without a greatest value"
         yield Word(low, high, f"interval, {ends}:\nfriction's history decides within", LIMIT_ANALYSIS, (HISTORY,))
@@ -175,7 +175,7 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
 def _measured(value: float, uncertainty: float) -> str:
     """A value to the place of its uncertainty's first digit."""
     if not uncertainty > 0.0:
-        return number(value, 5)
+        return format_number(value, 5)
     places = int(np.clip(-np.floor(np.log10(uncertainty)), 0, 9))
     return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
 

@@ -50,7 +50,7 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
     return (low, high) if high - low > POINT * abs(analysis.coulomb.value) else None
 
 
-def reached(results: Results) -> float:
+def largest_settlement(results: Results) -> float:
     """Largest settlement recorded or followed, m or rad; 0 where none is. A path goes on where a run has stopped: it is cut there."""
     analysis, run = results.analysis, results.run
     recorded = float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
@@ -67,7 +67,7 @@ def scales_of(results: Results) -> Scales:
         values += list(np.abs(analysis.path.value))
     largest = max((value for value in values if np.isfinite(value)), default=1.0)
     divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
-    tiny = reached(results) < 1e-5
+    tiny = largest_settlement(results) < 1e-5
     length = ("µrad" if tiny else "mrad") if scene.is_rotation else ("µm" if tiny else "mm")
     return Scales(1e-6 if tiny else 1e-3, length, divisor, f"{prefix}{scene.unit}")
 

@@ -11,7 +11,7 @@ from la_core.limit import Status
 from la_core.measures import measure
 
 
-def figures(results: Results) -> dict[str, Callable[[], Any]]:
+def scene_figures(results: Results) -> dict[str, Callable[[], Any]]:
     """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
     scene, analysis, run = results.scene, results.analysis, results.run
     main = analysis.bounds[analysis.main]

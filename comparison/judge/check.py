@@ -41,7 +41,7 @@ def within(name: str, expected: float, found: float, tolerance: float, unit: str
     difference = found - expected
     if not (math.isfinite(difference) and math.isfinite(tolerance)):
         missing = f"{name}: a value does not exist."
-        return Check(name, Verdict.INCONCLUSIVE, number(expected), number(found), None, tolerance, unit, missing)
+        return Check(name, Verdict.INCONCLUSIVE, finite_or_none(expected), finite_or_none(found), None, tolerance, unit, missing)
     verdict = Verdict.AGREE if abs(difference) <= tolerance else Verdict.DISAGREE
     return Check(name, verdict, expected, found, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
 
@@ -56,9 +56,9 @@ def inside(name: str, bounds: tuple[float, float], found: float, tolerance: floa
     span = f"Range: {low:.6g} to {high:.6g} {unit}." if math.isfinite(high) else f"Range: {low:.6g} {unit} and more."
     shown = span if fits else f"{reason} {span}"
     verdict = Verdict.AGREE if fits else Verdict.DISAGREE
-    return Check(name, verdict, number(nearer), found, number(found - nearer), tolerance, unit, shown)
+    return Check(name, verdict, finite_or_none(nearer), found, finite_or_none(found - nearer), tolerance, unit, shown)
 
 
-def number(value: float) -> float | None:
+def finite_or_none(value: float) -> float | None:
     """The value, None where it is not finite."""
     return value if math.isfinite(value) else None

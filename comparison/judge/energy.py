@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comparison.judge.check import Check, Verdict, number
+from comparison.judge.check import Check, Verdict, finite_or_none
 from comparison.yade import Run
 from la_core.model import Assembly
 
@@ -70,7 +70,7 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
 def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
     """Whether the run's energies add up; nothing where no motion was recorded."""
     found = audit(assembly, run)
-    if number(found.drift) is not None:
+    if finite_or_none(found.drift) is not None:
         reason = f"{abs(found.drift):.1%} of the energy that YADE's run turned over is not accounted for: its integration is in doubt."
         adds_up = abs(found.drift) <= DRIFT
         verdict, words = (Verdict.AGREE, "") if adds_up else (Verdict.INCONCLUSIVE, reason)

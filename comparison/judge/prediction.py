@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.judge.check import Check, Verdict, inside, within
-from comparison.judge.tolerances import HISTORY, REACH, REACTION, bought, is_broad, least_reaction, reaction_tolerance
+from comparison.judge.tolerances import HISTORY, REACH, REACTION, accuracy_share, is_broad, least_reaction, reaction_tolerance
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import SLIDING_SHARE, CoulombSolution
@@ -107,7 +107,7 @@ def check_prediction(results: Results) -> Iterator[Check]:
 def _check_reaction(results: Results, prediction: Prediction, alike: float) -> Check:
     scene, analysis, run = results.scene, results.analysis, results.recorded
     name, value, reaction = REACTION_CHECK, prediction.value, run.result.reaction
-    tolerance = reaction_tolerance(results, max(prediction.share, 2.0 * bought(analysis)))  # either method may be off
+    tolerance = reaction_tolerance(results, max(prediction.share, 2.0 * accuracy_share(analysis)))  # either method may be off
     misses = abs(reaction - value) > tolerance
     low, high = prediction.interval
     apart, least = abs(reaction - value), least_reaction(analysis)
@@ -138,7 +138,7 @@ def _check_interval(results: Results, prediction: Prediction, alike: float) -> I
     if any(math.isnan(end) for end in prediction.interval):
         return
     reason = "YADE's reaction lies outside what the Coulomb mechanism allows, whatever the history of friction."
-    tolerance = reaction_tolerance(results, max(REACTION, bought(analysis)))
+    tolerance = reaction_tolerance(results, max(REACTION, accuracy_share(analysis)))
     check = inside(INTERVAL_CHECK, prediction.interval, run.result.reaction, tolerance, scene.unit, reason)
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (assurance {alike:.3f}), which the interval of this one does not bind."

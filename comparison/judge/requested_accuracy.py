@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from comparison.judge.check import Check, Verdict, number
+from comparison.judge.check import Check, Verdict, finite_or_none
 from comparison.yade import HISTORY_OF_SPEED, Results, attempt_of
 from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
@@ -19,7 +19,7 @@ def percent(share: float | None) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.2g} %"
 
 
-def attempts(results: Results) -> dict[str, tuple[Attempt, ...]]:
+def attempts_by_method(results: Results) -> dict[str, tuple[Attempt, ...]]:
     """All attempts by method, the last of which is its answer; none where no accuracy is asked for, or YADE gave no run."""
     analysis, run = results.analysis, results.run
     purchase = analysis.accuracy
@@ -36,13 +36,13 @@ def accuracy_summary(results: Results) -> dict[str, Any] | None:
     if purchase is None:
         return None
     found: dict[str, Any] = {"asked": purchase.asked}
-    for method, tried in attempts(results).items():
+    for method, tried in attempts_by_method(results).items():
         found[method] = {
             "kept": tried[-1].is_within(purchase.asked),
             "error": tried[-1].error,
-            "chosen": chosen(tried[-1]),
+            "chosen": chosen_settings(tried[-1]),
             "seconds": sum(one.seconds for one in tried),
-            "attempts": [dataclasses.asdict(one) | {"error": one.error, "chosen": chosen(one)} for one in tried],
+            "attempts": [dataclasses.asdict(one) | {"error": one.error, "chosen": chosen_settings(one)} for one in tried],
         }
     return found
 
@@ -52,18 +52,18 @@ def check_accuracy(results: Results) -> Iterator[Check]:
     analysis = results.analysis
     if analysis.bounds[analysis.main].status is Status.INFEASIBLE:
         return
-    for method, tried in attempts(results).items():
+    for method, tried in attempts_by_method(results).items():
         assert analysis.accuracy is not None
         asked, last, words = analysis.accuracy.asked, tried[-1], METHODS[method]
         kept = last.is_within(asked)
-        shown = f"{percent(last.error)} ({parts(last)})"
+        shown = f"{percent(last.error)} ({error_parts(last)})"
         reason = f"The accuracy of {percent(asked)} that was asked for is not reached: {words} estimates its error as {shown}."
-        error = {method: number(last.error)}
+        error = {method: finite_or_none(last.error)}
         verdict = Verdict.AGREE if kept else Verdict.INCONCLUSIVE
         yield Check(f"accuracy of {words}", verdict, **error, tolerance=asked, unit="of the answer", reason="" if kept else reason)
 
 
-def parts(attempt: Attempt) -> str:
+def error_parts(attempt: Attempt) -> str:
     """The parts of an error in words, the largest first; those that are nothing beside it left out."""
     size = sum(value for value in attempt.parts.values() if math.isfinite(value))
     told = sorted(((value, name) for name, value in attempt.parts.items() if value >= 0.01 * size), reverse=True)
@@ -71,7 +71,7 @@ def parts(attempt: Attempt) -> str:
     return ", ".join([*unknown, *(f"{name} {percent(value)}" for value, name in told)])
 
 
-def chosen(attempt: Attempt) -> str:
+def chosen_settings(attempt: Attempt) -> str:
     """Settings of an attempt and why they are the cheapest that serve, in words."""
     settings = attempt.settings
     if "inset" in settings:
@@ -91,13 +91,15 @@ def chosen(attempt: Attempt) -> str:
     )
 
 
-def words(attempt: Attempt) -> str:
+def attempt_words(attempt: Attempt) -> str:
     """An attempt in one line."""
-    return f"error estimated as {percent(attempt.error)} ({parts(attempt)}) in {attempt.seconds:.2g} s with {chosen(attempt)}"
+    return (
+        f"error estimated as {percent(attempt.error)} ({error_parts(attempt)}) in {attempt.seconds:.2g} s with {chosen_settings(attempt)}"
+    )
 
 
 def why_again(attempt: Attempt, slower: LimitAnalysis) -> str:
     """Why YADE runs again, and how."""
     assert slower.accuracy is not None  # for it has settings
     speed = TRAVEL_PERIODS / slower.accuracy.settings["travel_periods"]
-    return f"{words(attempt)}; runs again at {speed:.3g} times the derived speed"
+    return f"{attempt_words(attempt)}; runs again at {speed:.3g} times the derived speed"

@@ -11,7 +11,7 @@ from comparison.judge.energy import check_energy
 from comparison.judge.prediction import check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
-from comparison.judge.tolerances import REACTION, UNBALANCED, bought, reaction_tolerance
+from comparison.judge.tolerances import REACTION, UNBALANCED, accuracy_share, reaction_tolerance
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
@@ -46,7 +46,7 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             found = solution.value / divisor if solution.status is Status.SOLVED else math.nan
             over = f" ({solution.status})" if solution.status is not Status.SOLVED else ""
             reason = f"Limit analysis gives {found:.6g}{over} for sharp arrises, the scene expects {number:.6g}."
-            check = within(name, found, number, max(expected.tolerance, bought(analysis) * abs(number)), unit, reason)
+            check = within(name, found, number, max(expected.tolerance, accuracy_share(analysis) * abs(number)), unit, reason)
             yield replace(check, yade=None)  # what was compared is the scene's own number, which the report names as such
 
 
@@ -155,7 +155,7 @@ def _check_balance(results: Results) -> Check:
 def _check_bounds(results: Results) -> Check:
     """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    reaction, tolerance = run.result.reaction, reaction_tolerance(results, max(REACTION, bought(analysis)))
+    reaction, tolerance = run.result.reaction, reaction_tolerance(results, max(REACTION, accuracy_share(analysis)))
     least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]
     above = math.inf if greatest.status is Status.UNBOUNDED else greatest.value if greatest.status is Status.SOLVED else math.nan
     reason = "YADE's reaction lies outside what equilibrium and friction allow on these contact points: one of the two models is wrong."

@@ -17,7 +17,7 @@ def reaction_tolerance(results: Results, share: float = REACTION) -> float:
     return max(share * abs(run.result.reaction), least_reaction(analysis)) + float(run.result.uncertainty)
 
 
-def bought(analysis: LimitAnalysis) -> float:
+def accuracy_share(analysis: LimitAnalysis) -> float:
     """Share of the reaction by which each method may be off, because no more accuracy was asked for; 0 where none was."""
     return analysis.accuracy.asked if analysis.accuracy else 0.0
 

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from la_core.text_table import number, over_weight
+from la_core.text_table import number_text, over_weight
 
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
 VERDICT_TITLE = "reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau"
@@ -15,7 +15,7 @@ def verdict_cells(comparison: dict[str, Any]) -> list[str]:
     answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
     coulomb = comparison["limit_analysis"]["coulomb"] or {}
     if "multiplier" in answer:
-        values = [number(answer["multiplier"], 5), number(coulomb.get("multiplier"), 5), "–", "–"]
+        values = [number_text(answer["multiplier"], 5), number_text(coulomb.get("multiplier"), 5), "–", "–"]
     else:
         shared, predicted = answer.get("shared_inset", answer), coulomb.get("shared_inset", coulomb).get("reaction")
         values = [_over(value, weight) for value in (shared["reaction"], predicted, shared["reaction_max"])]
@@ -26,17 +26,17 @@ def verdict_cells(comparison: dict[str, Any]) -> list[str]:
         values[1] = f"{values[1]} {coulomb['status']}"
     if yade and yade["status"] != "plateau":
         values[3] = yade["status"]
-    seconds = [number(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number(yade.get("seconds"), 2)]
+    seconds = [number_text(answer["seconds"] + coulomb.get("seconds", 0.0), 2), number_text(yade.get("seconds"), 2)]
     return [comparison["scene"], *values, *seconds]
 
 
 def _over(value: float | None, weight: float) -> str:
-    return number(over_weight(value, weight), 5)
+    return number_text(over_weight(value, weight), 5)
 
 
 def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
     """A value to the last digit that its uncertainty, given to one digit, leaves meaningful."""
     if value is None or uncertainty is None:
-        return number(value, 5)
+        return number_text(value, 5)
     digits = 6 if uncertainty <= 0.0 else min(6, max(0, -math.floor(math.log10(uncertainty))))
     return f"{value:.{digits}f} ± {uncertainty:.{digits}f}"

@@ -3,11 +3,11 @@
 from comparison.report import viewer
 from comparison.report.paraview import export
 from comparison.report.report import VERDICTS, stored_report, write_report
-from comparison.report.templating import environment, flat
+from comparison.report.templating import flat, template_environment
 
 __all__ = [
     "VERDICTS",
-    "environment",
+    "template_environment",
     "export",
     "flat",
     "stored_report",

@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import percent
-from comparison.numbers import A_POINT, DASH, exists, number
+from comparison.numbers import A_POINT, DASH, exists, format_number
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
@@ -22,33 +22,42 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     quantity = "multiplier" if results["live"] else "reaction"
 
     def row(method: str, answer: Any, status: str, accuracy: str, work: str, seconds: Any) -> dict[str, str]:
-        shown = f"{number(answer, 5)}{unit}" if exists(answer) else status
-        return {"method": method, "answer": shown, "accuracy": accuracy, "work": work, "seconds": number(seconds, 2)}
+        shown = f"{format_number(answer, 5)}{unit}" if exists(answer) else status
+        return {"method": method, "answer": shown, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
 
     residuals = [associated[name] for name in evidence if exists(associated.get(name))]
-    accuracy = f"largest residual {number(max(residuals), 2)}" if residuals else DASH
+    accuracy = f"largest residual {format_number(max(residuals), 2)}" if residuals else DASH
     answer = results["multiplier"] if results["live"] else results["least"]
-    work = f"{number(associated.get('iterations'))} iterations"
+    work = f"{format_number(associated.get('iterations'))} iterations"
     yield row(METHODS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
     if coulomb:
         half = results["half_width"]
-        width = f", half-width {number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
-        accuracy = f"dilatancy residual {number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
-        work = f"{number(coulomb.get('iterations'))} associated programmes, {number(coulomb.get('steps'))} steps"
+        width = f", half-width {format_number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
+        accuracy = f"dilatancy residual {format_number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
+        work = f"{format_number(coulomb.get('iterations'))} associated programmes, {format_number(coulomb.get('steps'))} steps"
         yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
         values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
         residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
-        accuracy = f"largest strain residual {number(max(residuals, default=None), 2)}"
+        accuracy = f"largest strain residual {format_number(max(residuals, default=None), 2)}"
         missed = (path.get("converged") or []).count(False)
         accuracy += f"; {missed} increments not converged" if missed else ""
-        work = f"{number(max(len(values) - 1, 0))} increments, {number(sum(solves) or None)} associated programmes"
+        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} associated programmes"
         yield row("limit analysis, path", values[-1] if values else None, DASH, accuracy, work, path.get("seconds"))
     if yade:
         share = results["ratios"]["uncertainty"]
-        accuracy = f"± {number(results['uncertainty'], 2)}{unit}, {number(share, 2)} {results['ratio_unit']}" if exists(share) else DASH
+        accuracy = (
+            f"± {format_number(results['uncertainty'], 2)}{unit}, {format_number(share, 2)} {results['ratio_unit']}"
+            if exists(share)
+            else DASH
+        )
         yield row(
-            METHODS["yade"], results["yade"], results["yade_status"], accuracy, f"{number(yade.get('steps'))} steps", yade.get("seconds")
+            METHODS["yade"],
+            results["yade"],
+            results["yade_status"],
+            accuracy,
+            f"{format_number(yade.get('steps'))} steps",
+            yade.get("seconds"),
         )
 
 
@@ -65,7 +74,7 @@ def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
                 "chosen": attempt["chosen"],
                 "error": f"{percent(error)}: {parts}",
                 "kept": "yes" if exists(error) and error <= asked else "no",
-                "seconds": number(attempt["seconds"], 2),
+                "seconds": format_number(attempt["seconds"], 2),
             }
 
 
@@ -86,7 +95,7 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
         return []
     turnover = found["turnover"]
     parts = {ENERGIES[name]: found[name] for name in ENERGIES} | {"not accounted for": found["drift"] * turnover}
-    return [{"name": name, "joule": value, "share": f"{number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
+    return [{"name": name, "joule": value, "share": f"{format_number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
 
 
 def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:

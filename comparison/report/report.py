@@ -8,9 +8,9 @@ from typing import Any
 from urllib.parse import quote
 
 from comparison.judge import without_undefined
-from comparison.numbers import DASH, exists, half_width, interval_words, number, signed, value_range
+from comparison.numbers import DASH, exists, format_number, half_width, interval_words, signed, value_range
 from comparison.report.details import accuracy_rows, costs, energies, measures
-from comparison.report.templating import environment, flat
+from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import embedded, scripts
 from comparison.run_folder import write_text
 
@@ -70,7 +70,7 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
         "limitations": LIMITATIONS,
     }
     for name in ("report.md", "report.html"):
-        write_text(folder / name, environment(name).get_template(f"{name}.j2").render(page))
+        write_text(folder / name, template_environment(name).get_template(f"{name}.j2").render(page))
     stored = stored_report(comparisons, provenance)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
@@ -222,23 +222,23 @@ def _rounding(comparison: dict[str, Any]) -> str:
     share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     unit = f" {results['unit']}".rstrip()
     return (
-        f"An inset of {number(1e3 * inset, 3)} mm takes the associated {quantity} from {number(sharp, 5)}{unit} for sharp arrises "
-        f"to {number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
+        f"An inset of {format_number(1e3 * inset, 3)} mm takes the associated {quantity} from {format_number(sharp, 5)}{unit} for sharp arrises "
+        f"to {format_number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
     )
 
 
 def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """Size of what was modelled, as pairs of name and words."""
-    yield "weight of the free blocks, W", f"{number(comparison.get('weight'), 5)} N"
+    yield "weight of the free blocks, W", f"{format_number(comparison.get('weight'), 5)} N"
     for name, words in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
-        yield words, number(comparison.get(name))
+        yield words, format_number(comparison.get(name))
 
 
 def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
     """Every effect: on or off, how it is modelled, why, what leaving it out saves or keeping it took."""
     for row in (comparison.get("effects") or {}).get("table") or []:
-        saved = ", ".join(f"{number(count)} {name}" for name, count in (row.get("saved") or {}).items())
-        took = f"took {number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""
+        saved = ", ".join(f"{format_number(count)} {name}" for name, count in (row.get("saved") or {}).items())
+        took = f"took {format_number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""
         yield {
             "effect": str(row.get("effect")),
             "what": str(row.get("what")),
@@ -255,7 +255,7 @@ def _evidence(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for method, answer, meanings in (("associated", _associated(comparison), EVIDENCE), ("Coulomb", coulomb, COULOMB_EVIDENCE)):
         for name, meaning in meanings.items():
             if name in answer:
-                yield f"{method}: {meaning}", number(answer[name], 2)
+                yield f"{method}: {meaning}", format_number(answer[name], 2)
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

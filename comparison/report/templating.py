@@ -6,10 +6,10 @@ from typing import Any
 
 import jinja2
 
-from comparison.numbers import DASH, first_sentence, number, plural
+from comparison.numbers import DASH, first_sentence, format_number, plural
 
 
-def environment(name: str) -> jinja2.Environment:
+def template_environment(name: str) -> jinja2.Environment:
     """The templates, for a page of this name: texts in HTML are escaped of themselves, those in Markdown by the filter `md`."""
     found = jinja2.Environment(
         loader=jinja2.PackageLoader("comparison.report", "templates"),
@@ -19,7 +19,7 @@ def environment(name: str) -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"number": number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
+    found.filters |= {"number": format_number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
     return found
 
 

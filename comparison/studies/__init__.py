@@ -1,7 +1,7 @@
 """Studies of a method's own settings: what accuracy costs in time, and how sensitive the classic iteration is."""
 
 from comparison.studies import cost, sensitivity
-from comparison.studies.cost import Ladder, climb, ladder_dict, prediction_inset
+from comparison.studies.cost import CostStudy, cost_dict, measure_study, prediction_inset
 from comparison.studies.cost_limit_analysis import limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
 from comparison.studies.figure_of_cost import cost_figure
@@ -9,12 +9,12 @@ from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Sensitivity, study
 
 __all__ = [
-    "Ladder",
+    "CostStudy",
     "Sensitivity",
-    "climb",
+    "measure_study",
     "cost",
     "cost_figure",
-    "ladder_dict",
+    "cost_dict",
     "limit_analysis_methods",
     "prediction_inset",
     "sensitivity",

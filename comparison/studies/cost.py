@@ -12,9 +12,9 @@ from rich import box
 from rich.table import Table
 
 from comparison.judge import without_undefined
-from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, Outcome, coulomb, shared_inset
+from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, coulomb, shared_inset
 from la_core.scene import Scene
-from la_core.text_table import ROUND_OFF, number
+from la_core.text_table import ROUND_OFF, number_text
 
 REPEATS, ENOUGH = 3, 10.0  # times a rung is run; seconds after which it is not run again
 FINEST_STEPS = 32  # of the prediction that all are held against where no value is known
@@ -23,7 +23,7 @@ USABLE = ("solved", "plateau", "inaccurate")
 
 
 @dataclass(frozen=True)
-class Rung:
+class CostPoint:
     """One rung, measured. value and error: over the weight or as a multiplier, and relative to the reference; NaN where undefined,
     as is an error relative to nothing but round-off.
 
@@ -52,17 +52,17 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Ladder:
+class CostStudy:
     """All rungs of a scene; reference: by target, what errors are relative to, and in words where it comes from."""
 
     scene: str
     title: str
     quantity: str
     references: dict[str, tuple[float, str]]
-    rungs: tuple[Rung, ...]
+    rungs: tuple[CostPoint, ...]
 
 
-def climb(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str], None]) -> Ladder:
+def measure_study(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str], None]) -> CostStudy:
     """Run every rung in turn, as often as it is quick; progress is told the number of the rung and its name."""
     measured = []
     for k, method in enumerate(methods):
@@ -72,7 +72,7 @@ def climb(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str]
     rungs = [_rung(scene, *one, references[one[0].target][0]) for one in measured]
     best = [rung for target in references for rung in front([one for one in rungs if one.target == target])]
     rungs = [dataclasses.replace(rung, pareto=rung in best) for rung in rungs]
-    return Ladder(scene.name, scene.title, scene.quantity, references, tuple(rungs))
+    return CostStudy(scene.name, scene.title, scene.quantity, references, tuple(rungs))
 
 
 def prediction_inset(scene: Scene) -> float:
@@ -80,7 +80,7 @@ def prediction_inset(scene: Scene) -> float:
     return 0.0 if _known(scene)[PREDICTION] is not None else shared_inset(scene)
 
 
-def _measure(method: Method) -> tuple[Outcome, list[float], list[tuple[float, float]]]:
+def _measure(method: Method) -> tuple[MethodOutcome, list[float], list[tuple[float, float]]]:
     """Outcome, seconds of every run, and its seconds to build and to solve."""
     totals: list[float] = []
     parts: list[tuple[float, float]] = []
@@ -92,11 +92,13 @@ def _measure(method: Method) -> tuple[Outcome, list[float], list[tuple[float, fl
     return outcome, totals, parts
 
 
-def _rung(scene: Scene, method: Method, outcome: Outcome, totals: list[float], parts: list[tuple[float, float]], reference: float) -> Rung:
+def _rung(
+    scene: Scene, method: Method, outcome: MethodOutcome, totals: list[float], parts: list[tuple[float, float]], reference: float
+) -> CostPoint:
     divisor = 1.0 if scene.live is not None else scene.weight
     value = outcome.value / divisor if outcome.status in USABLE else math.nan
     build, solve = (median(column) for column in zip(*parts, strict=True))
-    return Rung(
+    return CostPoint(
         method.family,
         method.setting,
         method.target,
@@ -123,7 +125,7 @@ def _known(scene: Scene) -> dict[str, float | None]:
     return {ASSOCIATED: associated, PREDICTION: own}
 
 
-def _references(scene: Scene, measured: list[tuple[Method, Outcome]]) -> dict[str, tuple[float, str]]:
+def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> dict[str, tuple[float, str]]:
     """What errors are relative to: the scene's exact value, else the finest rung."""
     divisor = 1.0 if scene.live is not None else scene.weight
     known = _known(scene)
@@ -139,20 +141,20 @@ def _references(scene: Scene, measured: list[tuple[Method, Outcome]]) -> dict[st
     return found
 
 
-def front(rungs: Sequence[Rung]) -> list[Rung]:
+def front(rungs: Sequence[CostPoint]) -> list[CostPoint]:
     """The Pareto front, by time: rungs than which none is as close in less time, or closer in as much."""
-    found: list[Rung] = []
+    found: list[CostPoint] = []
     for rung in sorted((one for one in rungs if math.isfinite(one.error)), key=lambda one: (one.total, one.error)):
         if not found or max(rung.error, LEAST_ERROR) < found[-1].error:
             found.append(rung)
     return found
 
 
-def ladder_table(ladder: Ladder, target: str) -> Table:
+def cost_table(ladder: CostStudy, target: str) -> Table:
     """One row a rung of a target; the Pareto front is marked."""
     reference, words = ladder.references[target]
     over = "" if ladder.quantity == "multiplier" else " over W"
-    title = f"{ladder.title}: {target}; errors are relative to {number(reference, 7)}{over}, {words}"
+    title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}{over}, {words}"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for head in (
         "method",
@@ -170,14 +172,15 @@ def ladder_table(ladder: Ladder, target: str) -> Table:
         table.add_column(head, justify="left" if head in ("method", "setting", "status", "front") else "right")
     for rung in (one for one in ladder.rungs if one.target == target):
         seconds = [
-            number(value if math.isfinite(value) else None, 2) for value in (rung.build, rung.solve, rung.post, rung.total, rung.scatter)
+            number_text(value if math.isfinite(value) else None, 2)
+            for value in (rung.build, rung.solve, rung.post, rung.total, rung.scatter)
         ]
-        found = [number(value if math.isfinite(value) else None, digits) for value, digits in ((rung.value, 6), (rung.error, 2))]
+        found = [number_text(value if math.isfinite(value) else None, digits) for value, digits in ((rung.value, 6), (rung.error, 2))]
         table.add_row(rung.family, rung.setting, rung.status, *found, *seconds, "●" if rung.pareto else "")
     return table
 
 
-def ladder_dict(ladder: Ladder) -> dict[str, Any]:
+def cost_dict(ladder: CostStudy) -> dict[str, Any]:
     """The ladder as a JSON object; undefined numbers are null."""
     references = {target: {"value": value, "source": words} for target, (value, words) in ladder.references.items()}
     rungs = [dataclasses.asdict(rung) | {"total": rung.total} for rung in ladder.rungs]

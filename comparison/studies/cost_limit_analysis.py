@@ -7,7 +7,7 @@ from functools import partial
 
 from la_core.analysis import drives, smallest_inset, wedging
 from la_core.coulomb import PredictionSettings, follow_path, predict
-from la_core.limit import ACCEPTED, iterate, solve, solve_linearised
+from la_core.limit import ACCEPTED, solve_associated, solve_linearised, solve_sequentially
 from la_core.model import Assembly, JointStiffness, assemble, joint_stiffness, with_grid
 from la_core.scene import Scene
 
@@ -22,7 +22,7 @@ ASSOCIATED, PREDICTION = "associated", "prediction"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class MethodOutcome:
     """What one run came to: value in N, N m or as a multiplier, how it ended, seconds to build the model and to solve it.
 
     uncertainty: as the method itself states it, in the value's unit; NaN where it states none.
@@ -42,7 +42,7 @@ class Method:
     family: str
     setting: str
     target: str
-    run: Callable[[], Outcome]
+    run: Callable[[], MethodOutcome]
 
 
 def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
@@ -76,12 +76,12 @@ def _linearised_methods(scene: Scene) -> Iterator[Method]:
             yield Method("linearised", f"{facets} facets {words}", ASSOCIATED, partial(_linearised, scene, facets, inscribed, "highs-ipm"))
 
 
-def coulomb(scene: Scene, inset: float, steps: int) -> Outcome:
+def coulomb(scene: Scene, inset: float, steps: int) -> MethodOutcome:
     """The Coulomb prediction in so many steps."""
     assembly, stiffness, built = _elastic(scene, inset)
-    bound = solve(assembly, drives(scene)[0])
+    bound = solve_associated(assembly, drives(scene)[0])
     answer = predict(assembly, stiffness, bound, wedging(scene), PredictionSettings(steps))
-    return Outcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds)
+    return MethodOutcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds)
 
 
 def shared_inset(scene: Scene) -> float:
@@ -99,21 +99,21 @@ def _elastic(scene: Scene, inset: float) -> tuple[Assembly, JointStiffness, floa
     return assembly, stiffness, time.perf_counter() - start
 
 
-def _bound(scene: Scene, inset: float, accuracy: float = ACCEPTED, per_side: int = 0) -> Outcome:
+def _bound(scene: Scene, inset: float, accuracy: float = ACCEPTED, per_side: int = 0) -> MethodOutcome:
     start = time.perf_counter()
     assembly = assemble(scene).with_inset(scene, inset)
     assembly = with_grid(assembly, per_side) if per_side else assembly
     built = time.perf_counter() - start
-    answer = solve(assembly, drives(scene)[0], accuracy=accuracy)
-    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+    answer = solve_associated(assembly, drives(scene)[0], accuracy=accuracy)
+    return MethodOutcome(answer.value, answer.status.value, built, answer.seconds)
 
 
-def _linearised(scene: Scene, facets: int, inscribed: bool, method: str) -> Outcome:
+def _linearised(scene: Scene, facets: int, inscribed: bool, method: str) -> MethodOutcome:
     start = time.perf_counter()
     assembly = assemble(scene).with_inset(scene, 0.0)
     built = time.perf_counter() - start
     answer = solve_linearised(assembly, drives(scene)[0], facets, inscribed, method)
-    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+    return MethodOutcome(answer.value, answer.status.value, built, answer.seconds)
 
 
 def _insets(scene: Scene) -> list[float]:
@@ -122,17 +122,17 @@ def _insets(scene: Scene) -> list[float]:
     return [inset for inset in INSETS if inset <= largest]
 
 
-def _classic(scene: Scene, inset: float) -> Outcome:
+def _classic(scene: Scene, inset: float) -> MethodOutcome:
     start = time.perf_counter()
     assembly = assemble(scene).with_inset(scene, inset)
     built = time.perf_counter() - start
-    answer = iterate(assembly, drives(scene)[0])
-    return Outcome(answer.value, answer.status.value, built, answer.seconds)
+    answer = solve_sequentially(assembly, drives(scene)[0])
+    return MethodOutcome(answer.value, answer.status.value, built, answer.seconds)
 
 
-def _path(scene: Scene, inset: float, increments: int) -> Outcome:
+def _path(scene: Scene, inset: float, increments: int) -> MethodOutcome:
     assembly, stiffness, built = _elastic(scene, inset)
     path = follow_path(assembly, stiffness, stiffness.travel, increments, wedging(scene))
     whole = len(path.value) == increments + 1
     status = "solved" if whole and path.converged.all() else "inaccurate" if whole else "failed"
-    return Outcome(float(path.value[-1]) if whole else float("nan"), status, built, path.seconds)
+    return MethodOutcome(float(path.value[-1]) if whole else float("nan"), status, built, path.seconds)

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from comparison.studies.cost_limit_analysis import PREDICTION, Method, Outcome, shared_inset
+from comparison.studies.cost_limit_analysis import PREDICTION, Method, MethodOutcome, shared_inset
 from comparison.yade import Yade, read_run, run_yade
 from la_core.analysis import analyse, write_case
 from la_core.scene import Scene
@@ -27,7 +27,7 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
     derived: dict[str, Any] = {}
     base = shared_inset(scene)  # YADE takes its smallest where the scene has none
 
-    def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> Outcome:
+    def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> MethodOutcome:
         asked = scene.yade | ({setting: factor * derived[setting]} if setting else {})
         outcome, settings = run_once(scene, base * inset, asked, yade, folder / name.replace(" ", "_"), progress)
         if not setting and inset == 1.0:
@@ -46,7 +46,7 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
 
 def run_once(
     scene: Scene, inset: float, settings: dict[str, Any], yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]
-) -> tuple[Outcome, dict[str, Any]]:
+) -> tuple[MethodOutcome, dict[str, Any]]:
     """One run of YADE at an inset (m) with settings; its outcome and the settings it used."""
     start = time.perf_counter()
     effects = scene.effects.model_copy(update={"friction": "associated", "elasticity": "auto"})  # YADE has friction of its own
@@ -58,4 +58,4 @@ def run_once(
     run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)
     run = read_run(folder / "run.h5", analysis.assembly)
     value = run.result.reaction if run.status == "plateau" else float("nan")
-    return Outcome(value, run.status, built, run.result.seconds, run.result.uncertainty), run.settings
+    return MethodOutcome(value, run.status, built, run.result.seconds, run.result.uncertainty), run.settings

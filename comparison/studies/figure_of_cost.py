@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from comparison.figures import FAINT, INK, method_colour
-from comparison.studies.cost import LEAST_ERROR, Ladder, Rung, front
+from comparison.studies.cost import LEAST_ERROR, CostPoint, CostStudy, front
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION
 
 MARKERS = {"cone programme": "o", "linearised": "v", "inset": "s", "contact points": "D", "associated": "X", "classic iteration": "P",
@@ -19,7 +19,7 @@ SHORTEST, MARGIN = 3.2, 2.0  # half of a panel's range of times, as a factor, an
 PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, friction without dilatancy"}
 
 
-def cost_figure(ladder: Ladder) -> Figure:
+def cost_figure(ladder: CostStudy) -> Figure:
     """Every rung as a mark by its method; the Pareto fronts as lines, their rungs lettered and named below."""
     figure = Figure(figsize=(12.5, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -35,7 +35,7 @@ def cost_figure(ladder: Ladder) -> Figure:
     return figure
 
 
-def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
+def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     """All rungs of a panel; returns those on a front with their letters."""
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -48,7 +48,7 @@ def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
         own = [rung for rung in rungs if rung.family == family]
         style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
         axes.plot([r.total for r in own], [_height(r) for r in own], label=family, markersize=7, alpha=0.85, **style)
-    named: list[tuple[str, Rung]] = []
+    named: list[tuple[str, CostPoint]] = []
     alone = [rung for rung in rungs if rung.family == "YADE"]
     for some, colour, words in ((rungs, INK, "Pareto front"), (alone, method_colour("YADE"), "Pareto front of YADE alone")):
         best = front(some)
@@ -66,5 +66,5 @@ def _draw(axes: Any, rungs: list[Rung]) -> list[tuple[str, Rung]]:
     return named
 
 
-def _height(rung: Rung) -> float:
+def _height(rung: CostPoint) -> float:
     return max(rung.error, LEAST_ERROR)

@@ -11,10 +11,10 @@ from rich import box
 from rich.table import Table
 
 from comparison.judge import without_undefined
-from la_core.limit import ClassicParameters, ClassicSolution, Drive, Status, iterate
+from la_core.limit import ClassicParameters, ClassicSolution, Drive, Status, solve_sequentially
 from la_core.model import Assembly
 from la_core.scene import Scene
-from la_core.text_table import number
+from la_core.text_table import number_text
 
 RELAXATIONS = (0.2, 0.4, 0.6, 0.8, 1.0)
 SLOPES = (0.001, 0.01, 0.1, 0.3, 1.0)
@@ -78,7 +78,7 @@ def study(
     trials: list[Trial] = []
     for slope, relaxation in grid:
         chosen = dataclasses.replace(shared, slope=slope, relaxation=relaxation)
-        trials.append(_trial(iterate(assembly, drive, chosen)))
+        trials.append(_trial(solve_sequentially(assembly, drive, chosen)))
         if progress is not None:
             progress(len(trials), len(grid), trials[-1])
     divisor = 1.0 if drive is Drive.LIVE else assembly.weight
@@ -113,7 +113,7 @@ def sensitivity_dict(result: Sensitivity) -> dict[str, Any]:
     return without_undefined(head | {"parameters": kept, "trials": trials})
 
 
-def symbol(result: Sensitivity) -> str:
+def reaction_symbol(result: Sensitivity) -> str:
     """What the values are called once divided."""
     return "multiplier" if result.quantity == "multiplier" else "R/W"
 
@@ -122,15 +122,15 @@ def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float,
     """One row a run, then the values of other methods: name to (value, programmes solved)."""
     shared = result.parameters
     title = (
-        f"classic iteration, {result.scene}: cohesion {number(shared.cohesion, 2)} and tolerance {number(shared.tolerance, 2)} of the "
+        f"classic iteration, {result.scene}: cohesion {number_text(shared.cohesion, 2)} and tolerance {number_text(shared.tolerance, 2)} of the "
         f"mean block weight, at most {shared.iterations} programmes"
     )
-    headings = ("slope a", "relaxation b", symbol(result), "last ten", "programmes", "violation", "status", "s")
+    headings = ("slope a", "relaxation b", reaction_symbol(result), "last ten", "programmes", "violation", "status", "s")
     table = Table(*headings, title=title.replace("[", r"\["), box=box.SIMPLE_HEAD, title_justify="left")
     for trial in result.trials:
         values = [_shown(trial.value / result.divisor, 5), _range(trial, result.divisor)]
-        ends = [str(trial.iterations), _shown(trial.violation, 2), STATUS_WORDS[trial.status], number(trial.seconds, 2)]
-        table.add_row(number(trial.slope), number(trial.relaxation), *values, *ends)
+        ends = [str(trial.iterations), _shown(trial.violation, 2), STATUS_WORDS[trial.status], number_text(trial.seconds, 2)]
+        table.add_row(number_text(trial.slope), number_text(trial.relaxation), *values, *ends)
     for name, (value, programmes) in (references or {}).items():
         table.add_row(name.replace("[", r"\["), "", _shown(value / result.divisor, 5), "", str(programmes), "", "", "")
     return table
@@ -144,4 +144,4 @@ def _range(trial: Trial, divisor: float) -> str:
 
 
 def _shown(value: float, digits: int) -> str:
-    return number(value if math.isfinite(value) else None, digits)
+    return number_text(value if math.isfinite(value) else None, digits)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from comparison import provenance
-from comparison.figures import figures as figures_of
+from comparison.figures import scene_figures as figures_of
 from comparison.figures import structure
 from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
 from comparison.report import viewer
@@ -34,7 +34,7 @@ Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # how to draw ea
 
 
 @dataclasses.dataclass(frozen=True)
-class Outcome:
+class SceneOutcome:
     """What both methods gave in one call, before it is judged.
 
     yade: YADE's summary, which says why where the results have no run; None where YADE was not asked. notes: sentences for the reader.
@@ -80,10 +80,10 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
         yade = yade_summary(results.run) if results.run else previous.get("yade")
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = previous.get("notes") or _notes(results.analysis)
-        return _compare(Outcome(results, yade, notes, inputs), folder, listener, figures)
+        return _compare(SceneOutcome(results, yade, notes, inputs), folder, listener, figures)
 
 
-def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> Outcome:
+def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> SceneOutcome:
     """Both methods' results, stored or new; limit analysis alone for a live load, or where YADE is not asked."""
     scene = model.scene
     analysis, inputs = limit_analysis_stage(model, folder, listener)
@@ -91,7 +91,7 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
     if scene.live is not None:
         notes.append("A live load is a matter of limit analysis alone, so YADE was not run.")
     if scene.live is not None or not with_yade:
-        return Outcome(Results(analysis), None, notes, inputs)
+        return SceneOutcome(Results(analysis), None, notes, inputs)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
     analysis = store_changed(analysis, accuracy_settings.initial_settings(analysis), inputs, folder)
     run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
@@ -103,7 +103,7 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
         case_file.write_case(folder / "case.h5", finer, inputs)
         analysis = finer
     notes += finer_prediction.note(analysis)
-    return Outcome(Results(analysis, run), yade, notes, run_inputs(inputs, analysis))
+    return SceneOutcome(Results(analysis, run), yade, notes, run_inputs(inputs, analysis))
 
 
 def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis | None:
@@ -126,7 +126,7 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
     return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
 
 
-def _compare(outcome: Outcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
+def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
     """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
     results = outcome.results
     scene, analysis = results.scene, results.analysis
@@ -153,7 +153,7 @@ def _compare(outcome: Outcome, folder: Path, listener: Listener, figures: Figure
     return summary
 
 
-def _judge(outcome: Outcome) -> list[Check]:
+def _judge(outcome: SceneOutcome) -> list[Check]:
     """Checks of a run, or the one sentence on why there are none."""
     results = outcome.results
     if results.run is not None:

@@ -53,7 +53,7 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
         listener.stage(scene.name, "limit analysis", "running")
     analysis = analyse(model)
     for attempt in analysis.accuracy.limit_analysis if analysis.accuracy else ():
-        listener.stage(scene.name, "limit analysis", requested_accuracy.words(attempt))
+        listener.stage(scene.name, "limit analysis", requested_accuracy.attempt_words(attempt))
     (folder / "run.h5").unlink(missing_ok=True)
     case_file.write_case(path, analysis, inputs)
     return analysis, inputs

@@ -100,7 +100,7 @@ def find_yade() -> Yade:
     try:
         answer = subprocess.run(
             [python, "-s", "-c", _PROBE, modules, SCRIPTS],
-            env=environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
+            env=yade_environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
@@ -129,7 +129,7 @@ def _module_folder(named: Path | None) -> Path | None:
     return next((folder for folder in candidates if (folder / "yade").is_dir()), None)
 
 
-def environment() -> dict[str, str]:
+def yade_environment() -> dict[str, str]:
     """What YADE gets of the environment: one thread, a home (it asks for one), nothing of Python's or this program's own."""
     kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
     one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
@@ -144,7 +144,7 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
     command = [str(part) for part in (yade.python, "-s", "-u", SCRIPTS / "run_case.py", case.resolve(), run.resolve(), *options)]
-    variables = {**environment(), "YADE_MODULES": str(yade.modules)}
+    variables = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
     began = time.monotonic()
     try:
         log.unlink(missing_ok=True)  # a link in its place would lead elsewhere

@@ -11,7 +11,7 @@ from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
 from la_core.scene import Scene
-from la_core.text_table import Tabled, number, over_weight
+from la_core.text_table import Tabled, number_text, over_weight
 
 NAN = float("nan")
 
@@ -190,7 +190,7 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
     if "falling" in answer:
         yield "blocks that fall", ", ".join(answer["falling"]), ""
     for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
-        yield name.replace("_", " "), number(answer[name], 2), ""
+        yield name.replace("_", " "), number_text(answer[name], 2), ""
     if values["coulomb"]:
         yield from _coulomb_rows(scene, values["coulomb"])
 
@@ -204,9 +204,9 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield _quantity(scene, "Coulomb: greatest by its mechanism", high)
     yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
     for name in ("dilatancy_residual", "drift", "seconds"):
-        yield f"Coulomb: {name.replace('_', ' ')}", number(answer[name], 2), ""
+        yield f"Coulomb: {name.replace('_', ' ')}", number_text(answer[name], 2), ""
     yield "Coulomb: associated solves", str(answer["iterations"]), ""
 
 
 def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
-    return name, number(value), "" if scene.live is not None else number(over_weight(value, scene.weight))
+    return name, number_text(value), "" if scene.live is not None else number_text(over_weight(value, scene.weight))

@@ -10,7 +10,7 @@ from la_core.analysis.modelling import StructuralModel, drives, structural_model
 from la_core.analysis.settings import AnalysisSettings
 from la_core.coulomb import Sliding, look_for_sliding
 from la_core.errors import SceneError
-from la_core.limit import Solution, Status, solve
+from la_core.limit import Solution, Status, solve_associated
 from la_core.model import Assembly, Effects
 from la_core.scene import Scene
 
@@ -63,7 +63,7 @@ def decided_model(scene: Scene) -> DecidedModel:
 
     def bound(assembly: Assembly) -> Solution:
         if assembly.inset not in solved:
-            solved[assembly.inset] = solve(assembly, drives(scene)[0])
+            solved[assembly.inset] = solve_associated(assembly, drives(scene)[0])
         return solved[assembly.inset]
 
     decision = decide_effects(model, AnalysisSettings(), bound)

@@ -8,10 +8,9 @@ from la_core.analysis.prediction import with_prediction
 from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.analysis.settings import AnalysisSettings
 from la_core.coulomb import EquilibriumPath, follow_path
-from la_core.limit import Drive, Solution, Status, scaled_problem, solve
+from la_core.limit import Drive, Solution, Status, scaled_problem, solve_associated
 from la_core.model import Assembly
-from la_core.scene import Path as RequestedPath
-from la_core.scene import Scene
+from la_core.scene import RequestedPath, Scene
 
 
 def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
@@ -45,7 +44,7 @@ def _solve_every_drive(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive
     """Solutions of every drive; a structure that cannot stand cannot in any of them, so the first says it all."""
     problem = scaled_problem(assembly)
     for drive in drives(scene):
-        solution = solve(assembly, drive, problem)
+        solution = solve_associated(assembly, drive, problem)
         yield drive, solution
         if solution.status is Status.INFEASIBLE:
             yield from ((other, solution) for other in drives(scene) if other is not drive)

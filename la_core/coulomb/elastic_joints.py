@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from la_core.limit import Answer, Outcome, Programme, scaled_problem
+from la_core.limit import Programme, ProgrammeAnswer, ProgrammeOutcome, scaled_problem
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
 
 LEAST_WORK = 1e-3  # of the weight's over the support's motion
@@ -114,13 +114,13 @@ class ElasticJoints:
         for refine in (False, True):  # joints almost without friction need refinement
             answer = self._programme(live is not None, refine).solve(np.concatenate([self.weights, history.ravel()]), bound)
             self.solves, self.seconds = self.solves + 1, self.seconds + answer.seconds
-            if answer.outcome is Outcome.OPTIMUM:
+            if answer.outcome is ProgrammeOutcome.OPTIMUM:
                 break
         return self._trial(answer, before, motion, driven=live is not None)
 
-    def _trial(self, answer: Answer, before: JointState, motion: np.ndarray, driven: bool) -> Trial:
+    def _trial(self, answer: ProgrammeAnswer, before: JointState, motion: np.ndarray, driven: bool) -> Trial:
         count = len(self.weights)
-        solved = answer.outcome is Outcome.OPTIMUM and bool(np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all())
+        solved = answer.outcome is ProgrammeOutcome.OPTIMUM and bool(np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all())
         multipliers = answer.multipliers[1:] if driven else answer.multipliers
         blocks, elastic = answer.x[:count], self._local(answer.x[count:])
         force = self._local(self._flow_rule.T @ multipliers)

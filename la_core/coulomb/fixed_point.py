@@ -15,7 +15,7 @@ from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
 FIRST, LEAST, MOST = 1.0, 0.02, 2.0  # relaxation factor of a contact point
 GROW, CUT, CEILING_CUT = 1.2, 0.6, 0.9
 CONVERGED = 1e-3  # strain residual: the forces of such a state are history for the next step, so it has to be small
-SETTLED, SETTLED_RESIDUAL, SETTLED_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
+STEADY, STEADY_RESIDUAL, STEADY_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
 LAST_RESIDUAL = 6e-3  # the same of the last step, whose state is the answer: its dilatancy residual is a seventh of this
 PATIENCE = 20  # solves of a step, which few small walls take: from then on a settled value makes do with the next two
 PATIENT_RESIDUAL = 5e-2  # strain residual on the way
@@ -62,7 +62,7 @@ def advance(
     The best state found counts: where joints chatter, the residual may rise again. A step that did not converge says so.
     """
     friction = joints.assembly.points.friction
-    enough = SETTLED_RESIDUAL if last_from is None else LAST_RESIDUAL
+    enough = STEADY_RESIDUAL if last_from is None else LAST_RESIDUAL
     relaxation, ceiling, last = np.full(len(shift), FIRST), np.full(len(shift), MOST), np.zeros(len(shift))
     values: list[float] = []
     best: Step | None = None
@@ -79,7 +79,7 @@ def advance(
             accepted, suffices = True, residual <= PATIENT_RESIDUAL
         else:  # what the answer is judged by counts before all else
             accepted = suffices = dilation <= DILATANCY * joints.work(trial, last_from.trial, progress - last_from.progress)
-        settled = _settled(values) and (residual <= enough or (count > PATIENCE and suffices))
+        settled = _is_steady(values) and (residual <= enough or (count > PATIENCE and suffices))
         converged = accepted and (residual <= CONVERGED or settled)
         if best is None or residual < 0.9 * best.strain_residual:
             progressed = count
@@ -97,6 +97,6 @@ def advance(
     return replace(best, solves=count)
 
 
-def _settled(values: list[float]) -> bool:
-    recent = values[-SETTLED_SOLVES:]
-    return len(recent) == SETTLED_SOLVES and max(recent) - min(recent) <= SETTLED * abs(recent[-1])
+def _is_steady(values: list[float]) -> bool:
+    recent = values[-STEADY_SOLVES:]
+    return len(recent) == STEADY_SOLVES and max(recent) - min(recent) <= STEADY * abs(recent[-1])

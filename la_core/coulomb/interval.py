@@ -12,7 +12,7 @@ from scipy import sparse
 
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.fixed_point import Step
-from la_core.limit import Answer, Outcome, optimum, scaled_problem
+from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
 THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
@@ -78,8 +78,8 @@ def _guide(assembly: Assembly, direction: np.ndarray) -> sparse.csr_matrix:
     return (pick @ assembly.kinematic_matrix(assembly.length)).tocsr()
 
 
-def _value(answer: Answer, power: np.ndarray) -> float:
+def _value(answer: ProgrammeAnswer, power: np.ndarray) -> float:
     """The optimum; minus infinity where no velocity fits, so that no force is limited; NaN where no state of force exists."""
-    if answer.outcome is Outcome.OPTIMUM:
+    if answer.outcome is ProgrammeOutcome.OPTIMUM:
         return float(power @ answer.x)
-    return -np.inf if answer.outcome is Outcome.EMPTY else float("nan")
+    return -np.inf if answer.outcome is ProgrammeOutcome.EMPTY else float("nan")

@@ -1,9 +1,9 @@
 """Associated limit analysis and its relatives; the only room that talks to the conic solver."""
 
 from la_core.limit import section_forces
-from la_core.limit.associated import Solution, Status, solve
-from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, iterate
-from la_core.limit.conic import Answer, Outcome, Programme, maximise, optimum
+from la_core.limit.associated import Solution, Status, solve_associated
+from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, solve_sequentially
+from la_core.limit.conic import Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.plane_in_space import residual_in_space
 from la_core.limit.problem import ACCEPTED, Drive, box_limits, scaled_problem
@@ -11,22 +11,22 @@ from la_core.limit.static import consistent_reaction
 
 __all__ = [
     "ACCEPTED",
-    "Answer",
+    "ProgrammeAnswer",
     "ClassicParameters",
     "ClassicSolution",
     "Drive",
-    "Outcome",
+    "ProgrammeOutcome",
     "Programme",
     "Solution",
     "Status",
     "box_limits",
     "consistent_reaction",
-    "iterate",
+    "solve_sequentially",
     "maximise",
     "optimum",
     "residual_in_space",
     "scaled_problem",
     "section_forces",
-    "solve",
+    "solve_associated",
     "solve_linearised",
 ]

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from la_core.limit.conic import TOLERANCE, Answer, Outcome, maximise, optimum
+from la_core.limit.conic import TOLERANCE, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.no_sliding import shared_friction
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, box_limits, driven_problem, scaled_problem
 from la_core.measures import residuals
@@ -64,7 +64,7 @@ class Solution:
     falling: tuple[str, ...] = ()
 
 
-def solve(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None, accuracy: float = ACCEPTED) -> Solution:
+def solve_associated(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None, accuracy: float = ACCEPTED) -> Solution:
     """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
 
     A quick solve comes first; an answer that the evidence does not confirm calls for the next of the ATTEMPTS. problem:
@@ -94,9 +94,9 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy:
     tolerance *= REFINED_SHARE if refine else 1.0
     scale = sparse.diags(np.ones(count) if refine else _starting_scale(assembly, problem, count))
     answer = maximise(driven.power, scale @ driven.rows, scale @ driven.offset, driven.cones, tolerance, equilibrate, refine)
-    if answer.outcome is Outcome.EMPTY:
+    if answer.outcome is ProgrammeOutcome.EMPTY:
         return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.UNBOUNDED, answer)
-    if answer.outcome is Outcome.RAY:
+    if answer.outcome is ProgrammeOutcome.RAY:
         return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return without_value(assembly, Status.FAILED, answer)
@@ -122,14 +122,14 @@ def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> n
     return scale
 
 
-def without_value(assembly: Assembly, status: Status, answer: Answer, falling: tuple[str, ...] = ()) -> Solution:
+def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, falling: tuple[str, ...] = ()) -> Solution:
     """Solution of which only the status, the cost and the falling blocks are known."""
     nan = float("nan")
     twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
 
 
-def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: Answer) -> Solution | None:
+def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> Solution | None:
     """The certificate, or None: an admissible motion with the supports at rest on which the weights do positive work.
 
     Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
@@ -153,7 +153,7 @@ def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
 
 
 def solution_of(
-    assembly: Assembly, problem: ScaledProblem, drive: Drive, driven: DrivenProblem, answer: Answer, accuracy: float = ACCEPTED
+    assembly: Assembly, problem: ScaledProblem, drive: Drive, driven: DrivenProblem, answer: ProgrammeAnswer, accuracy: float = ACCEPTED
 ) -> Solution:
     """Forces, twists and their evidence from the solver's answer to the driven problem."""
     multipliers = answer.multipliers[-problem.rows.shape[0] :] / int(assembly.blocks.free.sum())
@@ -163,7 +163,9 @@ def solution_of(
     return _with_evidence(assembly, drive, (twists_of(assembly, answer.x) + driven.imposed) * driven.speed, forces, answer, accuracy)
 
 
-def _with_evidence(assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: Answer, accuracy: float) -> Solution:
+def _with_evidence(
+    assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: ProgrammeAnswer, accuracy: float
+) -> Solution:
     """Solution with residuals recomputed from its forces and twists; one residual above the accuracy makes it inaccurate."""
     from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     if drive is Drive.LIVE:

@@ -15,7 +15,7 @@ import numpy as np
 
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
-from la_core.limit.static import StaticSolution, coulomb_limits, optimise
+from la_core.limit.static import StaticSolution, coulomb_limits, solve_static
 from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly
 
@@ -73,12 +73,12 @@ class ClassicSolution:
     parameters: ClassicParameters = field(default_factory=ClassicParameters)
 
 
-def iterate(assembly: Assembly, drive: Drive, parameters: ClassicParameters | None = None) -> ClassicSolution:
+def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicParameters | None = None) -> ClassicSolution:
     """Run the classic iteration; never raises for a programme without solution, the status says so."""
     chosen = parameters or ClassicParameters()
     no_sliding, friction = coulomb_limits(assembly)
     cohesion = chosen.cohesion * assembly.mean_weight
-    step = optimise(assembly, drive, no_sliding, friction)
+    step = solve_static(assembly, drive, no_sliding, friction)
     values, violations, seconds, iterations, converged = [], [], step.seconds, 1, False
     normal = np.zeros(len(assembly.points))
     while _has_value(step):
@@ -90,7 +90,7 @@ def iterate(assembly: Assembly, drive: Drive, parameters: ClassicParameters | No
         share = chosen.relaxation if iterations > 1 else 1.0
         normal = share * assembly.split(step.forces)[0].clip(min=0.0) + (1.0 - share) * normal
         limit = cohesion + (1.0 + chosen.slope) * friction * normal
-        step = optimise(assembly, drive, np.maximum(no_sliding, limit), -chosen.slope * friction)
+        step = solve_static(assembly, drive, np.maximum(no_sliding, limit), -chosen.slope * friction)
         seconds, iterations = seconds + step.seconds, iterations + 1
     status = step.status
     if _has_value(step):

@@ -13,7 +13,7 @@ MOST_ITERATIONS = 300
 SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: from here on faer's factorisation overtakes qdldl's
 
 
-class Outcome(enum.Enum):
+class ProgrammeOutcome(enum.Enum):
     """What the solver believes: an optimum, a ray along which the power grows for ever, no feasible point, or neither."""
 
     OPTIMUM = "optimum"
@@ -32,10 +32,10 @@ class Cones:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ProgrammeAnswer:
     """x: velocities (a ray where outcome is RAY); multipliers of the cone rows; iterations; seconds inside the solver."""
 
-    outcome: Outcome
+    outcome: ProgrammeOutcome
     x: np.ndarray
     multipliers: np.ndarray
     iterations: int
@@ -43,12 +43,12 @@ class Answer:
 
 
 _OUTCOMES = {
-    clarabel.SolverStatus.Solved: Outcome.OPTIMUM,
-    clarabel.SolverStatus.AlmostSolved: Outcome.OPTIMUM,
-    clarabel.SolverStatus.DualInfeasible: Outcome.RAY,
-    clarabel.SolverStatus.AlmostDualInfeasible: Outcome.RAY,
-    clarabel.SolverStatus.PrimalInfeasible: Outcome.EMPTY,
-    clarabel.SolverStatus.AlmostPrimalInfeasible: Outcome.EMPTY,
+    clarabel.SolverStatus.Solved: ProgrammeOutcome.OPTIMUM,
+    clarabel.SolverStatus.AlmostSolved: ProgrammeOutcome.OPTIMUM,
+    clarabel.SolverStatus.DualInfeasible: ProgrammeOutcome.RAY,
+    clarabel.SolverStatus.AlmostDualInfeasible: ProgrammeOutcome.RAY,
+    clarabel.SolverStatus.PrimalInfeasible: ProgrammeOutcome.EMPTY,
+    clarabel.SolverStatus.AlmostPrimalInfeasible: ProgrammeOutcome.EMPTY,
 }
 
 
@@ -89,14 +89,14 @@ class Programme:
         square = sparse.csc_matrix((size, size)) if quadratic is None else sparse.diags(quadratic).tocsc()
         self._solver = clarabel.DefaultSolver(square, np.zeros(size), sparse.csc_matrix(-matrix), np.zeros(rows), kinds, settings)
 
-    def solve(self, power: np.ndarray, offset: np.ndarray) -> Answer:
+    def solve(self, power: np.ndarray, offset: np.ndarray) -> ProgrammeAnswer:
         """Solve for this power (n,) and offset (rows,)."""
         start = time.perf_counter()
         self._solver.update(q=-power, b=offset)
         solution = self._solver.solve()
         seconds = time.perf_counter() - start
-        outcome = _OUTCOMES.get(solution.status, Outcome.STALLED)
-        return Answer(outcome, np.array(solution.x), np.array(solution.z), int(solution.iterations), seconds)
+        outcome = _OUTCOMES.get(solution.status, ProgrammeOutcome.STALLED)
+        return ProgrammeAnswer(outcome, np.array(solution.x), np.array(solution.z), int(solution.iterations), seconds)
 
 
 def maximise(
@@ -107,18 +107,18 @@ def maximise(
     tolerance: float = TOLERANCE,
     equilibrate: bool = True,
     refine: bool = True,
-) -> Answer:
+) -> ProgrammeAnswer:
     """Maximise power . x subject to matrix x + offset in the product of `cones`, once."""
     start = time.perf_counter()
     answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
     return replace(answer, seconds=time.perf_counter() - start)
 
 
-def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> Answer:
+def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> ProgrammeAnswer:
     """`maximise`, and again without equilibration where that finds none: it blows up rows of joints almost without friction."""
     first = maximise(power, matrix, offset, cones)
-    if first.outcome is Outcome.OPTIMUM:
+    if first.outcome is ProgrammeOutcome.OPTIMUM:
         return first
     second = maximise(power, matrix, offset, cones, equilibrate=False)
-    best = second if second.outcome is Outcome.OPTIMUM else first
+    best = second if second.outcome is ProgrammeOutcome.OPTIMUM else first
     return replace(best, seconds=first.seconds + second.seconds, iterations=first.iterations + second.iterations)

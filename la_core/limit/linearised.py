@@ -24,14 +24,18 @@ from scipy import sparse
 from scipy.optimize import OptimizeResult, linprog
 
 from la_core.limit.associated import Solution, Status, falling_blocks, solution_of, without_value
-from la_core.limit.conic import TOLERANCE, Answer, Cones, Outcome
+from la_core.limit.conic import TOLERANCE, Cones, ProgrammeAnswer, ProgrammeOutcome
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, driven_problem, scaled_problem
 from la_core.measures import block_speeds
 from la_core.model import Assembly, twists_of
 
 LEAST_FACETS = 4
 METHODS = ("highs-ipm", "highs-ds")  # interior point with crossover to a corner, dual simplex
-_OUTCOMES = {0: Outcome.OPTIMUM, 2: Outcome.RAY, 3: Outcome.EMPTY}  # of the kinematic form, dual to the static one: no force, any force
+_OUTCOMES = {
+    0: ProgrammeOutcome.OPTIMUM,
+    2: ProgrammeOutcome.RAY,
+    3: ProgrammeOutcome.EMPTY,
+}  # of the kinematic form, dual to the static one: no force, any force
 
 
 def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: bool, method: str = "highs-ipm") -> Solution:
@@ -51,8 +55,8 @@ def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: b
     problem = linearised_problem(assembly, facets, inscribed)
     driven = driven_problem(assembly, problem, drive)
     answer = _least_forces(driven, method)
-    if answer.outcome is not Outcome.OPTIMUM:
-        status = Status.UNBOUNDED if answer.outcome is Outcome.EMPTY else Status.FAILED
+    if answer.outcome is not ProgrammeOutcome.OPTIMUM:
+        status = Status.UNBOUNDED if answer.outcome is ProgrammeOutcome.EMPTY else Status.FAILED
         return _cannot_stand(assembly, problem, method, answer) or without_value(assembly, status, answer)
     solution = _confirmed(assembly, driven, answer, solution_of(assembly, problem, drive, driven, answer))
     if drive is Drive.LIVE:  # it may be the load that holds the structure up
@@ -73,20 +77,20 @@ def linearised_problem(assembly: Assembly, facets: int, inscribed: bool) -> Scal
     return ScaledProblem(problem.power, cut @ problem.rows, cut @ problem.imposed_rows, cut @ problem.flow_rule, linear)
 
 
-def _least_forces(driven: DrivenProblem, method: str) -> Answer:
+def _least_forces(driven: DrivenProblem, method: str) -> ProgrammeAnswer:
     """Answer of the static form: its multipliers are the velocities x, its unknowns the multipliers of the kinematic form."""
     lowest = np.zeros(len(driven.offset))
     lowest[: driven.cones.equalities] = -np.inf
     bounds = np.stack([lowest, np.full_like(lowest, np.inf)], axis=1)
     programme = {"c": driven.offset, "A_eq": driven.rows.T.tocsc(), "b_eq": -driven.power, "bounds": bounds}
     result, seconds = _linprog(method, **programme)
-    outcome = _OUTCOMES.get(result.status, Outcome.STALLED)
-    if outcome is not Outcome.OPTIMUM:
-        return Answer(outcome, np.zeros(0), np.zeros(0), int(result.nit), seconds)
-    return Answer(outcome, -result.eqlin.marginals, np.maximum(result.x, lowest), int(result.nit), seconds)
+    outcome = _OUTCOMES.get(result.status, ProgrammeOutcome.STALLED)
+    if outcome is not ProgrammeOutcome.OPTIMUM:
+        return ProgrammeAnswer(outcome, np.zeros(0), np.zeros(0), int(result.nit), seconds)
+    return ProgrammeAnswer(outcome, -result.eqlin.marginals, np.maximum(result.x, lowest), int(result.nit), seconds)
 
 
-def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answer: Answer) -> Solution | None:
+def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answer: ProgrammeAnswer) -> Solution | None:
     """INFEASIBLE with the blocks that fall in a motion of limited velocities that the pyramids admit, or None where none falls."""
     split = problem.cones.equalities
     rest, part = np.zeros(split), np.zeros(problem.rows.shape[0] - split)
@@ -107,7 +111,7 @@ def _linprog(method: str, **programme: object) -> tuple[OptimizeResult, float]:
     return result, time.perf_counter() - start
 
 
-def _confirmed(assembly: Assembly, driven: DrivenProblem, answer: Answer, solution: Solution) -> Solution:
+def _confirmed(assembly: Assembly, driven: DrivenProblem, answer: ProgrammeAnswer, solution: Solution) -> Solution:
     """The solution with the status of the linearised problem; its forces are in the pyramids by construction."""
     flow, split = driven.rows @ answer.x + driven.offset, driven.cones.equalities
     violation = max(np.abs(flow[:split]).max(initial=0.0), -flow[split:].min(initial=0.0))

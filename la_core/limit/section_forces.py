@@ -6,7 +6,7 @@ import numpy as np
 from scipy import sparse
 
 from la_core.exchange import SUPPORT
-from la_core.limit.conic import Outcome, optimum
+from la_core.limit.conic import ProgrammeOutcome, optimum
 from la_core.limit.problem import scaled_problem
 from la_core.model import Assembly, columns
 
@@ -45,7 +45,9 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     for sign in (1.0, -1.0):
         offset = np.concatenate([sign * apart[:split], [0.0, 0.0], sign * apart[split:]])
         answer = optimum(power, rows, offset, cones)
-        bound = {Outcome.OPTIMUM: float(power @ answer.x) * assembly.weight, Outcome.EMPTY: -np.inf}.get(answer.outcome, np.nan)
+        bound = {ProgrammeOutcome.OPTIMUM: float(power @ answer.x) * assembly.weight, ProgrammeOutcome.EMPTY: -np.inf}.get(
+            answer.outcome, np.nan
+        )
         ends.append(sign * bound)
     # The dislocation moves the support, so the sums above are of the force on the support: turn them.
     return -ends[1], -ends[0]

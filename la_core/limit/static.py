@@ -14,13 +14,13 @@ import numpy as np
 from scipy import sparse
 
 from la_core.limit.associated import Status
-from la_core.limit.conic import Answer, Cones, Outcome, maximise
+from la_core.limit.conic import Cones, ProgrammeAnswer, ProgrammeOutcome, maximise
 from la_core.limit.problem import ACCEPTED, SMOOTH, Drive
 from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly, columns, global_forces, scaled_load, support_motion, twists_of
 
 USABLE = 1e-3  # an answer with a larger residual is no answer: the solver broke off, as it may where hardly any equilibrium exists
-_WITHOUT_VALUE = {Outcome.EMPTY: Status.INFEASIBLE, Outcome.RAY: Status.UNBOUNDED}
+_WITHOUT_VALUE = {ProgrammeOutcome.EMPTY: Status.INFEASIBLE, ProgrammeOutcome.RAY: Status.UNBOUNDED}
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class StaticSolution:
     iterations: int
 
 
-def optimise(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.ndarray) -> StaticSolution:
+def solve_static(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.ndarray) -> StaticSolution:
     """Least or greatest reaction, or greatest multiplier, under |t| <= intercept (C,) in N + slope (C,) n.
 
     An infinite intercept limits no tangential force. INFEASIBLE: no equilibrium within these limits.
@@ -90,7 +90,7 @@ def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> Static
     """
     no_sliding, _ = coulomb_limits(assembly)
     strength = assembly.points.friction * np.maximum(normal_forces, 0.0)
-    return optimise(assembly, Drive.YIELDING, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
+    return solve_static(assembly, Drive.YIELDING, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
 
 
 def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:
@@ -131,7 +131,7 @@ def _units(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> np.n
     return units.ravel()
 
 
-def _without_value(assembly: Assembly, status: Status, answer: Answer) -> StaticSolution:
+def _without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer) -> StaticSolution:
     nan = float("nan")
     forces, twists = np.full((len(assembly.points), 3), nan), np.full((len(assembly.blocks), 6), nan)
     return StaticSolution(status, nan, forces, twists, nan, nan, nan, nan, answer.seconds, answer.iterations)
@@ -143,7 +143,7 @@ def _with_evidence(
     forces: np.ndarray,
     twists: np.ndarray,
     limits: tuple[np.ndarray, np.ndarray],
-    answer: Answer,
+    answer: ProgrammeAnswer,
 ) -> StaticSolution:
     """Solution with residuals recomputed from its forces and twists; one above ACCEPTED makes it inaccurate, above USABLE failed."""
     live = drive is Drive.LIVE

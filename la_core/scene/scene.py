@@ -19,8 +19,8 @@ from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import LARGEST_FILE, MOST_BLOCKS, Vector
-from la_core.scene.validation import complaint
-from la_core.text_table import Tabled, number
+from la_core.scene.validation import as_scene_error
+from la_core.text_table import Tabled, number_text
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,8 +43,8 @@ class Scene(Tabled):
     blocks: Blocks
     support_twist: np.ndarray | None
     live: np.ndarray | None
-    effects: scene_file.Effects
-    path_asked: scene_file.Path | None
+    effects: scene_file.RequestedEffects
+    path_asked: scene_file.RequestedPath | None
     expected: scene_file.Expected | None
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
@@ -78,7 +78,7 @@ class Scene(Tabled):
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in ROLES.items()]
         values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
-        return self.title, (self.name, "", "unit"), [*counts, *((name, number(value), unit) for name, value, unit in values)]
+        return self.title, (self.name, "", "unit"), [*counts, *((name, number_text(value), unit) for name, value, unit in values)]
 
 
 def load_scene(path: Path, name: str = "") -> Scene:
@@ -118,7 +118,7 @@ def _validate(data: dict[str, Any]) -> scene_file.SceneFile:
     try:
         return scene_file.SceneFile.model_validate(data)
     except pydantic.ValidationError as error:
-        raise complaint(error, data, scene_file.SceneFile) from error
+        raise as_scene_error(error, data, scene_file.SceneFile) from error
 
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scene:

@@ -7,7 +7,7 @@ import pydantic
 from la_core.errors import SceneError, nearest
 
 
-def complaint(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
+def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
     """The first thing wrong in a table's `data` as a sentence: key path (with the block's name), value, rule, nearest key."""
     error: Any = min(refused.errors(), key=_says_least)
     path, value = _key_path(error["loc"], data), error["input"]

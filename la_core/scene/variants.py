@@ -18,7 +18,7 @@ from la_core.errors import SceneError
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
-from la_core.scene.validation import complaint
+from la_core.scene.validation import as_scene_error
 
 KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
 LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
@@ -101,7 +101,7 @@ def _whole(tables: dict[str, Any], path: Path) -> dict[str, Any]:
     try:
         return SceneFile.model_validate(tables).model_dump(by_alias=True, mode="json")
     except pydantic.ValidationError as error:
-        raise SceneError(str(path), str(complaint(error, tables, SceneFile))) from error
+        raise SceneError(str(path), str(as_scene_error(error, tables, SceneFile))) from error
 
 
 def _name_of(key: str, value: Any) -> str:

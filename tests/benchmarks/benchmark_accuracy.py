@@ -21,7 +21,7 @@ from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.workflow import one_scene
 from la_core.analysis.accuracy import with_accuracy
-from la_core.text_table import number
+from la_core.text_table import number_text
 
 ACCURACIES = (0.05, 0.01, 0.002)
 SCENES = (
@@ -47,8 +47,8 @@ def measured(name: str, accuracy: float, folder: Path, narration: Narration) -> 
     for method, value in found.items():
         own: dict[str, Any] = bought.get(method) or {}
         error = percent(abs(value / exact - 1.0)) if exact and value is not None else DASH
-        cells += [error, percent(own.get("error")), number(own.get("seconds"), 2)]
-    return [*cells, number(yade.get("steps")) if yade.get("steps") else DASH, summary["verdict"]]
+        cells += [error, percent(own.get("error")), number_text(own.get("seconds"), 2)]
+    return [*cells, number_text(yade.get("steps")) if yade.get("steps") else DASH, summary["verdict"]]
 
 
 def main() -> None:

@@ -61,7 +61,7 @@ def write(scene: Scene, folder: Path) -> Path:
 def in_yade(script: Path, *arguments: object) -> dict[str, Any]:
     """What a script says, as JSON in its last line, that runs in YADE's interpreter, in a process of its own."""
     yade = process.find_yade()
-    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
+    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(part) for part in (yade.python, "-s", script, *arguments)]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=TIME_LIMIT)
     found: dict[str, Any] = json.loads(answer.stdout.splitlines()[-1])

@@ -19,7 +19,7 @@ from rich.table import Table
 
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
-from la_core.limit.associated import solve
+from la_core.limit.associated import solve_associated
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
 
@@ -51,7 +51,7 @@ class Answer:
 def bounds(scene: Scene) -> Answer:
     """Least and greatest reaction alone."""
     assembly = assemble(scene)
-    least, greatest = (solve(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING))
+    least, greatest = (solve_associated(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING))
     return Answer(assembly, least.value / scene.weight, least.seconds + greatest.seconds)
 
 

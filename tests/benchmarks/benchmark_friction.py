@@ -22,7 +22,7 @@ from rich.table import Table
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
 from la_core.coulomb.plateau import STEPS, PredictionSettings, follow, predict
 from la_core.limit.problem import Drive
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import JointStiffness, joint_stiffness
 
@@ -100,7 +100,7 @@ def run(case: Case) -> Result:
     parts = scenes.wall(case.per_course, case.courses, split=0.4 * (case.per_course - case.settling))
     scene = scenes.build(*parts, friction=case.friction)
     assembly = assemble(scene)
-    stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve(assembly, Drive.YIELDING)
+    stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     runs = {}
     for steps in (*COUNTS, REFERENCE):
         answer = predict(assembly, stiffness, associated, settings=PredictionSettings(steps))

@@ -75,7 +75,7 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     """Limit analysis of one wall: the least reaction by the associated law, or that and the Coulomb prediction."""
     scene = scale.wall(size, plane)
     model = assembly.assemble(scene)
-    bound = associated.solve(model, Drive.YIELDING)
+    bound = associated.solve_associated(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
     answer = plateau.predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)

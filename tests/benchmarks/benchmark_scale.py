@@ -153,7 +153,7 @@ def measure(kind: str, size: int) -> Run:
     start = time.process_time()
     with patched(STAGES, spent):
         model = assembly.assemble(build(kind, size))
-        solution = associated.solve(model, Drive.YIELDING)
+        solution = associated.solve_associated(model, Drive.YIELDING)
     total = time.process_time() - start
     spent["assembly"] -= spent["contacts"]
     residual = max(solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
@@ -168,7 +168,7 @@ def measure_coulomb(kind: str, size: int) -> tuple[str, ...]:
     """One row of the table of Coulomb predictions."""
     scene = build(kind, size)
     model = assembly.assemble(scene)
-    bounds = associated.solve(model, Drive.YIELDING)
+    bounds = associated.solve_associated(model, Drive.YIELDING)
     solution = predict(model, joint_stiffness(model, model.inset, scene.yade), bounds)
     return (
         kind, f"{len(model.blocks)}", solution.status, f"{solution.value / model.weight:.6f}", f"{solution.iterations}",

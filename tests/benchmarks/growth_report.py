@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from comparison.figures.canvas import FAINT, INK, method_colour
 from comparison.studies.figure_of_cost import MARKERS
-from la_core.text_table import number
+from la_core.text_table import number_text
 
 LARGER = 0.1  # of the largest size: sizes from there on are fitted
 FEWEST = 3  # sizes of a fit: a line through two has no error
@@ -55,7 +55,7 @@ def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 def _cell(value: object) -> str:
     if isinstance(value, float):
-        return number(value, 2)
+        return number_text(value, 2)
     return "–" if value is None else f"{value:,}" if isinstance(value, int) else str(value)
 
 

@@ -25,7 +25,7 @@ from comparison.workflow import one_scene
 from la_core.analysis.answer import EVIDENCE
 from la_core.errors import SceneError
 from la_core.model.assembly import assemble
-from la_core.text_table import number, over_weight
+from la_core.text_table import number_text, over_weight
 
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
@@ -87,14 +87,18 @@ def outcome(case: HardCase, folder: Path, narration: Narration, with_yade: bool 
 def row(found: Outcome) -> list[str]:
     """Cells of a case."""
     case, summary = found.case, found.summary
-    known = case.known if isinstance(case.known, str) else number(case.known, 5)
+    known = case.known if isinstance(case.known, str) else number_text(case.known, 5)
     if summary is None:
         return [case.name, case.what_is_hard, known, "refused", *["–"] * 7, found.refusal.split(";")[0]]
     answer, coulomb, weight = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["weight"]
     shared = answer.get("shared_inset", answer)
     predicted = (coulomb or {}).get("shared_inset", coulomb or {}).get("reaction")
     residual = max((answer[name] for name in EVIDENCE if answer[name] is not None), default=None)
-    values = [number(over_weight(shared["reaction"], weight), 5), number(over_weight(predicted, weight), 5), number(residual, 1)]
+    values = [
+        number_text(over_weight(shared["reaction"], weight), 5),
+        number_text(over_weight(predicted, weight), 5),
+        number_text(residual, 1),
+    ]
     yade = summary["yade"] or {}
     reaction, uncertainty = (over_weight(yade.get(name), weight) for name in ("reaction", "uncertainty"))
     status = answer["status"] if answer["status"] != "solved" or coulomb is None else coulomb["status"]
@@ -108,7 +112,7 @@ def solvers_in_words(others: tuple[OtherSolvers, ...]) -> str:
     """Whether the static form and HiGHS say the same of least and greatest reaction, and how far they are off, over the weight."""
     verdict = "agree" if all(other.agree for other in others) else "DISAGREE"
     off = max((other.beyond for other in others if not math.isnan(other.beyond)), default=None)
-    return verdict if off is None else f"{verdict}, {number(off, 1)}"
+    return verdict if off is None else f"{verdict}, {number_text(off, 1)}"
 
 
 def page(outcomes: list[Outcome], quick: bool = False) -> str:

@@ -21,7 +21,7 @@ from scipy import sparse
 
 from la_core.limit import associated, linearised
 from la_core.limit.associated import Solution, solution_of
-from la_core.limit.conic import Answer, Outcome
+from la_core.limit.conic import ProgrammeAnswer, ProgrammeOutcome
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, driven_problem, scaled_problem
 from la_core.model.assembly import Assembly, assemble
 
@@ -153,7 +153,7 @@ def repeated(row: Row, again: Callable[[], tuple[float, float]], assembly: Assem
 def ours(assembly: Assembly) -> Attempt:
     """Our own solve, all its attempts counted."""
     with timed(associated, "maximise") as spent:
-        solution = associated.solve(assembly, Drive.YIELDING)
+        solution = associated.solve_associated(assembly, Drive.YIELDING)
     return Attempt(solution, *spent)
 
 
@@ -173,7 +173,7 @@ def foreign(assembly: Assembly, solver: str, tolerance: float) -> Attempt:
     processor, clock = time.process_time(), time.perf_counter()
     x, multipliers, iterations = FOREIGN[solver](driven, tolerance)
     processor, clock = time.process_time() - processor, time.perf_counter() - clock
-    answer = Answer(Outcome.OPTIMUM, np.asarray(x), np.asarray(multipliers), int(iterations), clock)
+    answer = ProgrammeAnswer(ProgrammeOutcome.OPTIMUM, np.asarray(x), np.asarray(multipliers), int(iterations), clock)
     return Attempt(solution_of(assembly, problem, Drive.YIELDING, driven, answer), processor, clock)
 
 

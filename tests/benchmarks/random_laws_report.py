@@ -24,8 +24,8 @@ from rich.console import Console
 
 from la_core.coulomb.plateau import predict
 from la_core.limit.problem import Drive
-from la_core.limit.associated import Status, solve
-from la_core.limit.static import coulomb_limits, optimise
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.static import coulomb_limits, solve_static
 from la_core.model.assembly import assemble
 from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
@@ -102,8 +102,8 @@ def census(scenes: int) -> dict[str, Counter[str]]:
     def look(scene: Scene) -> None:
         assembly = assemble(scene)
         for drive in drives(assembly):
-            solution = solve(assembly, drive)
-            static = optimise(assembly, drive, *coulomb_limits(assembly))
+            solution = solve_associated(assembly, drive)
+            static = solve_static(assembly, drive, *coulomb_limits(assembly))
             for method, one in zip(METHODS, (solution, static), strict=False):
                 statuses[method][one.status.value] += 1
             if solution.status is Status.SOLVED and drive is not Drive.PUSHING:

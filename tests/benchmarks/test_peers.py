@@ -21,7 +21,7 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, limit_table, number
 from scipy.optimize import linprog
 
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem
 from la_core.model.assembly import Assembly, assemble
 
@@ -55,14 +55,14 @@ def by_scipy(driven: DrivenProblem, tolerance: float) -> peers_limit.Raw:
 
 @pytest.mark.parametrize("name", peers_limit.HIGHS)
 def test_highs_gets_the_problem_that_we_solve(name) -> None:
-    own, other = solve(pads(), Drive.YIELDING), peers_limit.highs(pads(), name, 4)
+    own, other = solve_associated(pads(), Drive.YIELDING), peers_limit.highs(pads(), name, 4)
     assert own.status is Status.SOLVED and other.residual <= ACCEPTED
     assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
 
 
 def test_what_peers_are_handed_has_our_optimum_and_is_certified_by_our_judge(monkeypatch) -> None:
     monkeypatch.setitem(peers_limit.FOREIGN, "scipy", by_scipy)
-    own, other = solve(pads(), Drive.YIELDING), peers_limit.foreign(pads(), "scipy", TIGHT)
+    own, other = solve_associated(pads(), Drive.YIELDING), peers_limit.foreign(pads(), "scipy", TIGHT)
     assert other.residual <= ACCEPTED
     assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
 
@@ -79,7 +79,7 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
 @solver
 def test_a_peer_finds_our_reaction(name) -> None:
     needs(name.lower())
-    own, other = solve(pads(), Drive.YIELDING), peers_limit.foreign(pads(), name, TIGHT)
+    own, other = solve_associated(pads(), Drive.YIELDING), peers_limit.foreign(pads(), name, TIGHT)
     assert other.residual <= ACCEPTED
     assert other.solution.value == pytest.approx(own.value, rel=SAME_REACTION)
 
@@ -89,7 +89,7 @@ def test_an_equilibrium_by_compas_cra_is_one_by_our_judge_and_lies_between_our_b
     assembly = assemble(scenes.shipped("wall_third"))
     *_, forces, _, _ = peers_equilibrium.equilibrium(assembly, "compas_cra RBE")
     assert peers_equilibrium.residual(assembly, forces) <= ACCEPTED
-    least, greatest = (solve(assembly, drive).value for drive in (Drive.YIELDING, Drive.PUSHING))
+    least, greatest = (solve_associated(assembly, drive).value for drive in (Drive.YIELDING, Drive.PUSHING))
     assert least < peers_limit.limit.evidence.reaction(assembly, forces) < greatest
 
 

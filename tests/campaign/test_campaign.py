@@ -20,11 +20,11 @@ from faulty_runs import INTERRUPTED
 
 from comparison.campaign import columns, job, table
 from comparison.campaign.cases import LONGEST, axes, expand
-from comparison.campaign.definition import MOST_CASES, load
+from comparison.campaign.definition import MOST_CASES, load_campaign
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.cli.commands import main
-from comparison.cli.study_verbs.campaign import find as find_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.errors import FolderInUseError
 from comparison.run_folder import alone_in
 from comparison.studies.sensitivity import study
@@ -101,7 +101,7 @@ def test_a_wrong_file_is_refused_in_one_message_before_anything_runs(
 def test_a_wrong_case_is_named(tmp_path: Path) -> None:
     path = written(tmp_path, sweep('vary = { "joint.friction" = [0.5, -1.0] }'))
     with pytest.raises(SceneError, match=r"campaign\.toml: case two_pads_friction=-1\.0: .*two_pads\.toml: joint\.friction = -1\.0"):
-        expand(load(path))
+        expand(load_campaign(path))
 
 
 def test_a_campaign_that_cannot_be_read_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -114,14 +114,14 @@ def test_a_campaign_that_cannot_be_read_is_refused(tmp_path: Path, capsys: pytes
 
 
 def names(text: str, tmp_path: Path) -> list[str]:
-    return [case.name for case in expand(load(written(tmp_path, text)))]
+    return [case.name for case in expand(load_campaign(written(tmp_path, text)))]
 
 
 def test_cases_are_the_product_in_the_order_of_the_file_the_last_key_fastest(tmp_path: Path) -> None:
     together = 'together = [{ "block[0].box.to[0]" = [0.4, 0.45], "block[1].box.from[0]" = [0.5, 0.55] }]'
     text = sweep(f'vary = {{ "joint.friction" = [0.3, 0.6] }}\n{together}') + 'labels = { "joint.friction" = "mu" }'
     text = 'labels = { "joint.friction" = "mu" }\n' + text.removesuffix('labels = { "joint.friction" = "mu" }')
-    found = expand(load(written(tmp_path, text)))
+    found = expand(load_campaign(written(tmp_path, text)))
     assert [case.name for case in found] == [
         "two_pads_mu=0.3_to0=0.4", "two_pads_mu=0.3_to0=0.45", "two_pads_mu=0.6_to0=0.4", "two_pads_mu=0.6_to0=0.45",
     ]  # fmt: skip
@@ -146,7 +146,7 @@ def test_names_are_unique_short_and_lead_nowhere(tmp_path: Path) -> None:
 def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that_its_scene_has(tmp_path: Path) -> None:
     text = sweep('vary = { "joint.friction" = [0.3, 0.6, 0.6] }')
     text += '[[sweep]]\nscene = "two_pads"\nvary = { "joint.inset" = [0.001, 0.002] }'
-    definition = load(written(tmp_path, text))
+    definition = load_campaign(written(tmp_path, text))
     found = expand(definition)
     assert [case.name for case in found] == [f"two_pads_{key}" for key in ("friction=0.3", "friction=0.6", "inset=0.001", "inset=0.002")]
     assert [case.sweep for case in found] == ["two_pads", "two_pads", "two_pads-2", "two_pads-2"]
@@ -162,7 +162,7 @@ def test_an_expected_value_holds_for_the_scene_as_it_is_alone(tmp_path: Path) ->
         text = sweep(f"[sweep.set]\n{setting}")
         if "expected" in setting:
             text += '"expected.reaction_over_weight" = 0.16667\n"expected.kind" = "exact"\n'
-        (case,) = expand(load(written(tmp_path, text)))
+        (case,) = expand(load_campaign(written(tmp_path, text)))
         kept.append(case.run.scene().expected is not None)
     assert kept == [True, False, True]
 
@@ -198,7 +198,7 @@ def test_a_row_says_what_both_analyses_of_its_scene_say(tmp_path: Path, plain_fi
 
 def test_sharp_arrises_are_told_at_the_inset_that_yade_is_judged_by(tmp_path: Path, plain_figures: None) -> None:
     (row,) = run(sweep('set = { "joint.inset" = 0.0 }'), tmp_path / "out").rows
-    analysis = analyse(expand(load(tmp_path / "campaign.toml"))[0].run.scene())
+    analysis = analyse(expand(load_campaign(tmp_path / "campaign.toml"))[0].run.scene())
     assert analysis.assembly.inset > 0.0
     assert row["least"] == analysis.bounds[analysis.main].value != analysis.sharp.bounds[analysis.main].value
     assert analysis.coulomb is not None and row["coulomb"] == analysis.coulomb.value
@@ -230,8 +230,8 @@ def test_the_classic_iteration_s_answer_is_that_of_the_sensitivity_study_and_its
 def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: None) -> None:
     out = tmp_path / "out"
     found = run(sweep('vary = { "joint.friction" = [0.3, 0.6], "effects.plane" = ["auto", true] }', "two_blocks"), out)
-    table.write(found, parquet=True)
-    assert table.read(out) == found
+    table.write_campaign(found, parquet=True)
+    assert table.read_campaign(out) == found
     rows = list(csv.DictReader(io.StringIO((out / "results.csv").read_text(encoding="utf-8"))))
     names = list(columns.result_columns(list(found.axes)))
     assert list(rows[0]) == names
@@ -269,7 +269,7 @@ def test_the_types_of_columns_do_not_hang_on_what_the_cases_came_to(tmp_path: Pa
     for name, own in rows.items():
         (tmp_path / name).mkdir()
         spent = [costs if row["case"] else dict.fromkeys(costs) for row in own]
-        table.write(table.CampaignTable("title", axes, own, spent, {}, tmp_path / name), parquet=True)
+        table.write_campaign(table.CampaignTable("title", axes, own, spent, {}, tmp_path / name), parquet=True)
         types[name] = [parquet.read_schema(tmp_path / name / f"{stem}.parquet") for stem in ("results", "costs")]
         with h5py.File(tmp_path / name / "campaign.h5") as file:
             arrays[name] = {
@@ -294,12 +294,12 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
     rows = [dict.fromkeys(columns.result_columns([])) | {"case": "a", "least": 0.3, "state": "done"}]
-    table.write(table.CampaignTable("title", {}, rows, [{"case": "a"}], {}, out))
-    assert table.read(out).rows == rows
+    table.write_campaign(table.CampaignTable("title", {}, rows, [{"case": "a"}], {}, out))
+    assert table.read_campaign(out).rows == rows
     stored = out / table.STORED
     stored.write_text(damage(stored.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(ExchangeError, match="run `crosscheck campaign` again"):
-        table.read(out)
+        table.read_campaign(out)
 
 
 @pytest.mark.parametrize("scene", ["wall_third", "arch_spreading"])
@@ -345,10 +345,10 @@ def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_c
     assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
     said = capsys.readouterr()
     assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
-    done, failed = table.read(out).rows
+    done, failed = table.read_campaign(out).rows
     assert (done["state"], failed["state"]) == ("done", "failed")
     assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # where the program lies is left out
-    assert table.read(out).failures == [failed]
+    assert table.read_campaign(out).failures == [failed]
     again = Inline()
     run(text, out, again)
     assert again.done == ["wall_low_friction_elasticity=none"]
@@ -449,7 +449,7 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
 
     with pytest.raises(KeyboardInterrupt):
         run(QUICK, out, Inline(interrupt))
-    assert [row["case"] for row in table.read(out).rows] == begun(out)
+    assert [row["case"] for row in table.read_campaign(out).rows] == begun(out)
     again = Inline()
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
@@ -469,7 +469,7 @@ def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
     try:
         assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == INTERRUPTED
         assert elsewhere == [] and "error: stopped" in capsys.readouterr().err
-        assert [row["case"] for row in table.read(out).rows] == begun(out)
+        assert [row["case"] for row in table.read_campaign(out).rows] == begun(out)
         os.kill(os.getpid(), signal.SIGTERM)
         assert elsewhere == [signal.SIGTERM]
     finally:
@@ -490,7 +490,7 @@ def test_the_report_is_written_while_the_folder_is_held(tmp_path: Path, plain_fi
 
 
 def test_a_shipped_campaign_is_found_by_its_name_and_all_its_cases_are_scenes(capsys: pytest.CaptureFixture[str]) -> None:
-    cases = expand(load(find_campaign(Path("seed_paper"))))
+    cases = expand(load_campaign(find_campaign(Path("seed_paper"))))
     assert len(cases) >= 60 and len({case.sweep for case in cases}) == 9
     assert main(["campaign", "seed_papers"]) == 2
     assert 'did you mean "seed_paper"?' in capsys.readouterr().err

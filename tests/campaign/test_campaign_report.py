@@ -16,16 +16,16 @@ import pytest
 from comparison.campaign.columns import COSTS, METHODS, result_columns
 from comparison.campaign.figures import lines as plot_lines
 from comparison.campaign.figures import maps
-from comparison.campaign.mechanism_changes import changes, letters
+from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.parameter_labels import label, quantity
 from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import Change, Comparison, compare
 from comparison.campaign.report.compare_report import stored_comparison
-from comparison.campaign.report.report import stored_report, write_campaign_report
-from comparison.campaign.report.verdict_matrix import panels
-from comparison.campaign.row_groups import lines, sweeps
+from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
+from comparison.campaign.report.verdict_matrix import matrix_panels
+from comparison.campaign.row_groups import lines, sweeps_of
 from comparison.campaign.row_values import bounds, deviation, worst_first
-from comparison.campaign.table import CampaignTable, write
+from comparison.campaign.table import CampaignTable, write_campaign
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import TOOL
 from comparison.figures.canvas import LIMIT_ANALYSIS, YADE
@@ -122,7 +122,7 @@ def left_out(table: CampaignTable, *places: int, **values: Any) -> CampaignTable
 @every_shape
 def test_the_matrix_has_a_cell_for_every_case(shape: str, tmp_path: Path) -> None:
     table = campaign(tmp_path, shape)
-    found = panels(table)
+    found = matrix_panels(table)
     cells = [cell for panel in found for _, places in panel.rows for cell_list in places for cell in cell_list]
     assert sorted(cell.case for cell in cells) == sorted(row["case"] for row in table.rows)
     assert all(cell.href and (tmp_path / unquote(cell.href)).is_file() for cell in cells)
@@ -154,7 +154,7 @@ def test_a_folder_outside_the_campaign_is_not_linked(tmp_path: Path) -> None:
     (tmp_path / "report.html").write_text("elsewhere")
     for folder in ("../", "..", "/", str(tmp_path), "javascript:alert(1)", "no/such"):
         table = changed(campaign(tmp_path / "inside", "one case"), 0, folder=folder)
-        assert panels(table)[0].rows[0][1][0][0].href == ""
+        assert matrix_panels(table)[0].rows[0][1][0][0].href == ""
 
 
 def test_no_text_of_a_campaign_is_read_as_markup(tmp_path: Path) -> None:
@@ -196,8 +196,8 @@ def test_the_same_campaign_gives_the_same_files(shape: str, tmp_path: Path) -> N
 
 def test_a_change_of_mechanism_leads_to_the_reports_of_both_its_cases(tmp_path: Path) -> None:
     table = campaign(tmp_path, "two axes")
-    found = list(changes(sweeps(table)))
-    for row, change in zip(report_rows.changed(table, found, letters(sweeps(table))), found, strict=True):
+    found = list(mechanism_changes_along(sweeps_of(table)))
+    for row, change in zip(report_rows.changed(table, found, letters(sweeps_of(table))), found, strict=True):
         assert [unquote(side["href"]) for side in row["between"]] == [f"cases/{case}/report.html" for case in change.cases]
         cases = {own["case"]: own for own in table.rows}
         assert [cases[case][change.parameter] for case in change.cases] == [change.low, change.high]
@@ -212,7 +212,7 @@ def test_a_folder_of_figures_that_is_a_link_is_refused_and_what_lies_there_stays
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table = campaign(tmp_path / "campaign", "one case")
-    write(table)
+    write_campaign(table)
     elsewhere = tmp_path / "photographs"
     elsewhere.mkdir()
     (elsewhere / "reaction-1.png").write_bytes(b"the user's own")
@@ -236,7 +236,7 @@ def test_only_figures_of_this_program_s_own_naming_are_taken_away(tmp_path: Path
 
 
 def test_the_axis_of_a_reaction_says_its_unit_though_the_first_case_failed(tmp_path: Path) -> None:
-    (drawn,) = plot_lines.reaction_figures(sweeps(left_out(campaign(tmp_path), 0)))
+    (drawn,) = plot_lines.reaction_figures(sweeps_of(left_out(campaign(tmp_path), 0)))
     assert drawn.figure.axes[0].get_ylabel() == quantity("N") != quantity("")
 
 
@@ -244,10 +244,10 @@ def test_a_panel_in_which_no_case_stands_is_left_out(tmp_path: Path) -> None:
     table = campaign(tmp_path)
     lost = [k for k, row in enumerate(table.rows) if row["scene"] == "scene1"]
     for draw in (plot_lines.reaction_figures, plot_lines.participation_figures):
-        (whole,) = draw(sweeps(table))
-        (partly,) = draw(sweeps(left_out(table, *lost)))
+        (whole,) = draw(sweeps_of(table))
+        (partly,) = draw(sweeps_of(left_out(table, *lost)))
         assert len(whole.figure.axes) == 2 and len(partly.figure.axes) == 1
-        assert not list(draw(sweeps(left_out(table))))
+        assert not list(draw(sweeps_of(left_out(table))))
     fallen = left_out(table, state="done", unit="N", weight=1000.0, free_blocks=40, associated_status="infeasible", yade_status="collapsed")
     assert "reaction-1.png" not in write_campaign_report(fallen).read_text(encoding="utf-8")
     assert not list((tmp_path / "figures").glob("reaction-*"))
@@ -258,7 +258,7 @@ def test_maps_of_cases_without_yade_have_no_place_for_it(shape: str, tmp_path: P
     table = campaign(tmp_path, shape)
     none = {name: None for name in result_columns([]) if name.startswith("yade")}
     without = replace(table, rows=[row | none for row in table.rows])
-    ((with_yade, _),), ((alone, _),) = (maps.map_figures(sweeps(one)) for one in (table, without))
+    ((with_yade, _),), ((alone, _),) = (maps.map_figures(sweeps_of(one)) for one in (table, without))
 
     def shown(figure: Any) -> str:
         return " ".join(text.get_text() for axes in figure.axes for text in (axes.title, *axes.get_yticklabels()))
@@ -270,7 +270,7 @@ def test_maps_of_cases_without_yade_have_no_place_for_it(shape: str, tmp_path: P
 
 def test_one_of_a_thing_is_not_told_as_many(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = campaign(tmp_path, "one case")
-    write(table)
+    write_campaign(table)
     folder = str(tmp_path)
     assert main(["report", folder]) == main(["compare", folder, folder]) == 0
     said = capsys.readouterr()
@@ -315,14 +315,14 @@ def test_mechanisms_are_told_by_equality_alone(tmp_path: Path) -> None:
     renamed = replace(
         table, rows=[row | {f"{method}_mechanism": new[row[f"{method}_mechanism"]] for method in METHODS} for row in table.rows]
     )
-    first, second = (stored_report(one) for one in (table, renamed))
+    first, second = (stored_campaign_report(one) for one in (table, renamed))
     assert first["mechanism_changes"] == second["mechanism_changes"]
-    assert {new[name]: letter for name, letter in letters(sweeps(table))["scene0"].items()} == letters(sweeps(renamed))["scene0"]
+    assert {new[name]: letter for name, letter in letters(sweeps_of(table))["scene0"].items()} == letters(sweeps_of(renamed))["scene0"]
 
 
 def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_both_sides(tmp_path: Path) -> None:
     table = campaign(tmp_path, "two axes")
-    found = list(changes(sweeps(table)))
+    found = list(mechanism_changes_along(sweeps_of(table)))
     assert {(change.parameter, change.method, change.low, change.high) for change in found} == {
         (MU, "limit", 0.4, 0.5), (MU, "yade", 0.4, 0.5)
     }  # fmt: skip
@@ -336,12 +336,12 @@ def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_bo
 def test_a_parameter_that_does_not_vary_or_goes_with_another_is_no_axis(tmp_path: Path) -> None:
     table = campaign(tmp_path)
     rows = [row | {INSET: 0.001, "stone.density": 2000.0 + 1000.0 * row[MU]} for row in table.rows]
-    found = sweeps(replace(table, axes=table.axes | {INSET: [0.001], "stone.density": []}, rows=rows))
+    found = sweeps_of(replace(table, axes=table.axes | {INSET: [0.001], "stone.density": []}, rows=rows))
     assert [sweep.parameters for sweep in found] == [[MU], [MU]]
 
 
 def test_lines_hold_every_row_of_a_sweep_once_and_rise(tmp_path: Path) -> None:
-    (sweep,) = sweeps(campaign(tmp_path, "three axes"))
+    (sweep,) = sweeps_of(campaign(tmp_path, "three axes"))
     for parameter in sweep.parameters:
         found = lines(sweep, parameter)
         assert sorted(row["case"] for line in found for row in line.rows) == sorted(row["case"] for row in sweep.rows)
@@ -352,7 +352,7 @@ def test_lines_hold_every_row_of_a_sweep_once_and_rise(tmp_path: Path) -> None:
 def test_cases_that_share_a_run_are_one_case_to_both_methods_and_their_run_is_paid_once(tmp_path: Path) -> None:
     table = campaign(tmp_path, "classic")
     table = replace(table, rows=[row | {"folder": table.rows[0]["folder"]} for row in table.rows])
-    assert [len(sweep.rows) for sweep in sweeps(table)] == [1]
+    assert [len(sweep.rows) for sweep in sweeps_of(table)] == [1]
     (total,) = report_rows.totals(table)
     assert (total["cases"], total["yade_seconds"]) == (len(table.rows), "4")
     apart = campaign(tmp_path, "classic")
@@ -361,7 +361,7 @@ def test_cases_that_share_a_run_are_one_case_to_both_methods_and_their_run_is_pa
 
 
 def test_the_methods_have_their_colours_in_the_figures_of_a_campaign(tmp_path: Path) -> None:
-    (drawn,) = plot_lines.reaction_figures(sweeps(campaign(tmp_path, "one axis")))
+    (drawn,) = plot_lines.reaction_figures(sweeps_of(campaign(tmp_path, "one axis")))
     colours = {line.get_color(): line.get_ydata() for line in drawn.figure.axes[0].get_lines() if len(line.get_xdata()) == len(FRICTIONS)}
     reaction = [0.5 - (0.3 if mu < 0.45 else 0.1) * mu for mu in FRICTIONS]
     assert list(colours[LIMIT_ANALYSIS]) == pytest.approx(reaction)
@@ -378,13 +378,13 @@ def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_rea
 def test_where_the_law_of_friction_is_associated_its_mechanism_is_the_one_compared(tmp_path: Path) -> None:
     table = campaign(tmp_path, "choices")
     table = changed(table, 1, coulomb=None, coulomb_status=None, coulomb_mechanism=None, associated_mechanism="own", yade_mechanism="own")
-    ((figure, _),) = maps.map_figures(sweeps(table))
+    ((figure, _),) = maps.map_figures(sweeps_of(table))
     assert [text.get_text() for text in figure.axes[0].texts] == ["A", "B", "A", "B"]
 
 
 def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path) -> None:
     table = changed(campaign(tmp_path, "two axes"), 3, yade_mechanism="12-high")
-    ((figure, _),) = maps.map_figures(sweeps(table))
+    ((figure, _),) = maps.map_figures(sweeps_of(table))
     marked = [[text for text in axes.texts if maps.APART in text.get_text()] for axes in figure.axes]
     assert [len(texts) for texts in marked] == [1, 1]
     assert marked[0][0].get_position() == marked[1][0].get_position()
@@ -394,7 +394,7 @@ def test_cells_where_the_methods_differ_are_marked_and_no_others(tmp_path: Path)
 def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp_path: Path) -> None:
     none = dict.fromkeys(f"{method}_mechanism" for method in METHODS)
     table = changed(campaign(tmp_path, "two axes"), 0, **none, associated_status="infeasible", yade_status="collapsed")
-    ((figure, _),) = maps.map_figures(sweeps(table))
+    ((figure, _),) = maps.map_figures(sweeps_of(table))
     for axes in figure.axes:
         assert [text.get_text() for text in axes.texts].count(maps.FALLS) == 1
 
@@ -507,7 +507,7 @@ def test_a_campaign_run_by_another_yade_says_so(tmp_path: Path, capsys: pytest.C
         (table.folder / table.rows[2]["folder"] / "scene").mkdir()
         (table.folder / table.rows[2]["folder"] / "scene" / "comparison.json").write_bytes(b"\xff")
         (table.folder / table.rows[3]["folder"] / "scene" / "comparison.json").mkdir(parents=True)
-        write(table)
+        write_campaign(table)
     assert main(["compare", str(tmp_path / "before"), str(tmp_path / "after"), "--json", "-q"]) == 0
     assert json.loads(capsys.readouterr().out)["provenance"] == [{"name": "yade_version", "before": "2023.02a", "after": "2024.04"}]
 
@@ -516,8 +516,8 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.Capt
     before, after = moved(tmp_path / "before")
     after = replace(after, folder=tmp_path / "after", title="<b>after</b> | x")
     after.folder.mkdir()
-    write(before)
-    write(after)
+    write_campaign(before)
+    write_campaign(after)
     first, second = str(before.folder), str(after.folder)
     assert main(["compare", first, first]) == 0
     assert "Nothing of substance changed" in capsys.readouterr().out
@@ -540,11 +540,11 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.Capt
 
 def test_report_on_a_campaign_s_folder_writes_its_report_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = campaign(tmp_path / "one", "one case")
-    write(table)
+    write_campaign(table)
     assert main(["report", str(table.folder), "--json", "-q"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"] == {"agree": 1}
     assert (table.folder / "report.html").is_file()
-    write(changed(table, 0, verdict="disagree", reason="it does not"))
+    write_campaign(changed(table, 0, verdict="disagree", reason="it does not"))
     assert main(["report", str(table.folder), "-q"]) == 1
     assert "it does not" in capsys.readouterr().out
     assert main(["report", str(table.folder), str(tmp_path)]) == 2

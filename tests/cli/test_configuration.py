@@ -243,8 +243,8 @@ def test_the_table_of_the_readme_is_that_of_the_settings() -> None:
 def test_no_setting_is_a_word_of_a_scene() -> None:
     """A configuration must not be able to change an answer: what a scene says and what is configured have no word in common."""
     from la_core.exchange.dem_settings import SETTINGS
-    from la_core.scene.schema.scene_file import Effects, Joint, SceneFile, Stone
+    from la_core.scene.schema.scene_file import Joint, RequestedEffects, SceneFile, Stone
 
-    of_a_scene = {name for table in (SceneFile, Joint, Stone, Effects) for name in table.model_fields} | set(SETTINGS)
+    of_a_scene = {name for table in (SceneFile, Joint, Stone, RequestedEffects) for name in table.model_fields} | set(SETTINGS)
     time_limit, the_table_of_yade = "time_limit", "yade"  # an end that is told, and the name of a table
     assert set(Settings.model_fields) & of_a_scene == {time_limit, the_table_of_yade}

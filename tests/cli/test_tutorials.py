@@ -79,7 +79,7 @@ def test_a_wrong_number_in_a_walk_through_is_found(tmp_path: Path, monkeypatch: 
     (tmp_path / "pads.py").write_text(changed, encoding="utf-8")
     monkeypatch.setattr(tutorial, "SCRIPTS", tmp_path)
     with pytest.raises(AssertionError) as found:
-        list(tutorial.run("pads", tmp_path / "out"))
+        list(tutorial.run_cells("pads", tmp_path / "out"))
     place = found.traceback[-1]
     assert (Path(place.path).name, changed.splitlines()[place.lineno]) == (
         "pads.py",

@@ -16,7 +16,7 @@ from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import mechanism
 from la_core.model.assembly import Assembly
@@ -150,7 +150,7 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
     """Three equal voussoirs of a flat arch may hinge at either inner joint; the solver mixes both mechanisms."""
     scene, analysis = _case("flat_arch")
     least = analysis.bounds[Drive.YIELDING]
-    one_hinge = solve(_with_heavier_left(analysis), Drive.YIELDING).twists
+    one_hinge = solve_associated(_with_heavier_left(analysis), Drive.YIELDING).twists
     assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < check_prediction.SIMILAR
     run = _perfect_run(analysis)
     run.poses.displacement[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, :3]

@@ -10,11 +10,11 @@ import scenes
 
 from comparison.cli.commands import main
 from comparison.studies import cost
-from comparison.studies.cost import Ladder, Rung, climb, prediction_inset
-from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, Outcome, limit_analysis_methods
+from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
+from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
 from comparison.yade import process
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.model.contact_grid import with_grid
@@ -29,13 +29,13 @@ def once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cost, "REPEATS", 1)
 
 
-def chosen(name: str, *families: str) -> Ladder:
+def chosen(name: str, *families: str) -> CostStudy:
     scene = scenes.shipped(name)
     methods = [m for m in limit_analysis_methods(scene, prediction_inset(scene)) if m.family in (*families, "cone programme")]
-    return climb(scene, methods, lambda number, words: None)
+    return measure_study(scene, methods, lambda number, words: None)
 
 
-def errors(ladder: Ladder, family: str, word: str = "") -> np.ndarray:
+def errors(ladder: CostStudy, family: str, word: str = "") -> np.ndarray:
     return np.array([rung.error for rung in ladder.rungs if rung.family == family and word in rung.setting])
 
 
@@ -44,14 +44,14 @@ def test_points_between_the_corners_add_nothing_where_joints_do_not_twist(plane:
     assembly = assemble(scenes.build(*scenes.wall(4, 3, 1.0), plane=plane, inset=0.001))
     finer = with_grid(assembly, 3)
     assert len(finer.points) == len(assembly.interfaces) * (3 if plane else 9)
-    values = [solve(one, Drive.YIELDING).value for one in (assembly, with_grid(assembly, 2), finer)]
+    values = [solve_associated(one, Drive.YIELDING).value for one in (assembly, with_grid(assembly, 2), finer)]
     assert values[1:] == pytest.approx([values[0]] * 2, rel=REDUNDANT)
 
 
 def test_an_answer_is_as_good_as_it_was_asked_to_be() -> None:
     assembly = assemble(scenes.shipped("wall_third"))
     asked = (1e-3, 1e-6, 1e-8)
-    solutions = [solve(assembly, Drive.YIELDING, accuracy=accuracy) for accuracy in asked]
+    solutions = [solve_associated(assembly, Drive.YIELDING, accuracy=accuracy) for accuracy in asked]
     for accuracy, solution in zip(asked, solutions, strict=True):
         assert solution.status is Status.SOLVED
         assert max(solution.equilibrium_residual, solution.duality_gap, solution.mechanism_violation) <= accuracy
@@ -83,14 +83,14 @@ def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
     exact = scene.expected.reaction_over_weight * scene.weight  # type: ignore[union-attr,operator]
 
     def made(total: float, error: float, status: str = "solved") -> Method:
-        return Method("made up", f"{total} {error}", PREDICTION, lambda: Outcome(exact * (1.0 + error), status, 0.0, total))
+        return Method("made up", f"{total} {error}", PREDICTION, lambda: MethodOutcome(exact * (1.0 + error), status, 0.0, total))
 
-    cone = Method("cone programme", "made up", ASSOCIATED, lambda: Outcome(exact, "solved", 0.0, 1.0))
+    cone = Method("cone programme", "made up", ASSOCIATED, lambda: MethodOutcome(exact, "solved", 0.0, 1.0))
     methods = [cone, made(1.0, 0.1), made(2.0, 0.2), made(3.0, 0.01), made(4.0, 0.01), made(0.5, 0.5), made(0.1, 0.0, "failed")]
-    found = climb(scene, methods, lambda number, words: None).rungs[1:]
+    found = measure_study(scene, methods, lambda number, words: None).rungs[1:]
     assert [one.pareto for one in found] == [True, False, True, False, True, False]
     assert math.isnan(found[-1].error)
-    assert all(isinstance(one, Rung) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
+    assert all(isinstance(one, CostPoint) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
 
 
 def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
@@ -99,7 +99,7 @@ def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
     wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
     methods = [m for m in yade_methods(scene, process.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
     cone = [m for m in limit_analysis_methods(scene, 0.0) if m.family == "cone programme"]
-    found = {one.setting: one for one in climb(scene, [*cone, *methods], lambda number, words: None).rungs if one.family == "YADE"}
+    found = {one.setting: one for one in measure_study(scene, [*cone, *methods], lambda number, words: None).rungs if one.family == "YADE"}
     assert found["derived settings"].error == pytest.approx(0.01, rel=ROUNDING)
     assert found["inset x 0.2"].error == pytest.approx(0.002, rel=ROUNDING)
     assert all(one.status == "plateau" and one.uncertainty > 0.0 for one in found.values())

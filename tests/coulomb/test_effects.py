@@ -18,7 +18,7 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.errors import SceneError
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.no_sliding import no_sliding_rows, shared_friction
 from la_core.limit.problem import Drive, scaled_problem
 from la_core.model.assembly import Assembly, assemble
@@ -90,11 +90,11 @@ def test_a_wall_without_sliding_is_another_structure() -> None:
 
 def test_a_joint_within_two_per_cent_of_sliding_counts_as_sliding() -> None:
     """The arch's sliding limit is bracketed by its own bound: below it the reaction needs more than the mechanism of hinges."""
-    free = solve(assemble(arch(0.9, model="none-slides")), Drive.YIELDING).value
+    free = solve_associated(assemble(arch(0.9, model="none-slides")), Drive.YIELDING).value
     low, high = 0.2, 0.9
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
-        solution = solve(assemble(arch(middle, model="associated")), Drive.YIELDING)
+        solution = solve_associated(assemble(arch(middle, model="associated")), Drive.YIELDING)
         holds = solution.status is Status.SOLVED and abs(solution.value - free) <= SOLVER * free
         low, high = (low, middle) if holds else (middle, high)
     assert decided_model(arch(1.005 * high)).assembly.effects.friction == "coulomb"
@@ -197,7 +197,7 @@ def test_few_equations_stop_all_points_of_a_joint(plane: bool) -> None:
 
 def test_few_equations_give_the_answer_of_all() -> None:
     assembly = assemble(scenes.build(*scenes.crossing_beams(), model="none-slides", inset=0.01))
-    few, every = (solve(assembly, Drive.YIELDING, scaled_problem(assembly, every_point)) for every_point in (False, True))
+    few, every = (solve_associated(assembly, Drive.YIELDING, scaled_problem(assembly, every_point)) for every_point in (False, True))
     assert few.status is Status.SOLVED
     assert few.value == pytest.approx(every.value, rel=SOLVER)
 
@@ -260,9 +260,9 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     """A slab on four corners of which one settles: seen from the side, the corner behind it bears in its place."""
     scene = scenes.shipped("slab_four_corners")
     space, flat = assemble(scene), forced_flat(scene)
-    answers = [solve(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
+    answers = [solve_associated(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
     assert abs(answers[0] - answers[1]) > 0.1
-    analysis = LimitAnalysis(flat, {Drive.YIELDING: solve(flat, Drive.YIELDING)}, {}, None)  # type: ignore[arg-type]
+    analysis = LimitAnalysis(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)}, {}, None)  # type: ignore[arg-type]
     (check,) = check_plane.check_plane(analysis)
     assert check.verdict is Verdict.INCONCLUSIVE and "effects.plane = false" in check.reason
 

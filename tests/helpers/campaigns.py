@@ -10,7 +10,7 @@ from rich.console import Console
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
 from comparison.campaign.engine import Campaign, run_campaign
-from comparison.campaign.job import Job, Outcome, run_job
+from comparison.campaign.job import Job, JobOutcome, run_job
 from comparison.campaign.narration import CampaignNarration
 from comparison.campaign.table import CampaignTable
 
@@ -35,7 +35,7 @@ class Inline:
 
     def __init__(self, fails: Callable[[Job], None] = lambda job: None) -> None:
         self.done: list[str] = []
-        self._ended: list[tuple[Job, Outcome]] = []
+        self._ended: list[tuple[Job, JobOutcome]] = []
         self._fails = fails
 
     def __enter__(self) -> "Inline":
@@ -49,7 +49,7 @@ class Inline:
         self.done.append(job.folder.name)
         self._ended.append((job, run_job(job, Silent())))
 
-    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+    def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
         return [self._ended.pop()]
 
 
@@ -58,7 +58,7 @@ def campaign(text: str, folder: Path) -> Campaign:
     path = folder.parent / "campaign.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
-    asked = definition.load(path)
+    asked = definition.load_campaign(path)
     return Campaign(asked, expand(asked), folder, asked.file.yade)
 
 

@@ -6,10 +6,10 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import csc_matrix, hstack, identity
 
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.problem import Drive
-from la_core.limit.static import StaticSolution, coulomb_limits, optimise
+from la_core.limit.static import StaticSolution, coulomb_limits, solve_static
 from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene
 
@@ -159,7 +159,7 @@ class OtherSolvers:
 
 def ask_other_solvers(assembly: Assembly, drive: Drive) -> OtherSolvers:
     """The conic answer beside the static form's, and HiGHS' on the linearised problem."""
-    conic, static = solve(assembly, drive), optimise(assembly, drive, *coulomb_limits(assembly))
+    conic, static = solve_associated(assembly, drive), solve_static(assembly, drive, *coulomb_limits(assembly))
     inside, outside = (solve_linearised(assembly, drive, FACETS, inscribed) for inscribed in (True, False))
     statuses = (conic.status, static.status, inside.status, outside.status)
     if set(statuses) != {Status.SOLVED}:

@@ -9,7 +9,7 @@ import scenes
 
 from la_core.errors import SceneError
 from la_core.geometry.interfaces import find_interfaces
-from la_core.limit.associated import solve
+from la_core.limit.associated import solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
@@ -177,8 +177,8 @@ def test_headers_make_leaves_stand_together_against_a_push_across() -> None:
     """A leaf of breadth b alone tips at b/h; two lean on each other; tied by headers they hold more, at most as one piece of 2b."""
     high, breadth = 6 * HIGH, THICK
     loose, tied = leaved(2), leaved(2, headers_every=2)
-    multipliers = [solve(assemble(scene), Drive.LIVE).value for scene in (loose, tied)]
-    alone = solve(assemble(leaved(1)), Drive.LIVE).value
+    multipliers = [solve_associated(assemble(scene), Drive.LIVE).value for scene in (loose, tied)]
+    alone = solve_associated(assemble(leaved(1)), Drive.LIVE).value
     assert alone == pytest.approx(breadth / high, abs=SAME)
     assert alone < multipliers[0] < multipliers[1] - 0.01 < 2.0 * breadth / high
 

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
@@ -61,7 +61,7 @@ def heights_above_faces(blocks: Blocks) -> np.ndarray:
 
 
 def solved(scene: Scene, drive: Drive = Drive.YIELDING) -> Solution:
-    solution = solve(assemble(scene), drive)
+    solution = solve_associated(assemble(scene), drive)
     assert solution.status is Status.SOLVED
     return solution
 
@@ -272,7 +272,7 @@ def test_a_hemisphere_stands_exactly_if_its_lunes_do(lunes: int, courses: int, o
     """Above the least thickness lunes without hoop forces are a safe state; below, the lunes part as they fall, and nothing holds them."""
     entries = CLOSED | {"radius": 1.0, "thickness": over * thinnest(lunes, courses), "embrace": 90.0, "lunes": lunes, "courses": courses}
     scene = scenes.build(dome(**entries, support=(1, lunes)), friction=ROUGH, model=model)
-    assert solve(assemble(scene), Drive.YIELDING).status is status
+    assert solve_associated(assemble(scene), Drive.YIELDING).status is status
 
 
 # --- what cannot be built ----------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from conftest import CrossChecked
 from comparison.cli.commands import main
 from la_core.analysis.case_file import scene_digest
 from la_core.errors import SceneError
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.generators import mesh, mesh_surface
@@ -112,7 +112,7 @@ def written(folder: Path, file: str, content: str | bytes, **entries: Any) -> Pa
 
 
 def reaction(scene: Scene) -> float:
-    solution = solve(assemble(scene), Drive.YIELDING)
+    solution = solve_associated(assemble(scene), Drive.YIELDING)
     assert solution.status is Status.SOLVED
     return solution.value / scene.weight
 

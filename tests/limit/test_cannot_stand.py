@@ -5,7 +5,7 @@ import pytest
 import scenes
 
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
@@ -33,7 +33,7 @@ def without_value(solution: Solution) -> bool:
 
 
 def falling(model: Scene | Assembly, drive: Drive = Drive.YIELDING) -> set[str]:
-    solution = solve(assemble(model) if isinstance(model, Scene) else model, drive)
+    solution = solve_associated(assemble(model) if isinstance(model, Scene) else model, drive)
     assert solution.status is Status.INFEASIBLE
     assert without_value(solution)
     return set(solution.falling)
@@ -49,7 +49,7 @@ def test_overhang_topples_and_its_neighbour_stands(plane, drive) -> None:
 @both_models
 def test_overhang_stands_while_its_centroid_is_on_the_pad(plane) -> None:
     overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.79, 1.0, 0.5))  # centroid at 0.995
-    assert solve(assemble(scenes.build(*PADS, STANDING, overhang, plane=plane)), Drive.YIELDING).status is Status.SOLVED
+    assert solve_associated(assemble(scenes.build(*PADS, STANDING, overhang, plane=plane)), Drive.YIELDING).status is Status.SOLVED
 
 
 @both_models
@@ -60,7 +60,7 @@ def test_block_on_a_slope_too_smooth_for_it_slides(plane, drive) -> None:
     for friction, stands in ((0.69, False), (0.71, True)):
         scene = scenes.build(PADS[1], STANDING, slope, sitting, friction=friction, plane=plane)
         if stands:
-            assert solve(assemble(scene), drive).status is Status.SOLVED
+            assert solve_associated(assemble(scene), drive).status is Status.SOLVED
         else:
             assert falling(scene, drive) == {"slider"}
 
@@ -77,7 +77,7 @@ def test_counterweight_keeps_the_overhang_up(plane) -> None:
     overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
     counterweight = scenes.box("counterweight", (0.2, 0.0, 0.5), (0.6, 1.0, 1.5))
     scene = scenes.build(*PADS, STANDING, overhang, counterweight, plane=plane)
-    assert solve(assemble(scene), Drive.YIELDING).status is Status.SOLVED
+    assert solve_associated(assemble(scene), Drive.YIELDING).status is Status.SOLVED
 
 
 @both_models
@@ -113,7 +113,7 @@ def test_sliding_askew_to_every_axis() -> None:
         gravity = scenes.rotation((1.0, 2.0, 0.0), 0.1) @ np.array([0.0, 0.0, -9.81])
         scene = scenes.build(*PADS, STANDING, loose, friction=friction, gravity=gravity, plane=False)
         if stands:
-            assert solve(assemble(scene), Drive.YIELDING).status is Status.SOLVED
+            assert solve_associated(assemble(scene), Drive.YIELDING).status is Status.SOLVED
         else:
             assert falling(scene) == {"loose", "standing"}
 
@@ -135,9 +135,9 @@ def test_jammed_support_bears_any_push(plane) -> None:
         scenes.box("right", (0.6, 0.0, 0.0), (1.6, 1.0, 0.4), "support"),
     )
     assembly = assemble(scenes.build(*parts, settlement=(1.0, 0.0, 0.0), friction=1.2, plane=plane))
-    jammed = solve(assembly, Drive.PUSHING)
+    jammed = solve_associated(assembly, Drive.PUSHING)
     assert jammed.status is Status.UNBOUNDED and without_value(jammed) and jammed.falling == ()
-    assert solve(assembly, Drive.YIELDING).status is Status.SOLVED
+    assert solve_associated(assembly, Drive.YIELDING).status is Status.SOLVED
 
 
 @both_models
@@ -167,5 +167,5 @@ def test_all_that_falls_is_named_however_light(share, plane) -> None:
 @both_models
 def test_live_load_that_only_presses_is_borne_without_end(plane) -> None:
     scene = scenes.build(PADS[0], scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), live=scenes.DOWN, plane=plane)
-    solution = solve(assemble(scene), Drive.LIVE)
+    solution = solve_associated(assemble(scene), Drive.LIVE)
     assert solution.status is Status.UNBOUNDED and without_value(solution)

@@ -11,8 +11,8 @@ import scenes
 from comparison.figures.structure import save
 from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
-from la_core.limit.associated import Status, solve
-from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, iterate
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, solve_sequentially
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 
@@ -24,7 +24,7 @@ in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", 
 
 
 def converged(assembly: Assembly, drive: Drive = Drive.YIELDING, parameters: ClassicParameters = DEFAULT) -> ClassicSolution:
-    solution = iterate(assembly, drive, parameters)
+    solution = solve_sequentially(assembly, drive, parameters)
     assert solution.status is Status.SOLVED
     assert solution.violations[-1] <= parameters.tolerance
     assert solution.value == solution.values[-1]
@@ -62,14 +62,14 @@ def test_part_of_a_stack_bonded_wall_carries_itself() -> None:
 @pytest.mark.parametrize("name", ["trilith", "arch_settling", "arch_spreading", "two_pads", "slab_four_corners"])
 def test_without_sliding_it_stays_at_the_associated_answer(name: str) -> None:
     assembly = assemble(scenes.shipped(name))
-    assert converged(assembly).value == pytest.approx(solve(assembly, Drive.YIELDING).value, abs=1e-4 * assembly.mean_weight)
+    assert converged(assembly).value == pytest.approx(solve_associated(assembly, Drive.YIELDING).value, abs=1e-4 * assembly.mean_weight)
 
 
 def test_where_sliding_is_excluded_nothing_is_iterated() -> None:
     assembly = assemble(scenes.build(*scenes.wall(4, 3, split=1.2), model="none-slides"))
     solution = converged(assembly)
     assert solution.iterations == 2
-    assert solution.value == pytest.approx(solve(assembly, Drive.YIELDING).value, abs=1e-6 * assembly.weight)
+    assert solution.value == pytest.approx(solve_associated(assembly, Drive.YIELDING).value, abs=1e-6 * assembly.weight)
 
 
 @pytest.mark.parametrize(("rows", "associated", "coulomb"), [(6, 0.64286, 0.63982), (10, 0.58000, 0.56260)])
@@ -82,7 +82,7 @@ def test_walls_of_ferris_and_tin_loi(rows: int, associated: float, coulomb: floa
 @pytest.mark.parametrize("name", ["wall_third", "wall_half"])
 def test_converged_state_is_admissible_and_does_not_dilate(name: str) -> None:
     assembly = assemble(scenes.shipped(name))
-    solution, associated = converged(assembly), solve(assembly, Drive.YIELDING)
+    solution, associated = converged(assembly), solve_associated(assembly, Drive.YIELDING)
     assert solution.value >= associated.value
     assert solution.equilibrium_residual <= 1e-6
     assert solution.dilation <= 1e-6
@@ -108,7 +108,7 @@ def test_slope_makes_sliding_joints_close() -> None:
 
 def test_programme_without_equilibrium_is_reported() -> None:
     assembly = assemble(scenes.shipped("wall_third"))
-    solution = iterate(assembly, Drive.YIELDING, ClassicParameters(relaxation=1.0))
+    solution = solve_sequentially(assembly, Drive.YIELDING, ClassicParameters(relaxation=1.0))
     assert solution.status is Status.INFEASIBLE
     assert len(solution.values) == solution.iterations - 1 >= 1
     assert np.isnan([solution.value, solution.dilation, solution.penetration]).all() and np.isnan(solution.forces).all()
@@ -116,19 +116,19 @@ def test_programme_without_equilibrium_is_reported() -> None:
 
 def test_structure_that_cannot_stand_is_infeasible_at_once() -> None:
     assembly = assemble(scenes.build(scenes.arch(15, 0.05)))
-    solution = iterate(assembly, Drive.YIELDING)
+    solution = solve_sequentially(assembly, Drive.YIELDING)
     assert (solution.status, solution.iterations, len(solution.values)) == (Status.INFEASIBLE, 1, 0)
 
 
 def test_too_few_iterations_are_called_inaccurate() -> None:
-    solution = iterate(two_blocks(), Drive.YIELDING, ClassicParameters(iterations=3))
+    solution = solve_sequentially(two_blocks(), Drive.YIELDING, ClassicParameters(iterations=3))
     assert (solution.status, solution.iterations) == (Status.INACCURATE, 3)
     assert np.isfinite(solution.value)
 
 
 def test_same_question_same_answer() -> None:
     assembly = assemble(scenes.shipped("wall_half"))
-    first, second = (iterate(assembly, Drive.YIELDING) for _ in range(2))
+    first, second = (solve_sequentially(assembly, Drive.YIELDING) for _ in range(2))
     assert np.array_equal(first.values, second.values) and np.array_equal(first.forces, second.forces)
 
 
@@ -150,7 +150,7 @@ def test_study_of_the_parameters_tells_how_every_run_ended(tmp_path: Path) -> No
     assert [trial.status for trial in result.trials] == 2 * [Status.INACCURATE, Status.SOLVED, Status.INFEASIBLE]
     found = json.loads(json.dumps(sensitivity_dict(result), allow_nan=False))
     assert [trial["value"] is None for trial in found["trials"]] == 2 * [True, False, True]
-    references = {"associated": (solve(assembly, Drive.YIELDING).value, 1)}
+    references = {"associated": (solve_associated(assembly, Drive.YIELDING).value, 1)}
     assert sensitivity_table(result, references).row_count == 7
     figure = sensitivity_figure(result, references)
     save(figure, tmp_path / "sensitivity.png")

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 
 from comparison.figures import structure
 from comparison.figures.dissipation import POWER, dissipation_figure
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import dissipation, mechanism
 from la_core.measures.dissipation import ContactState, MechanismMeasures, measure, participation_index
@@ -38,7 +38,7 @@ def wall() -> Scene:
 
 def solved(scene: Scene, drive: Drive = Drive.YIELDING) -> tuple[Assembly, Solution]:
     assembly = assemble(scene)
-    solution = solve(assembly, drive)
+    solution = solve_associated(assembly, drive)
     assert solution.status is Status.SOLVED
     return assembly, solution
 
@@ -184,7 +184,7 @@ def test_every_point_is_counted_once() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_weights_work_against_reaction_friction_and_dilation(name: str, drive: Drive) -> None:
     assembly = assemble(scenes.shipped(name))
-    solution = solve(assembly, drive)
+    solution = solve_associated(assembly, drive)
     if solution.status is Status.UNBOUNDED:
         pytest.skip("no mechanism lets the support move this way")
     measures = measure(assembly, solution.twists, solution.forces, RIGID)
@@ -240,7 +240,7 @@ FIGURES = {
 
 def figure_of(scene: Scene, title: str = "Costs $5 and $\\badmacro") -> tuple[Figure, MechanismMeasures]:
     assembly = assemble(scene)
-    solution = solve(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+    solution = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     measures = measure(assembly, solution.twists, solution.forces)
     return dissipation_figure(assembly, solution.twists, measures, title), measures
 

@@ -11,7 +11,7 @@ import pytest
 import scenes
 
 from la_core.analysis.stage import analyse
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
@@ -26,7 +26,7 @@ in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", 
 def value(model: Scene | Assembly, drive: Drive = Drive.YIELDING) -> float:
     """Reaction over weight, or multiplier; fails unless limit analysis says "solved"."""
     assembly = assemble(model) if isinstance(model, Scene) else model
-    solution = solve(assembly, drive)
+    solution = solve_associated(assembly, drive)
     assert solution.status is Status.SOLVED
     return solution.value / (1.0 if drive is Drive.LIVE else assembly.weight)
 
@@ -105,8 +105,8 @@ def test_trilith_weighs_on_its_posts_as_statics_says(plane) -> None:
         plane=plane,
     )
     assembly = assemble(scene)
-    assert solve(assembly, Drive.YIELDING).value == pytest.approx(1.6, abs=EXACT)
-    assert solve(assembly, Drive.PUSHING).value == pytest.approx(1.9, abs=EXACT)
+    assert solve_associated(assembly, Drive.YIELDING).value == pytest.approx(1.6, abs=EXACT)
+    assert solve_associated(assembly, Drive.PUSHING).value == pytest.approx(1.9, abs=EXACT)
 
 
 @pytest.mark.parametrize(("xi", "eta"), [(0.6, 0.7), (0.5, 0.8), (0.3, 0.4), (0.7, 0.75)])
@@ -259,7 +259,7 @@ HAUNCH_JOINT = 360  # voussoirs: a joint at 54.5 degrees, where the published ha
 
 
 def stands(assembly: Assembly) -> bool:
-    status = solve(assembly, Drive.YIELDING).status
+    status = solve_associated(assembly, Drive.YIELDING).status
     assert status in (Status.SOLVED, Status.INFEASIBLE)
     return status is Status.SOLVED
 
@@ -353,8 +353,8 @@ def test_inclined_plane_stands_up_to_its_angle_and_not_beyond(height, azimuth) -
     margin = 1e-5  # rad
     below = column(1.0, height, 0.6, math.atan(critical) - margin, azimuth, plane=False)
     above = column(1.0, height, 0.6, math.atan(critical) + margin, azimuth, plane=False)
-    assert solve(assemble(below), Drive.LIVE).status is Status.SOLVED
-    fallen = solve(assemble(above), Drive.LIVE)
+    assert solve_associated(assemble(below), Drive.LIVE).status is Status.SOLVED
+    fallen = solve_associated(assemble(above), Drive.LIVE)
     assert fallen.status is Status.INFEASIBLE and fallen.falling == ("block",)
 
 

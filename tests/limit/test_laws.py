@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 from scipy.sparse import coo_matrix
 
 from la_core.exchange.fields import FREE, SUPPORT
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
@@ -43,7 +43,7 @@ TURNS = {
 def solutions(model: Scene | Assembly) -> Iterator[tuple[Assembly, Drive, Solution]]:
     assembly = assemble(model) if isinstance(model, Scene) else model
     for drive in [Drive.LIVE] if assembly.has_live_load else [Drive.YIELDING, Drive.PUSHING]:
-        solution = solve(assembly, drive)
+        solution = solve_associated(assembly, drive)
         assert solution.status is Status.SOLVED, drive
         yield assembly, drive, solution
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.linearised import METHODS, solve_linearised
 from la_core.limit.problem import ACCEPTED, Drive
 from la_core.measures import residuals
@@ -77,7 +77,7 @@ def reach(facets: int, angle: float, inscribed: bool) -> float:
 @every_scene
 def test_pyramids_bracket_the_cone(scene: Scene, drive: Drive) -> None:
     assembly = assemble(scene)
-    true, loose = solved(solve(assembly, drive)).value, SAME * assembly.mean_weight
+    true, loose = solved(solve_associated(assembly, drive)).value, SAME * assembly.mean_weight
     for facets in (4, 7, 8):
         low, high = bracket(assembly, drive, facets)
         assert low - loose <= true <= high + loose
@@ -86,7 +86,7 @@ def test_pyramids_bracket_the_cone(scene: Scene, drive: Drive) -> None:
 @both_drives
 def test_pyramids_bracket_the_cone_on_a_corner_of_two_walls(drive: Drive) -> None:
     assembly = assemble(scenes.shipped("corner_settling_end"))
-    true, loose = solved(solve(assembly, drive)).value, SAME * assembly.mean_weight
+    true, loose = solved(solve_associated(assembly, drive)).value, SAME * assembly.mean_weight
     (low, high), (closer_low, closer_high) = (bracket(assembly, drive, facets) for facets in FACETS)
     assert low - loose <= true <= high + loose and closer_low - loose <= true <= closer_high + loose
     assert QUADRATIC[0] < (high - low) / (closer_high - closer_low) < QUADRATIC[1]
@@ -99,14 +99,14 @@ def test_width_of_the_bracket_is_quadratic_in_the_facets(scene: Scene, drive: Dr
     widths = [high - low for low, high in (bracket(assembly, drive, facets) for facets in (8, 16, 32, 64))]
     for wide, narrow in pairwise(widths):
         assert QUADRATIC[0] < wide / narrow < QUADRATIC[1]
-    assert sum(bracket(assembly, drive, 64)) / 2.0 == pytest.approx(solve(assembly, drive).value, abs=widths[-1])
+    assert sum(bracket(assembly, drive, 64)) / 2.0 == pytest.approx(solve_associated(assembly, drive).value, abs=widths[-1])
 
 
 @both_drives
 def test_bracket_holds_however_the_scene_is_turned(drive: Drive) -> None:
     """Turned joints have other tangents, so the polygons turn about their normals and the bounds change; the truth does not."""
     scene = IN_SPACE["beams askew"]()
-    true, loose = solve(assemble(scene), drive).value, SAME * assemble(scene).mean_weight
+    true, loose = solve_associated(assemble(scene), drive).value, SAME * assemble(scene).mean_weight
     for angle in (0.4, 1.3, 2.9):
         low, high = bracket(assemble(scenes.moved(scene, turn=scenes.rotation((1.0, 2.0, 3.0), angle))), drive, 5)
         assert low - loose <= true <= high + loose
@@ -118,14 +118,14 @@ def test_bracket_has_no_width_where_no_joint_slides(name: str, drive: Drive) -> 
     assembly = assemble(IN_SPACE[name]())
     low, high = bracket(assembly, drive, 8)
     assert low == pytest.approx(high, abs=SAME_LINEAR * assembly.weight)
-    assert low == pytest.approx(solve(assembly, drive).value, abs=SAME * assembly.mean_weight)
+    assert low == pytest.approx(solve_associated(assembly, drive).value, abs=SAME * assembly.mean_weight)
 
 
 @both_drives
 @every_sliding_scene
 def test_pyramids_lie_between_the_cones_that_touch_their_corners_and_sides(scene: Scene, drive: Drive) -> None:
     facets, assembly = 8, assemble(scene)
-    narrow, wide = (solved(solve(with_friction(assembly, np.cos(np.pi / facets) ** sign), drive)).value for sign in (1, -1))
+    narrow, wide = (solved(solve_associated(with_friction(assembly, np.cos(np.pi / facets) ** sign), drive)).value for sign in (1, -1))
     lowest, highest = (wide, narrow) if drive is Drive.YIELDING else (narrow, wide)
     low, high = bracket(assembly, drive, facets)
     loose = SAME * assembly.mean_weight
@@ -150,7 +150,7 @@ def test_block_on_a_slope_may_stand_in_the_cone_and_not_in_the_pyramid() -> None
     fixed = scenes.box("fixed pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed")
     block = scenes.box("block", (0.2, 0.2, 0.0), (0.8, 0.8, 0.1))
     assembly = assemble(scenes.build(pad, standing, fixed, block, friction=0.8, gravity=tilted, plane=False))
-    assert solve(assembly, Drive.YIELDING).status is Status.SOLVED
+    assert solve_associated(assembly, Drive.YIELDING).status is Status.SOLVED
     assert solve_linearised(assembly, Drive.YIELDING, 4, inscribed=False).status is Status.SOLVED
     inside = solve_linearised(assembly, Drive.YIELDING, 4, inscribed=True)
     assert inside.status is Status.INFEASIBLE and set(inside.falling) == {"block", "standing"}
@@ -174,7 +174,7 @@ def test_plane_answer_is_exact_for_any_facets(options: dict, drives: list[Drive]
     for drive in drives:
         unit = 1.0 if drive is Drive.LIVE else assembly.mean_weight
         assert solved(solve_linearised(assembly, drive, facets, inscribed)).value == pytest.approx(
-            solve(assembly, drive).value, abs=SAME * unit
+            solve_associated(assembly, drive).value, abs=SAME * unit
         )
 
 
@@ -184,13 +184,13 @@ def test_plane_answer_is_exact_for_any_facets(options: dict, drives: list[Drive]
 def test_without_a_cone_to_cut_the_answer_in_space_is_exact(options: dict, inscribed: bool, drive: Drive) -> None:
     assembly = assemble(scenes.build(*scenes.wall(3, 3, split=0.8), plane=False, **options))
     value = solved(solve_linearised(assembly, drive, 4, inscribed)).value
-    assert value == pytest.approx(solve(assembly, drive).value, abs=SAME * assembly.mean_weight)
+    assert value == pytest.approx(solve_associated(assembly, drive).value, abs=SAME * assembly.mean_weight)
 
 
 def test_multiplier_in_space_is_bracketed() -> None:
     assembly = assemble(scenes.build(*scenes.wall(3, 3), live=(1.0, 0.4, 0.0), settlement=None, plane=False))
     low, high = bracket(assembly, Drive.LIVE, 16)
-    assert low - SAME <= solve(assembly, Drive.LIVE).value <= high + SAME
+    assert low - SAME <= solve_associated(assembly, Drive.LIVE).value <= high + SAME
 
 
 @both_sides

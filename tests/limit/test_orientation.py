@@ -8,7 +8,7 @@ import pytest
 import scenes
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
@@ -33,14 +33,14 @@ def turned(scene: Scene, seed: int, order: bool = True) -> tuple[Scene, np.ndarr
 
 def associated(assembly: Assembly) -> float:
     """Least reaction over the weight, or multiplier."""
-    solution = solve(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+    solution = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     assert solution.status is Status.SOLVED
     return solution.value / (1.0 if assembly.has_live_load else assembly.weight)
 
 
 def coulomb(assembly: Assembly) -> float:
     solution = predict(
-        assembly, joint_stiffness(assembly, 0.0, {}), solve(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+        assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
     )
     assert solution.status is Status.SOLVED
     return solution.value / (1.0 if assembly.has_live_load else assembly.weight)

@@ -30,11 +30,11 @@ from independent_mechanics import (
 from random_scenes import far_away, random_scenes
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Solution, Status, solve
+from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.conic import maximise
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.problem import Drive, box_limits, scaled_problem
-from la_core.limit.static import coulomb_limits, optimise
+from la_core.limit.static import coulomb_limits, solve_static
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
 from la_core.model.scaling import twists_of
@@ -49,7 +49,7 @@ CIRCUMSCRIBED = 1.0 / np.cos(np.pi / FACETS)
 
 def with_verdict(assembly: Assembly, drive: Drive) -> Solution:
     """The answer; scenes without a verdict are counted by their own law."""
-    solution = solve(assembly, drive)
+    solution = solve_associated(assembly, drive)
     assume(solution.status in VERDICTS)
     return solution
 
@@ -62,7 +62,7 @@ def test_every_scene_gets_a_verdict(scene: Scene) -> None:
     """every scene is solved, infeasible or unbounded"""
     assembly = assemble(scene)
     for drive in drives(assembly):
-        assert solve(assembly, drive).status in VERDICTS
+        assert solve_associated(assembly, drive).status in VERDICTS
 
 
 @given(scene=random_scenes())
@@ -102,7 +102,7 @@ def test_kinematic_and_static_value_and_status_agree(scene: Scene) -> None:
     """strong duality: the static form by its own programme has the same value and status"""
     assembly = assemble(scene)
     for drive in drives(assembly):
-        kinematic, static = with_verdict(assembly, drive), optimise(assembly, drive, *coulomb_limits(assembly))
+        kinematic, static = with_verdict(assembly, drive), solve_static(assembly, drive, *coulomb_limits(assembly))
         assume(static.status in VERDICTS)
         if kinematic.status is Status.INFEASIBLE and drive is Drive.LIVE:
             continue  # the static form looks for any multiplier, also for one that is needed to hold the structure up

@@ -5,10 +5,10 @@ import pytest
 import scenes
 
 from la_core.coulomb.plateau import predict
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.problem import Drive
-from la_core.limit.static import coulomb_limits, optimise
+from la_core.limit.static import coulomb_limits, solve_static
 from la_core.model.assembly import Assembly, assemble
 from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
@@ -47,8 +47,8 @@ def posts(friction: float) -> Scene:
 
 def values(assembly: Assembly) -> list[float]:
     """Least and greatest reaction over the weight by the kinematic form, then by the static one; all must be solved."""
-    found = [solve(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING)]
-    found += [optimise(assembly, drive, *coulomb_limits(assembly)) for drive in (Drive.YIELDING, Drive.PUSHING)]
+    found = [solve_associated(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING)]
+    found += [solve_static(assembly, drive, *coulomb_limits(assembly)) for drive in (Drive.YIELDING, Drive.PUSHING)]
     assert {one.status for one in found} == {Status.SOLVED}
     return [one.value / assembly.weight for one in found]
 
@@ -65,14 +65,14 @@ def test_support_that_slides_away_under_slight_friction_is_solved(seed: int, bea
     """The solver's own scaling blew up the rows of friction: equilibrium was missed by 1e-4 and more."""
     assembly = assemble(crossed(SLIGHT, beams, seed, settlement=(0.96, -0.26, 0.0)))
     for drive in (Drive.YIELDING, Drive.PUSHING):
-        assert solve(assembly, drive).status is Status.SOLVED
+        assert solve_associated(assembly, drive).status is Status.SOLVED
 
 
 @pytest.mark.parametrize(("seed", "beams"), [(1, 2), (1, 4), (2, 6), (5, 6), (8, 2), (9, 4)])
 def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) -> None:
     """A horizontal load shears the pile in one joint: lambda = mu. Associated solves missed it, elastic steps stalled."""
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
-    associated = solve(assembly, Drive.LIVE)
+    associated = solve_associated(assembly, Drive.LIVE)
     assert associated.status is Status.SOLVED and associated.value == pytest.approx(SLIGHT, abs=PROMISED)
     prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), associated)
     assert prediction.status is Status.SOLVED and prediction.value == pytest.approx(SLIGHT, abs=PROMISED)
@@ -82,7 +82,7 @@ def test_slight_friction_bears_its_share_of_the_weight(seed: int, beams: int) ->
 def test_interval_exists_under_slight_friction(seed: int, beams: int) -> None:
     """Exact directions of slight friction contradict equilibrium, and its ends were undefined or crossed."""
     assembly = assemble(crossed(SLIGHT, beams, seed, live=(1.0, 0.0, 0.0), settlement=None))
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve(assembly, Drive.LIVE))
+    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE))
     low, high = prediction.interval
     assert low - PROMISED <= prediction.value <= high + PROMISED and low - PROMISED <= high
 
@@ -97,7 +97,7 @@ def test_joint_that_slides_and_still_carries_does_not_part() -> None:
     parts.append(scenes.box("lintel", (-0.4, 0.0, height), (3.4, depth, 1.15), density=42488.0))
     scene = scenes.build(*parts, live=(0.8530521698933407, 0.0, -0.5218256370093973), settlement=None, friction=5.0, plane=True)
     assembly = assemble(scene)
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve(assembly, Drive.LIVE))
+    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.LIVE))
     low, high = prediction.interval
     assert prediction.status is Status.SOLVED and low - SAME <= prediction.value <= high + SAME
 
@@ -111,7 +111,7 @@ def test_support_that_leaves_a_standing_wall_has_no_reaction(
 ) -> None:
     """Nothing but the support moves: there is hardly any work to measure a dilation by, and the last step gave up before it was met."""
     assembly = assemble(scenes.build(*scenes.wall(per_course, courses, split, first=first), friction=friction, plane=False))
-    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve(assembly, Drive.YIELDING))
+    prediction = predict(assembly, joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING))
     assert prediction.status is Status.SOLVED and abs(prediction.value) <= SAME * assembly.weight
 
 
@@ -125,7 +125,7 @@ def test_what_only_a_live_load_holds_up_cannot_stand(plane: bool) -> None:
         scene = scenes.build(slope, block, live=(1.0, 0.0, 0.0), settlement=None, friction=friction, plane=plane)
         assembly = assemble(scene)
         expected = Status.SOLVED if stands else Status.INFEASIBLE
-        assert solve(assembly, Drive.LIVE).status is expected
+        assert solve_associated(assembly, Drive.LIVE).status is expected
         assert solve_linearised(assembly, Drive.LIVE, 16, inscribed=True).status is expected
-        greatest = optimise(assembly, Drive.LIVE, *coulomb_limits(assembly)).value
+        greatest = solve_static(assembly, Drive.LIVE, *coulomb_limits(assembly)).value
         assert greatest == pytest.approx((WEDGED + friction) / (1.0 - WEDGED * friction), abs=SAME)  # tan(slope + friction)

@@ -9,7 +9,7 @@ import scenes
 from la_core.analysis.stage import analyse
 from la_core.geometry import Blocks, shapes
 from la_core.geometry.interfaces import find_interfaces
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene
@@ -50,7 +50,7 @@ def test_all_but_the_solver_takes_a_tenth_of_the_time(plane) -> None:
 
 
 def test_a_plane_model_is_several_times_cheaper_and_gives_the_same_reaction() -> None:
-    plane, solid = (solve(assemble(wall_of_a_thousand(flat)), Drive.YIELDING) for flat in (True, False))
+    plane, solid = (solve_associated(assemble(wall_of_a_thousand(flat)), Drive.YIELDING) for flat in (True, False))
     assert solid.value == pytest.approx(plane.value, rel=SAME_REACTION)
     assert solid.seconds > LEAST_GAIN * plane.seconds
 

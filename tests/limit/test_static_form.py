@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.limit.associated import Status, solve
+from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import ACCEPTED, Drive
-from la_core.limit.static import StaticSolution, consistent_reaction, coulomb_limits, optimise
+from la_core.limit.static import StaticSolution, consistent_reaction, coulomb_limits, solve_static
 from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
@@ -23,7 +23,7 @@ TURNING = {"axis": [0.0, 1.0, 0.0], "point": [1.2, 0.0, 0.0]}
 
 def coulomb(assembly: Assembly, drive: Drive = Drive.YIELDING) -> StaticSolution:
     """The static form with Coulomb's cone, which must be solved."""
-    solution = optimise(assembly, drive, *coulomb_limits(assembly))
+    solution = solve_static(assembly, drive, *coulomb_limits(assembly))
     assert solution.status is Status.SOLVED
     return solution
 
@@ -41,7 +41,7 @@ def head_joint(assembly: Assembly) -> np.ndarray:
 
 
 def assert_dual(assembly: Assembly, drive: Drive) -> None:
-    static, kinematic = coulomb(assembly, drive), solve(assembly, drive)
+    static, kinematic = coulomb(assembly, drive), solve_associated(assembly, drive)
     assert kinematic.status is Status.SOLVED
     assert static.value == pytest.approx(kinematic.value, rel=SAME, abs=1e-9 * assembly.weight)  # zero where joints hold all
     work = float(np.sum(assembly.dead_load * static.twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
@@ -97,7 +97,7 @@ def test_cohesion_carries_what_it_can(plane: bool, slope: float) -> None:
     assembly = two_blocks(plane=plane)
     joint, strength = head_joint(assembly), 50.0
     limits = np.where(joint, strength, 0.0), np.where(joint, slope, 0.6)
-    solution = optimise(assembly, Drive.YIELDING, *limits)
+    solution = solve_static(assembly, Drive.YIELDING, *limits)
     assert solution.status is Status.SOLVED
     assert solution.value == pytest.approx(assembly.weight / 2.0 - joint.sum() * strength, rel=SAME)
 
@@ -105,7 +105,7 @@ def test_cohesion_carries_what_it_can(plane: bool, slope: float) -> None:
 def test_limits_that_allow_no_equilibrium_are_infeasible() -> None:
     assembly = assemble(scenes.build(scenes.arch(7, 0.3)))
     nothing = np.zeros(len(assembly.points))
-    solution = optimise(assembly, Drive.YIELDING, nothing, nothing)
+    solution = solve_static(assembly, Drive.YIELDING, nothing, nothing)
     assert solution.status is Status.INFEASIBLE
     assert np.isnan(solution.value) and np.isnan(solution.forces).all() and np.isnan(solution.twists).all()
 
@@ -119,7 +119,7 @@ def test_unlimited_reaction_is_unbounded() -> None:
         scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
     )
     assembly = assemble(scenes.build(*parts))
-    assert optimise(assembly, Drive.PUSHING, *coulomb_limits(assembly)).status is Status.UNBOUNDED
+    assert solve_static(assembly, Drive.PUSHING, *coulomb_limits(assembly)).status is Status.UNBOUNDED
 
 
 @in_plane_and_3d

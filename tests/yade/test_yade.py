@@ -16,7 +16,7 @@ from conftest import CrossChecked
 
 from comparison.cli.commands import main
 from comparison.workflow import one_scene
-from comparison.yade.process import ROOT, Yade, environment, find_yade, run_yade
+from comparison.yade.process import ROOT, Yade, find_yade, run_yade, yade_environment
 from la_core.analysis import case_file, stage
 from la_core.exchange.dem_settings import SETTINGS
 from la_core.exchange.fields import RUN_FIELDS
@@ -81,7 +81,7 @@ def test_nothing_listens_while_yade_runs(yade: Yade, tmp_path: Path) -> None:
     scene = load_scene(shipped.find("wall_third"))
     case_file.write_case(tmp_path / "case.h5", stage.analyse(scene), "test")
     script = ROOT / "yade_scripts" / "run_case.py"
-    variables = {**environment(), "YADE_MODULES": str(yade.modules)}
+    variables = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(yade.python), str(script), str(tmp_path / "case.h5"), str(tmp_path / "run.h5")]
     with subprocess.Popen(command, env=variables, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         assert process.stdout is not None

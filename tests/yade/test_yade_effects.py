@@ -95,7 +95,7 @@ def cost(scene: Scene, folder: Path) -> dict:
     """What YADE builds for a scene, and what it costs."""
     write_case(folder / "case.h5", analyse(scene), "test")
     yade, script = process.find_yade(), Path(__file__).parents[1] / "benchmarks" / "yade_cost.py"
-    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
+    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [yade.python, "-s", script, folder / "case.h5", "10"]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=60)
     return json.loads(answer.stdout.splitlines()[-1])

@@ -10,7 +10,7 @@ import scenes
 from conftest import Silent
 
 from comparison.workflow.one_scene import run_scene
-from la_core.limit.associated import solve
+from la_core.limit.associated import solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene
@@ -108,7 +108,7 @@ def test_irregular_stones_of_a_mesh_at_any_angle_in_space_go_through_both_method
     path.write_text(f"gravity = {(9.81 * down).tolist()}\n{text}", encoding="utf-8")
     shutil.copy(scenes.SHIPPED / "rubble_wall.obj", tmp_path)
     turned, upright = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True), scenes.shipped("rubble_wall")
-    least = solve(assemble(upright), Drive.YIELDING).value
+    least = solve_associated(assemble(upright), Drive.YIELDING).value
     assert turned["limit_analysis"]["associated"]["reaction"] == pytest.approx(least, abs=1e-6 * upright.weight)
     yade, predicted = reactions(turned)
     assert yade == pytest.approx(predicted, rel=HISTORY)

@@ -35,7 +35,7 @@ def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
     write_case(tmp_path / "case.h5", analyse(scene), "hold")
     yade = process.find_yade()
     command = [str(part) for part in (yade.python, "-s", HOLD, tmp_path / "case.h5", STEPS)]
-    environment = {**process.environment(), "YADE_MODULES": str(yade.modules)}
+    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
     held = np.array(found["held"])

@@ -9,7 +9,7 @@ from typing import Any
 
 from comparison.campaign.figures import case_costs, classic, lines, maps, prediction
 from comparison.campaign.parameter_labels import CLASSIC, short
-from comparison.campaign.row_groups import sweeps
+from comparison.campaign.row_groups import sweeps_of
 from comparison.campaign.table import CampaignTable
 from comparison.figures import save
 
@@ -40,7 +40,7 @@ class Drawing:
     content: bytes
 
 
-def draw(table: CampaignTable) -> list[Drawing]:
+def draw_campaign(table: CampaignTable) -> list[Drawing]:
     """Draw and store every figure that the campaign has something for; those of an earlier report are taken away, and nothing else.
 
     Raises OSError where the folder of figures is a link, through which files elsewhere would be written and taken away.
@@ -66,7 +66,7 @@ def draw(table: CampaignTable) -> list[Drawing]:
 
 def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
     """Kind, figure and caption of each."""
-    found = sweeps(table)
+    found = sweeps_of(table)
     for unit in dict.fromkeys(row.get("unit") or "" for row in table.rows):
         rows = [row for row in table.rows if (row.get("unit") or "") == unit]
         figure = prediction.prediction_figure(_once(table, rows), unit)
@@ -80,9 +80,9 @@ def _figures(table: CampaignTable) -> Iterator[tuple[str, Any, str]]:
             yield kind, drawn.figure, f"{caption.format(short(drawn.parameter, table.labels))} {drawn.left_out}".strip()
     for figure, words in maps.map_figures(found):
         yield "map", figure, MAP.format(words)
-    for figure, parameter in classic.classic_figures(sweeps(table, classic=True)):
+    for figure, parameter in classic.classic_figures(sweeps_of(table, classic=True)):
         yield "classic", figure, CLASSIC_WORDS.format(short(parameter, table.labels))
-    costs = case_costs.cost_figure(table)
+    costs = case_costs.case_cost_figure(table)
     if costs is not None:
         yield "costs", costs, COSTS
 
@@ -91,5 +91,5 @@ def _once(table: CampaignTable, rows: list[dict[str, Any]]) -> list[dict[str, An
     """Rows without those that differ from another in the classic iteration alone."""
     if not any(name.startswith(CLASSIC) for name in table.axes):
         return rows
-    kept = {id(row) for sweep in sweeps(table) for row in sweep.rows}
+    kept = {id(row) for sweep in sweeps_of(table) for row in sweep.rows}
     return [row for row in rows if id(row) in kept]

@@ -11,14 +11,14 @@ from comparison.campaign.figures import shared_axes
 from comparison.campaign.row_values import costs_once
 from comparison.campaign.table import CampaignTable
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE
-from comparison.numbers import exists, number
+from comparison.numbers import exists, format_number
 
 SECONDS = {"limit_analysis_seconds": ("limit analysis", LIMIT_ANALYSIS, "o"), "yade_seconds": ("YADE", YADE, "s")}
 SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks that are written under an axis
 FEW = 12  # cases that are named under their axis
 
 
-def cost_figure(table: CampaignTable) -> Figure | None:
+def case_cost_figure(table: CampaignTable) -> Figure | None:
     """Left seconds against free blocks, right seconds of each case, the dearest first; None where none is known."""
     blocks = {row["case"]: row.get("free_blocks") for row in table.rows}
     once = costs_once(table)
@@ -27,7 +27,7 @@ def cost_figure(table: CampaignTable) -> Figure | None:
     dearest = sorted(known, key=lambda cost: (-total[cost["case"]], cost["case"]))
     if not dearest:
         return None
-    figure, (left, right) = shared_axes.panels(2, 3.8)
+    figure, (left, right) = shared_axes.panel_figure(2, 3.8)
     for name, (_, colour, marker) in SECONDS.items():
         style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.6}
         some = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
@@ -62,5 +62,5 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
 def _handle(table: CampaignTable, name: str) -> Line2D:
     words, colour, marker = SECONDS[name]
     known = [cost[name] for cost in costs_once(table) if exists(cost.get(name))]
-    label = f"{words}, in all {number(sum(known), 3)} s" if known else f"{words}: not run"
+    label = f"{words}, in all {format_number(sum(known), 3)} s" if known else f"{words}: not run"
     return Line2D([], [], color=colour, marker=marker, linestyle="none", markeredgecolor=INK, label=label)

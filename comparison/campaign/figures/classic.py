@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import Scale, series_style, shade
 from comparison.campaign.parameter_labels import CLASSIC, quantity
-from comparison.campaign.row_groups import Line, Sweep, lines
+from comparison.campaign.row_groups import Line, SweepRows, lines
 from comparison.campaign.row_values import Row, over_weight
 from comparison.figures import INK, LIMIT_ANALYSIS
 from comparison.numbers import exists
@@ -21,7 +21,7 @@ HEIGHT = 3.3  # inches
 CONVERGED = "solved"
 
 
-def classic_figures(found: Sequence[Sweep]) -> Iterator[tuple[Figure, str]]:
+def classic_figures(found: Sequence[SweepRows]) -> Iterator[tuple[Figure, str]]:
     """A figure for every parameter of the classic iteration; each with the parameter."""
     for kind in dict.fromkeys(tuple(sweep.parameters) for sweep in found):
         for parameter in (name for name in kind if name.startswith(CLASSIC)):
@@ -34,8 +34,8 @@ def _ran(rows: list[Row]) -> bool:
     return any(row.get("classic_status") is not None for row in rows)
 
 
-def _figure(parameter: str, group: list[Sweep]) -> Figure:
-    figure, axes = shared_axes.panels(2 * len(group), HEIGHT, columns=2)
+def _figure(parameter: str, group: list[SweepRows]) -> Figure:
+    figure, axes = shared_axes.panel_figure(2 * len(group), HEIGHT, columns=2)
     names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
     drawn = shared_axes.spread(names, SERIES)
     for value, count, sweep in zip(axes[::2], axes[1::2], group, strict=True):

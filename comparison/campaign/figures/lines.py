@@ -15,7 +15,7 @@ from matplotlib.transforms import ScaledTranslation
 from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import Scale, series_style, shade
 from comparison.campaign.parameter_labels import quantity
-from comparison.campaign.row_groups import Line, Sweep, lines, longest, slices
+from comparison.campaign.row_groups import Line, SweepRows, lines, longest, slices
 from comparison.campaign.row_values import LIMIT, Row, bounds, mechanism_name, of_mechanism, over_weight, prediction
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.numbers import exists
@@ -38,13 +38,13 @@ class Drawn:
     left_out: str
 
 
-def reaction_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
+def reaction_figures(found: Sequence[SweepRows]) -> Iterator[Drawn]:
     """Reaction over weight against every parameter, with bounds and interval as bands where a panel has one line."""
     for parameter, group, left_out in _groups(found, _has_reaction):
         yield _figure(parameter, group, left_out, _draw_reactions, "", reactions=True)
 
 
-def participation_figures(found: Sequence[Sweep]) -> Iterator[Drawn]:
+def participation_figures(found: Sequence[SweepRows]) -> Iterator[Drawn]:
     """Distribution index of dissipation against every parameter."""
     for parameter, group, left_out in _groups(found, _has_participation):
         yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
@@ -58,7 +58,7 @@ def _has_participation(row: Row) -> bool:
     return any(exists(of_mechanism(row, method, "participation")) for method in (LIMIT, "yade"))
 
 
-def _groups(found: Sequence[Sweep], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[Sweep], str]]:
+def _groups(found: Sequence[SweepRows], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[SweepRows], str]]:
     """Panels over a parameter, so many as a figure has: sweeps of the same parameters, its longest other one as the lines.
 
     Further parameters are held: a panel for each of their values. has: whether a case has something to draw; a panel needs one.
@@ -78,9 +78,9 @@ def _groups(found: Sequence[Sweep], has: Callable[[Row], bool]) -> Iterator[tupl
                 yield parameter, drawn[k : k + PANELS], left_out
 
 
-def _figure(parameter: str, group: list[Sweep], left_out: str, draw: Any, words: str, reactions: bool) -> Drawn:
+def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, words: str, reactions: bool) -> Drawn:
     """Panels of one parameter with one legend; series that have the same words look the same in all of them."""
-    figure, axes = shared_axes.panels(len(group), HEIGHT)
+    figure, axes = shared_axes.panel_figure(len(group), HEIGHT)
     names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
     drawn = shared_axes.spread(names, SERIES)
     for place, sweep in zip(axes, group, strict=True):

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Rectangle
 from comparison.campaign.figures import shared_axes
 from comparison.campaign.mechanism_changes import letters
 from comparison.campaign.parameter_labels import label, short, shown
-from comparison.campaign.row_groups import Sweep, key, longest, slices
+from comparison.campaign.row_groups import SweepRows, key, longest, slices
 from comparison.campaign.row_values import LIMIT, WORDS, Row, failed, falls, mechanism_name
 from comparison.figures import FAINT, INK
 from comparison.numbers import DASH
@@ -27,7 +27,7 @@ APART, FALLS, FAILED = "≠", "↓", "!"
 
 
 @dataclass(frozen=True)
-class Grid:
+class MapGrid:
     """Cells to draw: rows from the top down, each a place by column; None where there is no case.
 
     across, down: labels of the axes; over: both, in words.
@@ -43,7 +43,7 @@ class Grid:
     over: str
 
 
-def map_figures(sweeps: list[Sweep]) -> Iterator[tuple[Figure, str]]:
+def map_figures(sweeps: list[SweepRows]) -> Iterator[tuple[Figure, str]]:
     """Strips over one parameter, all scenes of it together, then maps over two; each with what it is over, in words."""
     lettered = letters(sweeps)
     for parameter in dict.fromkeys(sweep.parameters[0] for sweep in sweeps if len(sweep.parameters) == 1):
@@ -67,17 +67,17 @@ def _known(rows: list[Row]) -> bool:
     return any(mechanism_name(row, method) for row in rows for method in BOTH)
 
 
-def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, str]]) -> Figure:
+def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str, str]]) -> Figure:
     """Two rows a scene: what limit analysis and what YADE find at each value."""
     height = sum(0.95 + 0.1 for _ in along)
-    figure, axes = shared_axes.panels(len(along), height / len(along) + 0.35, columns=1)
+    figure, axes = shared_axes.panel_figure(len(along), height / len(along) + 0.35, columns=1)
     for place, sweep in zip(axes, along, strict=True):
         values = sweep.values[parameter]
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
         methods = _methods(sweep.rows)
         row_words = [WORDS[method] for method in methods]
         words = [shown(value) for value in values]
-        grid = Grid(sweep.scene, [rows] * len(methods), methods, row_words, words, label(parameter, sweep.named), "", "")
+        grid = MapGrid(sweep.scene, [rows] * len(methods), methods, row_words, words, label(parameter, sweep.named), "", "")
         _draw(place, grid, methods, lettered[sweep.scene])
         place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
         if place is not axes[-1]:
@@ -86,7 +86,7 @@ def _strips(parameter: str, along: list[Sweep], lettered: dict[str, dict[str, st
     return figure
 
 
-def _maps(sweep: Sweep) -> Iterator[Grid]:
+def _maps(sweep: SweepRows) -> Iterator[MapGrid]:
     """A map for each value of the parameters beyond the two longest."""
     across, down = longest(sweep)[:2]
     methods = _methods(sweep.rows)
@@ -96,14 +96,14 @@ def _maps(sweep: Sweep) -> Iterator[Grid]:
     for part in slices(sweep, (across, down)):
         places = {(key(row[down]), key(row[across])): row for row in part.rows}
         rows = [[places.get((key(low), key(right))) for right in columns] for low in levels]
-        yield Grid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], right, up, over)
+        yield MapGrid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], right, up, over)
 
 
-def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -> Figure:
+def _paired(some: list[tuple[str, MapGrid]], lettered: dict[str, dict[str, str]]) -> Figure:
     """Limit analysis left, YADE right, a row a map; maps without YADE beside each other."""
     tallest = max(len(grid.rows) for _, grid in some)
     parts = [(scene, grid, method) for scene, grid in some for method in grid.methods]
-    figure, axes = shared_axes.panels(len(parts), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
+    figure, axes = shared_axes.panel_figure(len(parts), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
     for place, (scene, grid, method) in zip(axes, parts, strict=True):
         _draw(place, grid, [method] * len(grid.rows), lettered[scene])
         place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
@@ -111,7 +111,7 @@ def _paired(some: list[tuple[str, Grid]], lettered: dict[str, dict[str, str]]) -
     return figure
 
 
-def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]) -> None:
+def _draw(axes: Any, grid: MapGrid, methods: list[str], lettered: Mapping[str, str]) -> None:
     """Cells, lines where neighbours have different mechanisms, and a sign where the methods have."""
     names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
     strips = len(set(methods)) > 1
@@ -128,7 +128,7 @@ def _draw(axes: Any, grid: Grid, methods: list[str], lettered: Mapping[str, str]
     _finish(axes, grid)
 
 
-def _finish(axes: Any, grid: Grid) -> None:
+def _finish(axes: Any, grid: MapGrid) -> None:
     columns, rows = len(grid.column_words), len(grid.row_words)
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5))
     axes.grid(False)

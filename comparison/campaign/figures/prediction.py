@@ -37,7 +37,7 @@ def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
     both = [row for row in rows if exists(over_weight(row, prediction(row))) and exists(over_weight(row, "yade"))]
     if not both:
         return None
-    figure, (left, right) = shared_axes.panels(2, 4.6)
+    figure, (left, right) = shared_axes.panel_figure(2, 4.6)
     scenes = list(dict.fromkeys(sweep_of(row) for row in both))
     largest = max(abs(_value(row, name)) for row in both for name in (prediction(row), "yade"))
     for row in both:

@@ -80,7 +80,7 @@ def apart(places: np.ndarray, words: Sequence[str]) -> list[int]:
     return kept
 
 
-def panels(count: int, height: float, columns: int = COLUMNS) -> tuple[Figure, list[Any]]:
+def panel_figure(count: int, height: float, columns: int = COLUMNS) -> tuple[Figure, list[Any]]:
     """A figure with so many axes, in rows; `height` inches for each row. Places left over stay empty."""
     across = min(count, columns)
     rows = -(-count // across)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Any
 
-from comparison.campaign.report.verdict_matrix import symbol
+from comparison.campaign.report.verdict_matrix import verdict_symbol
 from comparison.campaign.row_values import METHODS, Row, mechanism_name, runs_of
 from comparison.campaign.table import CampaignTable
 from comparison.judge import HISTORY
@@ -114,7 +114,7 @@ def compare(before: CampaignTable, after: CampaignTable) -> Comparison:
 def _words(before: Row, after: Row) -> Iterator[Change]:
     """Verdict, statuses and mechanisms that differ."""
     case = str(before["case"])
-    pairs: list[tuple[str, str, Any, Any]] = [("verdict", "verdict", symbol(before)[1], symbol(after)[1])]
+    pairs: list[tuple[str, str, Any, Any]] = [("verdict", "verdict", verdict_symbol(before)[1], verdict_symbol(after)[1])]
     pairs += [("status", name, before.get(name), after.get(name)) for name in STATUSES]
     pairs += [("mechanism", method, mechanism_name(before, method), mechanism_name(after, method)) for method in METHODS]
     for kind, what, first, second in pairs:

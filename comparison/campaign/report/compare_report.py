@@ -11,8 +11,8 @@ from rich.table import Table
 from comparison.campaign.report.compare import Change, Comparison, Cost
 from comparison.campaign.row_values import METHODS
 from comparison.judge import without_undefined
-from comparison.numbers import DASH, number, plural, signed
-from comparison.report import environment
+from comparison.numbers import DASH, format_number, plural, signed
+from comparison.report import template_environment
 from comparison.run_folder import write_text
 
 WHAT = {
@@ -69,7 +69,8 @@ def terminal_tables(found: Comparison) -> Iterator[Table]:
         yield _terminal("provenance", ("", "before", "after"), found.provenance)
     if found.changes:
         rows = [
-            (row["case"], row["what"], row["before"], row["after"], row["difference"], row["allowed"]) for row in map(words, found.changes)
+            (row["case"], row["what"], row["before"], row["after"], row["difference"], row["allowed"])
+            for row in map(change_words, found.changes)
         ]
         yield _terminal("changes", ("case", "what", "before", "after", "difference", "allowed"), rows[:MOST_SHOWN])
     if found.costs:
@@ -92,13 +93,13 @@ def sentence(found: Comparison) -> str:
     return (f"{'; '.join(parts)}." if parts else both) + moved
 
 
-def words(change: Change) -> dict[str, str]:
+def change_words(change: Change) -> dict[str, str]:
     """A change in words and short numbers."""
     if change.kind == "reaction":
         unit = f" {change.unit}".rstrip()
         apart = f"{signed(change.difference, 3)}{unit}" if change.difference is not None else DASH
-        values = [f"{number(value, 6)}{unit}" if value is not None else DASH for value in (change.before, change.after)]
-        return _row(change, WHAT[change.what], values, apart, f"{number(change.allowed, 2)}{unit}")
+        values = [f"{format_number(value, 6)}{unit}" if value is not None else DASH for value in (change.before, change.after)]
+        return _row(change, WHAT[change.what], values, apart, f"{format_number(change.allowed, 2)}{unit}")
     what = {"mechanism": f"mechanism, {METHODS.get(change.what, '')}", "verdict": "verdict"}.get(change.kind) or WHAT[change.what]
     return _row(change, what, [DASH if value is None else str(value) for value in (change.before, change.after)], "", "")
 
@@ -112,8 +113,8 @@ def _change(change: Change) -> dict[str, Any]:
 
 
 def _cost(cost: Cost) -> dict[str, str]:
-    return {"method": cost.method, "cases": number(cost.cases)} | {
-        name: number(value, 3)
+    return {"method": cost.method, "cases": format_number(cost.cases)} | {
+        name: format_number(value, 3)
         for name, value in (("before", cost.before), ("after", cost.after), ("ratio", cost.ratio), ("typical", cost.typical))
     }
 
@@ -123,13 +124,13 @@ def _rendered(found: Comparison, suffix: str) -> str:
         "title": "Two campaigns compared",
         "found": found,
         "sentence": sentence(found),
-        "changes": [words(change) for change in found.changes],
-        "within": [words(change) for change in found.within],
+        "changes": [change_words(change) for change in found.changes],
+        "within": [change_words(change) for change in found.within],
         "costs": [_cost(cost) for cost in found.costs],
-        "case_costs": [{"case": case, "method": method, "ratio": number(ratio, 3)} for case, method, ratio in found.case_costs],
+        "case_costs": [{"case": case, "method": method, "ratio": format_number(ratio, 3)} for case, method, ratio in found.case_costs],
     }
     name = f"compare{suffix}"
-    return environment(name).get_template(f"{name}.j2").render(page)
+    return template_environment(name).get_template(f"{name}.j2").render(page)
 
 
 def _terminal(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:

@@ -5,16 +5,16 @@ import json
 from pathlib import Path
 from typing import Any
 
-from comparison.campaign.figures.campaign_figures import KINDS, Drawing, draw
-from comparison.campaign.mechanism_changes import change_view, changes, letters
+from comparison.campaign.figures.campaign_figures import KINDS, Drawing, draw_campaign
+from comparison.campaign.mechanism_changes import change_view, letters, mechanism_changes_along
 from comparison.campaign.report import rows
-from comparison.campaign.report.verdict_matrix import panels
+from comparison.campaign.report.verdict_matrix import matrix_panels
 from comparison.campaign.report.yade_versions import with_versions
-from comparison.campaign.row_groups import sweeps
+from comparison.campaign.row_groups import sweeps_of
 from comparison.campaign.row_values import deviation, difference, failed, prediction, worst_first
 from comparison.campaign.table import CampaignTable
 from comparison.judge import without_undefined
-from comparison.report import environment, flat
+from comparison.report import flat, template_environment
 from comparison.run_folder import write_text
 
 LIMITATIONS = (
@@ -34,17 +34,17 @@ def write_campaign_report(table: CampaignTable) -> Path:
     Each file is whole or the one that was there before.
     """
     table = with_versions(table)
-    page = _page(table, draw(table))
+    page = _page(table, draw_campaign(table))
     for name in ("report.md", "report.html"):
-        write_text(table.folder / name, environment(name).get_template(f"campaign.{name.split('.')[1]}.j2").render(page))
-    text = json.dumps(stored_report(table), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False)
+        write_text(table.folder / name, template_environment(name).get_template(f"campaign.{name.split('.')[1]}.j2").render(page))
+    text = json.dumps(stored_campaign_report(table), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False)
     write_text(table.folder / "report.json", text + "\n")
     return table.folder / "report.html"
 
 
-def stored_report(table: CampaignTable) -> dict[str, Any]:
+def stored_campaign_report(table: CampaignTable) -> dict[str, Any]:
     """What report.json holds: the table, and what the report makes of it."""
-    found = sweeps(table)
+    found = sweeps_of(table)
     lettered = letters(found)
     worst = [
         {"case": row.get("case"), "prediction": prediction(row), "difference": difference(row), "deviation": deviation(row)}
@@ -60,7 +60,7 @@ def stored_report(table: CampaignTable) -> dict[str, Any]:
                 "costs": table.costs,
                 "worst_first": worst,
                 "mechanism_letters": lettered,
-                "mechanism_changes": [change_view(change, lettered) for change in changes(found)],
+                "mechanism_changes": [change_view(change, lettered) for change in mechanism_changes_along(found)],
                 "provenance": table.provenance,
             }
         )
@@ -69,18 +69,18 @@ def stored_report(table: CampaignTable) -> dict[str, Any]:
 
 def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
     """Everything that the templates show, by name."""
-    found = sweeps(table)
+    found = sweeps_of(table)
     lettered = letters(found)
     return {
         "title": table.title or "Campaign",
         "cases": len(table.rows),
         "counts": rows.counts(table),
         "units": rows.units(table),
-        "panels": panels(table),
+        "panels": matrix_panels(table),
         "figures": {kind: [_figure(one) for one in drawn if one.kind == kind] for kind in KINDS},
         "compared": rows.compared(table),
         "failures": rows.failures(table),
-        "changes": list(rows.changed(table, list(changes(found)), lettered)),
+        "changes": list(rows.changed(table, list(mechanism_changes_along(found)), lettered)),
         "mechanisms": list(rows.mechanisms(table, lettered)),
         "classic": list(rows.classic(table)),
         "totals": list(rows.totals(table)),

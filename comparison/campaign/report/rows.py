@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from comparison.campaign.mechanism_changes import Change
+from comparison.campaign.mechanism_changes import MechanismChange
 from comparison.campaign.parameter_labels import CLASSIC, QUANTITY, short, shown, words_of
-from comparison.campaign.report.verdict_matrix import FAILURE, symbol
+from comparison.campaign.report.verdict_matrix import FAILURE, verdict_symbol
 from comparison.campaign.row_groups import key
 from comparison.campaign.row_values import (
     METHODS,
@@ -24,7 +24,7 @@ from comparison.campaign.row_values import (
 )
 from comparison.campaign.table import CampaignTable
 from comparison.judge import LEAST_REACTION
-from comparison.numbers import DASH, exists, interval_words, number, signed
+from comparison.numbers import DASH, exists, format_number, interval_words, signed
 from comparison.report import VERDICTS
 
 PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
@@ -35,7 +35,7 @@ Varying = dict[str, set[str]]
 
 def counts(table: CampaignTable) -> list[Words]:
     """How many cases ended how, ways that none ended left out."""
-    found = Counter(symbol(row) for row in table.rows)
+    found = Counter(verdict_symbol(row) for row in table.rows)
     return [{"symbol": sign, "word": word, "count": found[sign, word]} for sign, word in (*VERDICTS.values(), FAILURE) if found[sign, word]]
 
 
@@ -48,19 +48,19 @@ def compared(table: CampaignTable) -> list[Words]:
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
     share = apart / row[predicted] if apart is not None and abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION else None
-    sign, word = symbol(row)
+    sign, word = verdict_symbol(row)
     return _named(table, row, varying) | {
         "symbol": sign,
         "word": word,
-        "predicted": number(over_weight(row, predicted)),
+        "predicted": format_number(over_weight(row, predicted)),
         "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
         "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
-        "yade": number(over_weight(row, "yade")),
-        "uncertainty": number(over_weight(row, "yade_uncertainty"), 2),
+        "yade": format_number(over_weight(row, "yade")),
+        "uncertainty": format_number(over_weight(row, "yade_uncertainty"), 2),
         "yade_status": row.get("yade_status") or "not run",
         "found": exists(row.get("yade")),
         "share": f"{signed(100.0 * share, 3)} %" if exists(share) else DASH,
-        "deviation": number(deviation(row), 2),
+        "deviation": format_number(deviation(row), 2),
         "reason": row.get("reason") or "",
     }
 
@@ -91,7 +91,7 @@ def failures(table: CampaignTable) -> list[Words]:
     return [_named(table, row, varying) | {"reason": row.get("reason") or "no reason is known"} for row in table.rows if failed(row)]
 
 
-def changed(table: CampaignTable, found: list[Change], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+def changed(table: CampaignTable, found: list[MechanismChange], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
     """Changes of mechanism; `between` are the two values, each with the address of its case's report."""
     links = {str(row.get("case")): link(table.folder, row) for row in table.rows}
     for change in found:
@@ -105,8 +105,8 @@ def changed(table: CampaignTable, found: list[Change], lettered: Mapping[str, Ma
             ],
             "method": WORDS[change.method],
             "mechanisms": f"{own[change.before]} to {own[change.after]}",
-            "slope_before": number(change.slope_before, 3),
-            "slope_after": number(change.slope_after, 3),
+            "slope_before": format_number(change.slope_before, 3),
+            "slope_after": format_number(change.slope_after, 3),
         }
 
 
@@ -118,7 +118,7 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
             having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
             masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
             known = [mass for mass in masses if exists(mass)]
-            yield {"scene": scene, "letter": letter, "label": label, "mass": number(known[0] if known else None, 3)} | {
+            yield {"scene": scene, "letter": letter, "label": label, "mass": format_number(known[0] if known else None, 3)} | {
                 method: len(some) for method, some in having.items()
             }
 
@@ -130,10 +130,10 @@ def classic(table: CampaignTable) -> Iterator[Words]:
         if any(row.get(name) is not None for name in names):
             yield _named(table, row, varying) | {
                 "status": row.get("classic_status") or DASH,
-                "value": number(over_weight(row, "classic")),
-                "programmes": number(row.get("classic_iterations")),
-                "coulomb": number(over_weight(row, "coulomb")),
-                "least": number(over_weight(row, "least")),
+                "value": format_number(over_weight(row, "classic")),
+                "programmes": format_number(row.get("classic_iterations")),
+                "coulomb": format_number(over_weight(row, "coulomb")),
+                "least": format_number(over_weight(row, "least")),
             }
 
 
@@ -150,7 +150,7 @@ def totals(table: CampaignTable) -> Iterator[Words]:
 def _total(name: str, costs: list[Row], once: list[Row]) -> Words:
     sums = {key: [cost[key] for cost in once if exists(cost.get(key))] for key in ("limit_analysis_seconds", "yade_seconds", "seconds")}
     sums["classic_seconds"] = [cost["classic_seconds"] for cost in costs if exists(cost.get("classic_seconds"))]
-    return {"scene": name, "cases": len(costs)} | {key: number(sum(known) if known else None, 3) for key, known in sums.items()}
+    return {"scene": name, "cases": len(costs)} | {key: format_number(sum(known) if known else None, 3) for key, known in sums.items()}
 
 
 def dearest(table: CampaignTable) -> list[Words]:
@@ -160,9 +160,13 @@ def dearest(table: CampaignTable) -> list[Words]:
     spent = sorted(table.costs, key=lambda cost: (-sum(cost[key] for key in SECONDS if exists(cost.get(key))), str(cost["case"])))
     counted = ("associated_iterations", "coulomb_iterations", "yade_steps")
     return [
-        {"case": str(cost["case"]), "href": links.get(cost["case"], ""), "blocks": number(rows.get(cost["case"], {}).get("free_blocks"))}
-        | {key: number(cost.get(key), 3) for key in (*SECONDS, "seconds")}
-        | {key: number(cost.get(key)) for key in counted}
+        {
+            "case": str(cost["case"]),
+            "href": links.get(cost["case"], ""),
+            "blocks": format_number(rows.get(cost["case"], {}).get("free_blocks")),
+        }
+        | {key: format_number(cost.get(key), 3) for key in (*SECONDS, "seconds")}
+        | {key: format_number(cost.get(key)) for key in counted}
         for cost in spent
     ]
 

@@ -15,7 +15,7 @@ import uuid
 from pathlib import Path
 from typing import Any
 
-from comparison.campaign.job import LOADED, Job, Outcome, StoppedError, failure, run_job
+from comparison.campaign.job import LOADED, Job, JobOutcome, StoppedError, failure, run_job
 from comparison.errors import message_of
 from comparison.run_folder import LOCK, write_text
 from la_core.errors import SceneError
@@ -88,7 +88,7 @@ class Dask:
         self._jobs[future] = job
         future.add_done_callback(self._done.put)
 
-    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+    def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
         """Jobs that ended, with what they came to, once there is one or after so many seconds; raises OSError without a scheduler."""
         found = []
         with contextlib.suppress(queue.Empty):
@@ -126,7 +126,7 @@ def _look(folder: Path) -> dict[str, Any]:
     return {"token": _token_in(folder), "code": LOADED, "threads": os.environ.get("OMP_NUM_THREADS")}
 
 
-def _work(job: Job, folder: Path, token: str) -> Outcome:
+def _work(job: Job, folder: Path, token: str) -> JobOutcome:
     """A job, in a worker."""
     if _token_in(folder) != token:
         return failure("its worker does not see the campaign's folder", job)

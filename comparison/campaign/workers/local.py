@@ -15,7 +15,7 @@ from multiprocessing.connection import Connection, wait
 from types import FrameType
 from typing import Any
 
-from comparison.campaign.job import Job, Outcome, StoppedError, failure, run_job
+from comparison.campaign.job import Job, JobOutcome, StoppedError, failure, run_job
 from comparison.yade import find_yade
 
 ATTEMPTS = 3  # at a job whose worker dies: the system may have ended it for want of memory, which others held
@@ -54,9 +54,9 @@ class Local:
         self._busy.append(worker)
         worker.begin(job, 1)
 
-    def ended(self, seconds: float) -> list[tuple[Job, Outcome]]:
+    def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
         """Jobs that ended, with what they came to, once there is one or after so many seconds."""
-        found: list[tuple[Job, Outcome]] = []
+        found: list[tuple[Job, JobOutcome]] = []
         ready = wait([worker.pipe for worker in self._busy], seconds)
         for worker in [worker for worker in self._busy if worker.pipe in ready]:
             self._busy.remove(worker)

@@ -53,7 +53,7 @@ def title(name: str) -> str:
     return cells(name)[0].source.splitlines()[0].removeprefix("# ")
 
 
-def run(name: str, folder: Path) -> Iterator[tuple[Cell, str, list[Path]]]:
+def run_cells(name: str, folder: Path) -> Iterator[tuple[Cell, str, list[Path]]]:
     """Run a walk-through in a folder, cell by cell: each with what it printed and the figures it drew.
 
     Raises YadeMissingError where YADE is missing, before anything is run.
@@ -109,7 +109,7 @@ def tutorial(options: argparse.Namespace, console: Console, print_json: Callable
         console.print("\n".join(f"  {row['name']:<14}{row['title']}" for row in told["tutorials"]), markup=False)
     else:
         told = {"tutorial": options.name, "title": title(options.name), "cells": []}
-        for cell, said, figures in run(options.name, options.output):
+        for cell, said, figures in run_cells(options.name, options.output):
             _tell(console, cell, said, figures)
             kind = "text" if cell.is_text else "code"
             told["cells"].append({kind: cell.source, "output": said, "figures": [str(path) for path in figures]})

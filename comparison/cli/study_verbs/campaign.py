@@ -31,7 +31,7 @@ from comparison.campaign import (
 from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, TOOL
 from comparison.numbers import DASH, plural
 from la_core.errors import SceneError, nearest
-from la_core.text_table import number
+from la_core.text_table import number_text
 
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
@@ -40,8 +40,8 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     """Run a campaign, print its table, and return the gravest exit code of its cases."""
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
         raise SceneError("--parquet", "is written by pyarrow, which is not installed", hint='install the extra "parquet"')
-    path = find(options.campaign)
-    asked = definition.load(path)
+    path = find_campaign(options.campaign)
+    asked = definition.load_campaign(path)
     folder = (options.output or default_folder(path)).resolve()
     yade = asked.file.yade and not options.no_yade
     whole = Campaign(asked, expand(asked), folder, yade, options.parquet, options.time_limit)
@@ -55,7 +55,7 @@ def campaign(options: argparse.Namespace, narrator: Console, out: Console, print
     return exit_code(found)
 
 
-def find(asked: Path) -> Path:
+def find_campaign(asked: Path) -> Path:
     """Path of a campaign given by path or by a shipped one's name; raises SceneError when there is neither."""
     known = shipped_campaigns()
     if asked.suffix == ".toml" or asked.exists():
@@ -103,7 +103,7 @@ def show(found: CampaignTable, out: Console) -> None:
     shown = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for row in found.rows[:MOST_SHOWN]:
         divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
-        values = [number(None if row[name] is None else row[name] / divisor, 5) for name in ("least", "coulomb", "greatest", "yade")]
+        values = [number_text(None if row[name] is None else row[name] / divisor, 5) for name in ("least", "coulomb", "greatest", "yade")]
         shown.add_row(row["case"].replace("[", r"\["), *values, row["verdict"] or ("failed" if row["state"] == "failed" else DASH))
     out.print(shown)
     if len(found.rows) > MOST_SHOWN:

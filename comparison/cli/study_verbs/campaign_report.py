@@ -12,10 +12,10 @@ from comparison.campaign import (
     STORED,
     CampaignTable,
     compare,
-    read,
+    read_campaign,
     sentence,
+    stored_campaign_report,
     stored_comparison,
-    stored_report,
     terminal_tables,
     with_versions,
     write_campaign_report,
@@ -40,10 +40,10 @@ def report_campaigns(options: argparse.Namespace, out: Console, print_json: Call
         raise SceneError(str(strangers[0]), "holds no campaign, unlike the other folders", hint="report campaigns and runs apart")
     codes, stored = [], []
     for folder in options.folders:
-        found = read(folder)
+        found = read_campaign(folder)
         write_campaign_report(found)
         codes.append(exit_code(found))
-        stored.append(stored_report(with_versions(found)))
+        stored.append(stored_campaign_report(with_versions(found)))
         if not options.json:
             show(found, out)
     if options.json:
@@ -75,4 +75,4 @@ def compare_campaigns(options: argparse.Namespace, narrator: Console, out: Conso
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
         raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
-    return with_versions(read(folder))
+    return with_versions(read_campaign(folder))

@@ -8,18 +8,18 @@ from comparison.figures import structure
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import write_text
-from comparison.studies import Ladder, climb, cost_figure, ladder_dict, limit_analysis_methods, prediction_inset, yade_methods
+from comparison.studies import CostStudy, cost_dict, cost_figure, limit_analysis_methods, measure_study, prediction_inset, yade_methods
 from comparison.yade import find_yade
 from la_core.analysis import drives
 from la_core.errors import SceneError
-from la_core.limit import Status, solve
+from la_core.limit import Status, solve_associated
 from la_core.model import assemble
 from la_core.scene import Scene
 
 
-def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> Ladder:
+def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> CostStudy:
     """Run every rung of a scene and write its figure and its numbers; raises SceneError for a structure without an answer."""
-    status = solve(assemble(scene), drives(scene)[0]).status
+    status = solve_associated(assemble(scene), drives(scene)[0]).status
     if status is not Status.SOLVED:
         raise SceneError(str(scene.path), f"limit analysis ends as {status}, so there is nothing to climb to")
     folder.mkdir(parents=True, exist_ok=True)
@@ -31,8 +31,10 @@ def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narra
                 scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
             )
         count = len(methods)
-        ladder = climb(scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}"))
+        ladder = measure_study(
+            scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}")
+        )
     structure.save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
-    stored = ladder_dict(ladder) | {"provenance": describe()}
+    stored = cost_dict(ladder) | {"provenance": describe()}
     write_text(folder / f"{scene.name}-cost.json", json.dumps(stored, indent=2, ensure_ascii=False) + "\n")
     return ladder

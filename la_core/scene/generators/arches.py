@@ -8,7 +8,7 @@ from la_core.geometry import Shape, prism
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.curved import Arch, Ring, Vault
 
-Joint = tuple[tuple[float, float], tuple[float, float]]  # intrados and extrados (x, z) of a radial joint, m
+RadialJoint = tuple[tuple[float, float], tuple[float, float]]  # intrados and extrados (x, z) of a radial joint, m
 
 
 def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
@@ -34,25 +34,25 @@ def vault_blocks(vault: Vault) -> Iterator[NamedShape]:
     yield from _springers(vault, vault.name, joints, vault.length)
 
 
-def _joints(ring: Ring) -> list[Joint]:
+def _joints(ring: Ring) -> list[RadialJoint]:
     """Radial joints from the left springing to the right one."""
     half = math.radians(ring.embrace) / 2.0
     angles = [-half + 2.0 * half * k / ring.voussoirs for k in range(ring.voussoirs + 1)]
     return [_joint(ring, angle) for angle in angles]
 
 
-def _joint(ring: Ring, angle: float) -> Joint:
+def _joint(ring: Ring, angle: float) -> RadialJoint:
     """Intrados and extrados (x, z) of the radial joint at `angle` from the crown, positive to the right."""
     radii = (ring.radius - ring.thickness / 2.0, ring.radius + ring.thickness / 2.0)
     inner, outer = ((ring.centre[0] + r * math.sin(angle), ring.centre[2] + r * math.cos(angle)) for r in radii)
     return inner, outer
 
 
-def _voussoir(left: Joint, right: Joint, y: Sequence[float]) -> Shape:
+def _voussoir(left: RadialJoint, right: RadialJoint, y: Sequence[float]) -> Shape:
     return prism([left[0], right[0], right[1], left[1]], y)
 
 
-def _springers(ring: Ring, name: str, joints: list[Joint], depth: float) -> Iterator[NamedShape]:
+def _springers(ring: Ring, name: str, joints: list[RadialJoint], depth: float) -> Iterator[NamedShape]:
     """One held block behind each springing joint, over the whole depth and as deep as the ring is thick."""
     if ring.springers is None:
         return

@@ -121,14 +121,14 @@ class Live(Table):
     direction: Direction
 
 
-class Path(Table):
+class RequestedPath(Table):
     """The curve from rest to the plateau: how far, m or rad (default: the joints' travel), and in how many increments."""
 
     settlement: Positive | None = None
     increments: Annotated[Count, Field(le=10_000)] = 25
 
 
-class Effects(Table):
+class RequestedEffects(Table):
     """Which effects to model; "auto" decides from the scene."""
 
     plane: AutoOrBool = "auto"
@@ -178,8 +178,8 @@ class SceneFile(Table):
     mesh: tuple[Mesh, ...] = ()
     settlement: Settlement | None = None
     live: Live | None = None
-    path: Path | None = None
-    effects: Effects = Effects()
+    path: RequestedPath | None = None
+    effects: RequestedEffects = RequestedEffects()
     expected: Expected | None = None
     # Settings for YADE in place of derived ones.
     yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = Field(default_factory=dict)
