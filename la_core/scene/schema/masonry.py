@@ -49,7 +49,7 @@ class Wall(Table):
     )
     origin: Vector = described("lower left front corner of the wall", "m")
     block: tuple[Positive, Positive, Positive] = described("length (x), depth (y) of one leaf, height (z) of a block", "m")
-    per_course: Count = described("lengths of a block in a course")
+    per_course: Count = described("blocks in a full course: the length of the wall over that of a block")
     courses: Count = described("number of courses")
     first: Literal["full", "half"] = described("the block that the bottom course of a running bond starts with", default="full")
     leaves: Annotated[Count, Field(le=3)] = described("leaves side by side in depth", default=1)

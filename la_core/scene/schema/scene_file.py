@@ -169,7 +169,7 @@ class Expected(Table):
 
 
 class SceneFile(Table):
-    """The whole file."""
+    """Keys above the first table, and the tables that a file may hold."""
 
     title: Text = described("heading of tables and reports", default="")
     source: Text = described("where the expected value, or the structure, comes from", default="")
