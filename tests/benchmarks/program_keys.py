@@ -45,8 +45,13 @@ def settings() -> str:
 
 def hdf5_fields() -> str:
     """Every field of case.h5 and run.h5; `GROUP` stands for one of limit analysis' answers."""
-    case = (*exchange.CASE_FIELDS, *exchange.solution_fields("GROUP"), *exchange.coulomb_fields("GROUP"), *exchange.PATH_FIELDS)
-    parts = [("### `case.h5`", exchange.schema_table(case)), ("### `run.h5`", exchange.schema_table(exchange.RUN_FIELDS))]
+    parts = [
+        ("### `case.h5`: structure", exchange.schema_table(exchange.CASE_FIELDS)),
+        ("### `case.h5`: associated answers", exchange.schema_table(exchange.solution_fields("GROUP"))),
+        ("### `case.h5`: Coulomb predictions", exchange.schema_table(exchange.coulomb_fields("GROUP"))),
+        ("### `case.h5`: the path, where one is asked for", exchange.schema_table(exchange.PATH_FIELDS)),
+        ("### `run.h5`", exchange.schema_table(exchange.RUN_FIELDS)),
+    ]
     return "\n\n".join(text for part in parts for text in part)
 
 

@@ -62,7 +62,7 @@ def value_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
     if entry["type"] == "array":
         return entries_of(entry, headings)
     if entry["type"] == "object":
-        return "table" if "additionalProperties" not in entry else "table of settings"
+        return "table"
     return {"string": "text", "boolean": "`true`, `false`"}.get(entry["type"], "") or number_of(entry)
 
 
@@ -75,7 +75,7 @@ def entries_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
     if "$ref" in entry["items"]:
         return f"tables {table_of(entry['items']['$ref'], headings)}"
     kind = value_of(entry["items"], headings)
-    return f"list of ({kind})" if kind[0].isdecimal() else f"list of {kind}"
+    return "tables" if kind == "table" else f"list of ({kind})" if kind[0].isdecimal() else f"list of {kind}"
 
 
 def table_of(reference: str, headings: dict[str, str]) -> str:
