@@ -22,14 +22,15 @@ from scenes import load
 
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.definition import load_campaign as load_campaign
+from comparison.campaign.definition import load_campaign
 from comparison.cli.arguments import parser
 from comparison.cli.commands import COMMANDS, main
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, INTERRUPTED, TOOL, USAGE
-from comparison.cli.study_verbs.campaign import find_campaign as find_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.verdict_table import verdict_cells
 from la_core import text_table
+from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.classic_iteration import ClassicParameters, solve_sequentially

@@ -23,7 +23,8 @@ UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # wi
 HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
     "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`", "Box": "`box` of a block",
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
-    "Path": "`[path]`", "Effects": "`[effects]`", "Expected": "`[expected]`", "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
+    "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
+    "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
     "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
     "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
