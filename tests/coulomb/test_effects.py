@@ -122,7 +122,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
     monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda results: results.analysis.assembly.effects.friction == "none-slides")
-    monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, dict(found.run.result)))
+    monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, vars(found.run.result)))
     heard: list[str] = []
 
     class Listener:
