@@ -20,7 +20,7 @@ import la_core
 from comparison.cli.commands import main
 from comparison.workflow import one_scene
 from la_core.analysis.stage import digest
-from la_core.exchange.fields import ExchangeError
+from la_core.exchange.checksummed_file import ExchangeError
 from la_core.scene import shipped
 from la_core.scene.scene import Scene
 
