@@ -10,6 +10,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+LOADING = 600.0  # s of the processor, a last resort: Python, its packages and the arguments
 LOOK = 0.5  # s between two looks at what a process has used
 GRACE = 2.0  # s for a process to end what it has started
 PATIENCE = 10.0  # the clock may run so many times faster than the processor where other work shares the machine
@@ -28,6 +29,7 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
     """Yield what a generator function yields in a process of its own, with one thread and its own words silenced.
 
     Raises PeerEnded when it raises, dies, or yields nothing for `limit` seconds of the processor, or a multiple of them by the clock.
+    They count from the moment when the process has loaded what it needs, which takes seconds on a busy machine and is no peer's work.
     The limit is watched from outside: the system's own limit makes the seconds that a process sees of itself coarse.
     """
     os.environ.update(ONE_THREAD)  # read by the libraries of the child when they load
@@ -37,15 +39,19 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
     process.start()
     there.close()
     try:
+        allowed = LOADING
         while True:
-            _wait(here, process.pid, limit)
+            _wait(here, process.pid, allowed)
             try:
                 kind, content = here.recv()
             except EOFError:
                 process.join()
                 raise PeerEnded(_cause(process.exitcode)) from None
+            allowed = limit
             if kind == "end":
                 return
+            if kind == "begin":
+                continue
             if kind == "error":
                 raise PeerEnded(content)
             yield content
@@ -75,6 +81,7 @@ def _run(connection: Connection, function: Callable[..., Iterator[Any]], argumen
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)
+    connection.send(("begin", None))
     try:
         for item in function(*arguments):
             connection.send(("item", item))
