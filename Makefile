@@ -8,7 +8,7 @@ ask = { echo 'Not installed: $(1). As root: apt-get install $(1); then the same 
 
 .NOTPARALLEL:
 
-.PHONY: setup demo test test-long hard-cases lint release clean
+.PHONY: setup demo test test-all test-long hard-cases lint release clean
 
 setup: $(VENV)/.installed system-packages
 
@@ -31,8 +31,14 @@ demo: setup
 
 # Processes side by side, one thread in each; cores that a container only seems to have would make them too many.
 PROCESSES := 2
+PYTEST_OPTIONS :=
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(PROCESSES) --dist loadgroup --no-loadscope-reorder $(PYTEST_OPTIONS)
 test: setup
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(PROCESSES) --dist loadgroup
+	$(PYTEST) -m 'not slow and not long'
+
+# Each test once, what fails fast first.
+test-all: test
+	$(PYTEST) -m 'slow and not long'
 
 test-long: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long

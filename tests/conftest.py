@@ -23,9 +23,26 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 
+STARTS_YADE = {"cross_checked", "undisturbed", "copy", "yade", "ran", "altered_yade"}
+# Scenes whose runs `make test` judges: seconds each, and together sliding joints in the plane, an arch, and blocks in space.
+QUICK = {"two_pads", "two_blocks", "arch_spreading", "slab_four_corners", "wall_third"}
+SHARED = {"two_pads", "arch_spreading", "wall_third"}  # asked for by tests of many modules, some of which take several
+LONGEST = ("dome_sector", "facade", "wall_long", "corner_settling_end", "wall_half", "vault_spreading", "wall_tall", "wall_low_friction")
+
+
 every_shipped_scene = pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.long) if name in shipped.LONG else name for name in shipped.names()]
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.long if name in shipped.LONG else pytest.mark.slow if name in LONGEST else ())
+        for name in shipped.names()
+    ],
 )
+
+
+class NoParameters:
+    """In the place of the parameters of a test that has none."""
+
+    params: dict[str, Any] = {}  # noqa: RUF012
 
 
 # Laws under random structures: few scenes in every run, many with `--hypothesis-profile long`.
@@ -36,11 +53,37 @@ settings.load_profile("few")
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Processes side by side share the work by modules, and one of them takes all that asks for shipped scenes' runs in YADE."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark what starts YADE, leave out what takes hours, and share the work among processes: README.md says how."""
     for item in items:
-        shares = "cross_checked" in getattr(item, "fixturenames", ())
-        item.add_marker(pytest.mark.xdist_group("cross_checked" if shares else item.path.name))
+        fixtures = set(getattr(item, "fixturenames", ()))
+        if fixtures & STARTS_YADE:
+            item.add_marker("yade")
+        scenes = scenes_of(item) if "cross_checked" in fixtures else set()
+        if scenes - QUICK:
+            item.add_marker("slow")
+        item.add_marker(pytest.mark.xdist_group(group_of(item, scenes) if "cross_checked" in fixtures else item.path.name))
+    if "long" not in config.option.markexpr:  # `-m "not yade"` does not mean hours
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("long")])
+        items[:] = [item for item in items if not item.get_closest_marker("long")]
+    # Processes take groups in this order: what lasts longest comes first, so that no process ends long after the others.
+    items.sort(key=lambda item: next((k for k, name in enumerate(LONGEST) if is_about(item, name)), len(LONGEST)))
+
+
+def scenes_of(item: pytest.Item) -> set[str]:
+    """Shipped scenes that a test names, as a parameter or in its own lines."""
+    words = (*getattr(item, "callspec", NoParameters).params.values(), *item.function.__code__.co_consts)  # type: ignore[attr-defined]
+    return {word for word in words if isinstance(word, str)} & set(shipped.names())
+
+
+def group_of(item: pytest.Item, scenes: set[str]) -> str:
+    """Tests of one scene's run share a process, and so the run; scenes that many tests ask for, or several together, are one group."""
+    return f"run of {next(iter(scenes))}" if len(scenes) == 1 and not scenes <= SHARED else "runs of shared scenes"
+
+
+def is_about(item: pytest.Item, scene: str) -> bool:
+    marker = item.get_closest_marker("xdist_group")
+    return marker is not None and marker.args == (f"run of {scene}",)
 
 
 @pytest.fixture(autouse=True, scope="session")

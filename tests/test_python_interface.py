@@ -65,6 +65,7 @@ def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: py
     assert tried
 
 
+@pytest.mark.yade
 def test_the_code_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # the report's, which nobody looks at here
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
@@ -199,6 +200,7 @@ def test_what_a_notebook_shows_is_escaped() -> None:
         assert "<script" not in shown and "&lt;script" in shown
 
 
+@pytest.mark.yade
 def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     result = comparison.run("two_pads", tmp_path, quiet=True)
     assert capsys.readouterr().err == ""

@@ -10,9 +10,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+LOADING = 600.0  # s of the processor, a last resort: Python, its packages and the arguments
 LOOK = 0.5  # s between two looks at what a process has used
 GRACE = 2.0  # s for a process to end what it has started
-START = 60.0  # s of the processor for a process to load what it runs, before its limit counts
 PATIENCE = 10.0  # the clock may run so many times faster than the processor where other work shares the machine
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -29,6 +29,7 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
     """Yield what a generator function yields in a process of its own, with one thread and its own words silenced.
 
     Raises PeerEnded when it raises, dies, or yields nothing for `limit` seconds of the processor, or a multiple of them by the clock.
+    They count from the moment when the process has loaded what it needs, which takes seconds on a busy machine and is no peer's work.
     The limit is watched from outside: the system's own limit makes the seconds that a process sees of itself coarse.
     """
     os.environ.update(ONE_THREAD)  # read by the libraries of the child when they load
@@ -38,18 +39,18 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
     process.start()
     there.close()
     try:
-        ready = False
+        allowed = LOADING
         while True:
-            _wait(here, process.pid, limit if ready else START)
+            _wait(here, process.pid, allowed)
             try:
                 kind, content = here.recv()
             except EOFError:
                 process.join()
                 raise PeerEnded(_cause(process.exitcode)) from None
+            allowed = limit
             if kind == "end":
                 return
-            if kind == "ready":
-                ready = True
+            if kind == "begin":
                 continue
             if kind == "error":
                 raise PeerEnded(content)
@@ -80,7 +81,7 @@ def _run(connection: Connection, function: Callable[..., Iterator[Any]], argumen
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)
-    connection.send(("ready", None))
+    connection.send(("begin", None))
     try:
         for item in function(*arguments):
             connection.send(("item", item))

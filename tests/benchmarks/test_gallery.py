@@ -10,6 +10,7 @@ import conclusions
 import pytest
 import results_page
 from conftest import CrossChecked, every_shipped_scene
+from la_core.scene.full_model import full_model
 from marked_text import marked, with_part
 from peers_report import conclusions as peers_conclusions
 from peers_table import LEAST_REACTION, SOLVED, Row
@@ -20,10 +21,10 @@ from comparison.campaign.definition import load_campaign
 from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
 from la_core import text_table
-from la_core.analysis.stage import analyse, settled
+from la_core.analysis.decisions import decided_model
+from la_core.analysis.stage import analyse
 from la_core.limit.associated import Drive, Status
 from la_core.scene import shipped
-from la_core.scene.full_model import full_model
 from la_core.scene.scene import load_scene
 
 GALLERY = conclusions.GALLERY
@@ -82,12 +83,12 @@ def test_limit_analysis_of_the_record_is_that_of_a_fresh_run(name: str) -> None:
     unit = 1.0 if scene.live is not None else scene.weight
     bounds = {"least": analysis.main, "greatest": Drive.PUSHING}
     for key, drive in bounds.items():
-        value = text_table.over_weight(analysis.rounded[drive].value, unit) if drive in analysis.rounded else None
+        value = text_table.over_weight(analysis.bounds[drive].value, unit) if drive in analysis.bounds else None
         assert results_page.value_cell(recorded, key) == text_table.number_text(value, 5)
-    assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
+    assert analysis.coulomb is not None and analysis.sharp.coulomb is not None
     assert analysis.coulomb.status is Status.SOLVED or name in shipped.LONG
     assert recorded["predicted"] == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
-    assert recorded["sharp"] == pytest.approx(analysis.coulomb_sharp.value / unit, rel=ROUND_OFF)
+    assert recorded["sharp"] == pytest.approx(analysis.sharp.coulomb.value / unit, rel=ROUND_OFF)
     assert recorded["interval"] == pytest.approx([end / unit for end in analysis.coulomb.interval], rel=ROUND_OFF)
 
 
@@ -120,7 +121,8 @@ def test_the_full_model_of_the_record_agrees_with_the_reduced_one(name: str) -> 
 @pytest.mark.parametrize("name", FRESH)
 def test_what_the_record_leaves_out_is_what_is_left_out(name: str) -> None:
     scene = load_scene(shipped.find(name))
-    off = [row["effect"] for row in effects_summary(scene, settled(scene))["table"] if not row["on"]]
+    decided = decided_model(scene)
+    off = [row["effect"] for row in effects_summary(scene, decided.whole, decided.assembly)["table"] if not row["on"]]
     assert RECORD[name]["left_out"] == off
 
 

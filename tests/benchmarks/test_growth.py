@@ -97,6 +97,8 @@ def test_the_figure_names_methods_with_their_exponents_and_tells_them_apart_with
     assert len({(line.get_marker(), line.get_linestyle()) for line in lines}) == len(lines)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_a_finer_time_step_gives_the_driver_no_more_work(tmp_path: Path) -> None:
     """Its rows and states follow the settlement: what it adds to YADE's own time is a share that falls with every step."""
     counts = []

@@ -12,6 +12,7 @@ import numpy as np
 import peers_dynamics
 import peers_equilibrium
 import peers_limit
+import peers_process
 import pytest
 import scenes
 from benchmark_peers import stored_page
@@ -30,6 +31,7 @@ SAME_OVER_WEIGHT = 2.0 * 6.0 * ACCEPTED  # residuals of ACCEPTED in all freedoms
 TIGHT = 1e-8  # asked of a solver, so that its residuals are below ACCEPTED
 FINE = 1e-4  # s: a third of the shortest solve
 LIMIT = 1.0  # s of the processor for a process that never comes back
+LAST_RESORT = 600.0  # s, the same for one that ends before
 
 solver = pytest.mark.parametrize("name", [*peers_limit.FOREIGN])
 
@@ -113,11 +115,16 @@ def complains() -> Iterator[int]:
     raise ValueError("no such cone")
 
 
-def ticks() -> Iterator[float]:
+def tick() -> float:
     start = time.process_time()
     while time.process_time() == start:
         pass
-    yield time.process_time() - start
+    return time.process_time() - start
+
+
+def ticks() -> Iterator[float]:
+    """The least of many: other work on the machine makes single ticks longer, a coarse clock makes all of them so."""
+    yield min(tick() for _ in range(100))
 
 
 def counts() -> Iterator[int]:
@@ -125,24 +132,28 @@ def counts() -> Iterator[int]:
 
 
 @pytest.mark.parametrize(
-    ("function", "reason"),
-    [(spins, "time limit of 1 s"), (aborts, "SIGABRT"), (stops, "exit code 3"), (complains, "ValueError: no such cone")],
-)
-def test_a_peer_that_dies_or_never_comes_back_ends_its_own_row_alone(function, reason) -> None:
+    ("function", "limit", "reason"),
+    [
+        (spins, LIMIT, "time limit of 1 s"), (aborts, LAST_RESORT, "SIGABRT"), (stops, LAST_RESORT, "exit code 3"),
+        (complains, LAST_RESORT, "ValueError: no such cone"),
+    ],
+)  # fmt: skip
+def test_a_peer_that_dies_or_never_comes_back_ends_its_own_row_alone(function, limit, reason, monkeypatch) -> None:
+    monkeypatch.setattr(peers_process, "PATIENCE", math.inf)  # the processor's seconds alone: other work takes none of them
     found = []
     with pytest.raises(PeerEnded, match=reason):
-        for one in alone(function, (), LIMIT):
+        for one in alone(function, (), limit):
             found.append(one)
     assert found == [1]
 
 
 def test_a_peer_that_behaves_is_heard_to_the_end() -> None:
-    assert list(alone(counts, (), LIMIT)) == [0, 1, 2]
+    assert list(alone(counts, (), LAST_RESORT)) == [0, 1, 2]
 
 
 def test_a_watched_process_sees_fine_seconds_of_its_own() -> None:
     """A limit that the system itself holds would let it see ticks of milliseconds, longer than a small solve."""
-    assert max(alone(ticks, (), LIMIT)) < FINE
+    assert max(alone(ticks, (), LAST_RESORT)) < FINE
 
 
 def test_a_number_has_two_digits_at_any_size() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from campaigns import QUICK, Inline, begun, campaign, finished, run
-from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, one_message, processes_about, unfinished, wait_for
+from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, held_yade, one_message, processes_about, unfinished, wait_for
 from processes import listening, tree
 
 from comparison.campaign.job import LOADED, Job
@@ -103,6 +103,7 @@ def is_gone(process: int) -> bool:
     return not Path(f"/proc/{process}").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_workers_of_this_machine_one_of_them_lost_give_the_table_of_this_process(workers: int, tmp_path: Path, plain_figures: None) -> None:
     run(FEW, tmp_path / "inline" / "out")
@@ -112,6 +113,7 @@ def test_workers_of_this_machine_one_of_them_lost_give_the_table_of_this_process
     assert (tmp_path / "local" / "out" / "results.csv").read_bytes() == (tmp_path / "inline" / "out" / "results.csv").read_bytes()
 
 
+@pytest.mark.slow
 def test_workers_of_a_scheduler_one_of_them_lost_give_the_table_of_this_process(tmp_path: Path, plain_figures: None) -> None:
     run(QUICK, tmp_path / "inline" / "out")
     with cluster(WORKERS) as address:
@@ -134,6 +136,7 @@ def test_a_case_whose_workers_all_die_is_a_failure_and_the_others_go_on(tmp_path
     assert of is job and outcome["state"] == "failed" and "was ended by SIGKILL" in outcome["answers"]["reason"]
 
 
+@pytest.mark.yade
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, INTERRUPTED), pytest.param(signal.SIGKILL, -signal.SIGKILL, marks=pytest.mark.long)]
 )
@@ -142,9 +145,9 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
 ) -> None:
     out, path = tmp_path / "out", tmp_path / "campaign.toml"
     path.write_text(WITH_YADE, encoding="utf-8")
-    with crosscheck("campaign", str(path), "-o", str(out), "--workers", "1", start_new_session=True) as process:
-        wait_for(lambda: (len(finished(out)) >= 1 and bool(list(out.glob("cases/*/*/yade.log")))) or process.poll() is not None)
-        wait_for(lambda: bool(processes_about(out / "cases")) or process.poll() is not None)
+    environment, _ = held_yade(tmp_path, after=1)  # the second case waits for the stop, however long that takes
+    with crosscheck("campaign", str(path), "-o", str(out), "--workers", "1", start_new_session=True, env=environment) as process:
+        wait_for(lambda: (len(finished(out)) >= 1 and bool(processes_about(out / "cases"))) or process.poll() is not None)
         family = tree(process.pid)
         assert len(family) >= 3  # the campaign, a worker, YADE
         assert not listening(family)
@@ -176,6 +179,7 @@ def test_a_scheduler_that_is_not_there_is_named(
     assert begun(tmp_path / "out") == []
 
 
+@pytest.mark.yade
 @pytest.mark.long
 def test_a_scheduler_that_goes_away_in_the_middle_is_told_and_the_next_call_goes_on(tmp_path: Path, plain_figures: None) -> None:
     out, path = tmp_path / "out", tmp_path / "campaign.toml"
@@ -214,6 +218,7 @@ def test_a_missing_yade_is_told_once_and_before_anything_runs(
 # --- sixty cases and more, with YADE ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.yade
 @pytest.mark.long
 def test_a_large_campaign_stopped_and_robbed_of_workers_is_the_same_on_this_machine_and_on_a_cluster(tmp_path: Path) -> None:
     whole = tmp_path / "local" / "out"

@@ -185,6 +185,7 @@ def test_what_is_undefined_is_a_dash_and_never_a_number(tmp_path: Path) -> None:
     assert line.count("–") >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["two axes", "classic"])
 def test_the_same_campaign_gives_the_same_files(shape: str, tmp_path: Path) -> None:
     table = campaign(tmp_path, shape)

@@ -44,7 +44,7 @@ def offered(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
 
     def ask(*words: str) -> list[str]:
         command = [BASH, "--norc", "-c", IN_BASH, "bash", str(path), "crosscheck", *words]
-        answer = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True, timeout=20)
+        answer = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)
         assert answer.stderr == ""
         return sorted(answer.stdout.split())
 
@@ -99,4 +99,4 @@ def test_every_shell_s_script_knows_all_commands_and_scenes_and_is_its_language(
     if (found := shutil.which(shell)) is not None:
         path = tmp_path / "script"
         path.write_text(text)
-        subprocess.run([found, "-n", str(path)], check=True, timeout=20)
+        subprocess.run([found, "-n", str(path)], check=True)

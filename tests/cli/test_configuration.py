@@ -47,6 +47,7 @@ def ran_into() -> str:
     return report.parent.name
 
 
+@pytest.mark.yade
 def test_without_a_configuration_the_defaults_hold() -> None:
     found = settings.load_settings()
     assert found.settings == Settings() and not found.sources
@@ -70,6 +71,7 @@ def test_what_is_nearer_to_the_command_holds(monkeypatch: pytest.MonkeyPatch) ->
     assert Path("by-command/report.html").exists() and not Path("by-folder").exists()
 
 
+@pytest.mark.yade
 def test_a_time_limit_reaches_yade_and_the_command_line_s_goes_before(monkeypatch: pytest.MonkeyPatch) -> None:
     limits = []
     monkeypatch.setattr("comparison.cli.scene_verbs.run.run_scene", lambda *given: limits.append(given[-1]) or {})
@@ -201,6 +203,8 @@ def test_a_configuration_that_might_never_end_is_not_waited_for(capsys: pytest.C
     assert "not valid TOML" in capsys.readouterr().err
 
 
+@pytest.mark.slow
+@pytest.mark.yade
 def test_yade_is_looked_for_where_the_user_s_file_says(capsys: pytest.CaptureFixture[str]) -> None:
     elsewhere = Path("elsewhere")
     elsewhere.mkdir()

@@ -72,6 +72,7 @@ def test_a_damaged_result_is_made_again(name: str, copy: Path, undisturbed: Path
     assert answer(copy) == answer(undisturbed)
 
 
+@pytest.mark.slow
 def test_a_run_of_another_scene_is_not_taken_for_this_one_s(copy: Path, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
     """Same blocks and points, another density: only the digest of the inputs tells."""
     other = tmp_path / "two_pads.toml"

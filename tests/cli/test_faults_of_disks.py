@@ -82,6 +82,7 @@ def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
     assert not unfinished(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
     """YADE's process inherits the limit, below which everything but its result fits."""
     case, run = ((undisturbed / "two_pads" / name).stat().st_size for name in ("case.h5", "run.h5"))
@@ -103,6 +104,7 @@ def test_a_full_disk_behind_standard_output_is_named() -> None:
     one_message(said, "standard output: No space left on device")
 
 
+@pytest.mark.yade
 def test_a_log_that_cannot_be_written_is_named(
     fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -113,6 +115,7 @@ def test_a_log_that_cannot_be_written_is_named(
     wait_for(lambda: not processes_about(tmp_path / "out"))
 
 
+@pytest.mark.yade
 def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     def hungry(*arguments: Any, **options: Any) -> None:
         raise MemoryError("Unable to allocate 1 TiB")

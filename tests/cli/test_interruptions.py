@@ -8,15 +8,28 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from faulty_runs import INTERRUPTED, ROOT, RUN_SECONDS, TOOL, answer, crosscheck, one_message, processes_about, unfinished, wait_for
+from faulty_runs import (
+    INTERRUPTED,
+    ROOT,
+    RUN_SECONDS,
+    TOOL,
+    answer,
+    crosscheck,
+    endless,
+    held_yade,
+    one_message,
+    processes_about,
+    unfinished,
+    wait_for,
+)
 
 from comparison.cli.commands import main
 from comparison.run_folder import LOCK, WRITTEN, alone_in
 
 
-def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0) -> tuple[int, str]:
+def stopped_by(number: signal.Signals, out: Path, at: Callable[[], bool], delay: float = 0.0, scene: str = "two_pads") -> tuple[int, str]:
     """Exit code and words of a run that gets a signal when something has happened, and YADE is gone with it."""
-    with crosscheck("run", "two_pads", "-o", str(out)) as process:
+    with crosscheck("run", scene, "-o", str(out)) as process:
         wait_for(lambda: at() or process.poll() is not None)
         time.sleep(delay)
         process.send_signal(number)
@@ -38,7 +51,7 @@ def test_an_interruption_ends_yade_and_the_next_call_goes_on(
     stage: Callable[[Path], Callable[[], bool]], delay: float, undisturbed: Path, plain_figures: None, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    code, said = stopped_by(signal.SIGINT, out, stage(out), delay)
+    code, said = stopped_by(signal.SIGINT, out, stage(out), delay, str(endless(tmp_path)))
     assert code == INTERRUPTED
     one_message(said, "stopped")
     assert not unfinished(out)
@@ -63,7 +76,7 @@ def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_yade_ends_with_the_program_that_started_it(number: signal.Signals, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    code, said = stopped_by(number, out, in_yade(out), 0.4)
+    code, said = stopped_by(number, out, in_yade(out), 0.4, str(endless(tmp_path)))
     assert code == -number and "Traceback" not in said
     assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
     assert answer(out) == answer(undisturbed)
@@ -90,9 +103,12 @@ def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, capsys
 
 def test_of_two_runs_in_one_folder_the_second_leaves_the_first_alone(undisturbed: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with crosscheck("run", "two_pads", "-o", str(out)) as first:
-        wait_for(lambda: (out / "two_pads" / LOCK).exists() and (out / "two_pads" / "case.h5").exists())
-        assert main(["run", "two_pads", "-o", str(out), "-q"]) == TOOL
+    environment, go = held_yade(tmp_path)
+    with crosscheck("run", "two_pads", "-o", str(out), env=environment) as first:
+        wait_for(lambda: ((out / "two_pads" / LOCK).exists() and (out / "two_pads" / "case.h5").exists()) or first.poll() is not None)
+        code = main(["run", "two_pads", "-o", str(out), "-q"])
+        go.touch()
+        assert code == TOOL
         _, said = first.communicate()
     assert first.returncode == 0, said
     assert answer(out) == answer(undisturbed)

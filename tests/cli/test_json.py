@@ -61,7 +61,8 @@ def one_object(text: str) -> dict[str, Any]:
     return found
 
 
-@pytest.mark.parametrize("name", COMMAND_LINE)
+@pytest.mark.yade
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow) if name == "animate" else name for name in COMMAND_LINE])
 def test_every_command_prints_one_object_and_nothing_else(
     name: str, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -39,6 +39,8 @@ def test_what_listens_is_seen() -> None:
         process.kill()
 
 
+@pytest.mark.slow
+@pytest.mark.yade
 def test_nothing_listens_during_a_run(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "comparison", "run", "two_pads", "-o", str(tmp_path / "out"), "-q"]
     seen, most = set(), 0
@@ -142,6 +144,7 @@ def test_a_scene_s_name_is_a_name_and_no_path(tmp_path: Path, two_pads: str, cap
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.yade
 def test_links_in_the_place_of_results_are_replaced_and_not_followed(tmp_path: Path) -> None:
     victim, out = tmp_path / "victim", tmp_path / "out"
     victim.write_text("untouched")

@@ -10,6 +10,7 @@ from comparison.cli.commands import main
 from comparison.cli.help_verbs import tutorial
 from comparison.workflow import one_scene
 
+CHEAPEST = "pads"  # its runs in YADE take seconds
 every_tutorial = pytest.mark.parametrize("name", tutorial.NAMES)
 
 
@@ -25,7 +26,8 @@ def test_every_script_is_listed_in_the_order_of_reading(capsys: pytest.CaptureFi
     assert [(name, number) for name, number, _ in lines] == [(name, f"{k}.") for k, name in enumerate(tutorial.NAMES, 1)]
 
 
-@every_tutorial
+@pytest.mark.yade
+@pytest.mark.parametrize("name", [name if name == CHEAPEST else pytest.param(name, marks=pytest.mark.slow) for name in tutorial.NAMES])
 def test_a_walk_through_runs_and_its_answer_is_checked(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Each script holds its numbers against hand calculations by itself; here it is seen to run to its end, with figures."""
     assert main(["tutorial", name, "-o", str(tmp_path / "out"), "--json"]) == 0
@@ -72,6 +74,7 @@ def test_notebooks_are_written_for_one_or_for_all(tmp_path: Path, capsys: pytest
     nbformat.validate(nbformat.read(tmp_path / "one" / "arch.ipynb", as_version=4))
 
 
+@pytest.mark.yade
 def test_a_wrong_number_in_a_walk_through_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     script = (tutorial.SCRIPTS / "pads.py").read_text(encoding="utf-8")
     changed = script.replace("least, greatest = (0.5 - 0.4)", "least, greatest = (0.5 - 0.39)")

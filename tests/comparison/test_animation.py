@@ -106,6 +106,8 @@ def test_an_animation_of_other_results_is_taken_away(animated: Path, tmp_path: P
     assert main([*command, "--no-yade"]) == 0 and not (tmp_path / "out" / "two_pads" / ANIMATION).exists()
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 @pytest.mark.usefixtures("plain_figures")
 def test_a_scene_is_run_first_and_its_title_is_text(
     tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -58,6 +58,7 @@ def test_an_answer_is_as_good_as_it_was_asked_to_be() -> None:
     assert solutions[0].iterations < solutions[-1].iterations
 
 
+@pytest.mark.slow
 def test_facets_bracket_the_cone_and_close_on_it() -> None:
     """The width of the bracket falls as one over the square of the facets."""
     ladder = chosen("corner_settling_end", "linearised")
@@ -93,6 +94,8 @@ def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
     assert all(isinstance(one, CostPoint) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
     """Rounded arrises cost what limit analysis says they do, and YADE no more."""
     scene = scenes.shipped("two_pads")

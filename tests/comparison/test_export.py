@@ -186,6 +186,7 @@ def test_numbers_survive_whatever_their_type(tmp_path: Path) -> None:
     assert at_points["n"].tolist() == [2**40, -1] and at_cells["flag"].tolist() == [1, 0]
 
 
+@pytest.mark.yade
 def test_the_command_exports_stored_results_or_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["run", "-q", "two_pads", "-o", str(out), "--no-yade"]) == 0

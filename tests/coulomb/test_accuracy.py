@@ -59,6 +59,8 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
         assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # they would take most of the time
@@ -71,6 +73,7 @@ def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: py
         assert summary["yade"]["reaction"] / scene.weight == pytest.approx(expected_value(scene), rel=accuracy + slack), name
 
 
+@pytest.mark.yade
 @pytest.mark.long
 def test_a_coarse_wall_costs_less_than_a_third_of_a_fine_one(tmp_path: Path) -> None:
     seconds = {}

@@ -329,6 +329,7 @@ def test_interval_of_a_plane_wall_is_the_same_in_3d(plane) -> None:
 # --- what must not matter ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1.0 / 3.0, 3.0])
 @pytest.mark.parametrize("split", [1.6, 1.2])
 def test_plateau_does_not_depend_on_the_stiffness(split, factor) -> None:

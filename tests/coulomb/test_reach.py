@@ -241,6 +241,8 @@ def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> Non
     assert list(check_reach(Results(whole, plateau_of(analysis, analysis.coulomb.forces)))) == []
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_yade_agrees_with_itself_whether_a_part_is_set_aside_or_not(tmp_path: Path) -> None:
     found = {}
     for asked in (True, False):

@@ -23,7 +23,7 @@ FLAGS = (
     "--disable-background-networking", "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader",
     "--disable-smooth-scrolling", "--hide-scrollbars", "--window-size=1200,900",
 )  # fmt: skip
-PATIENCE = 60.0  # s for any answer on a busy machine
+PATIENCE = 600.0  # s, a last resort for any answer
 KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "0": 48, "+": 187}
 
 

@@ -1,6 +1,7 @@
 """What tests of faults share: runs as processes, what they left behind, what they said."""
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -8,10 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from comparison.settings import SYSTEM_PYTHON
+from la_core.scene.shipped import find
+
 ROOT = Path(__file__).parents[2]
 TOOL, INTERRUPTED = 3, 130
 RUN_SECONDS = 2.0  # what YADE takes for two pads, loading included
-PATIENCE = 60.0  # s, for what should happen at once
+PATIENCE = 600.0  # s, a last resort for what should happen at once: a busy machine is no fault
 
 Fake = Callable[[str], None]
 
@@ -40,6 +44,24 @@ def crosscheck(*arguments: str, **options: Any) -> "subprocess.Popen[str]":
     command = [sys.executable, "-m", "comparison", *arguments]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen(command, **{"cwd": ROOT, **pipes, **options})
+
+
+def endless(folder: Path) -> Path:
+    """A file of the scene "two_pads" whose run in YADE has days before it: what is to be stopped cannot have ended before."""
+    path = folder / "endless" / "two_pads.toml"
+    path.parent.mkdir()
+    path.write_text(find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 1e-12\n", encoding="utf-8")
+    return path
+
+
+def held_yade(folder: Path, after: int = 0) -> tuple[dict[str, str], Path]:
+    """Environment in which runs in YADE beyond the first `after` wait before they begin, and the file that lets them go on."""
+    python, count, go = (folder / name for name in ("python", "begun", "go on"))
+    wait = f'while [ ! -e "{go}" ] && [ "$(wc -l < "{count}")" -gt {after} ] && kill -0 $PPID; do sleep 0.05; done'
+    alone = "kill -0 $PPID || exit 1"  # nobody is left to read a result
+    python.write_text(f'#!/bin/sh\nif [ "$2" != -c ]; then echo >> "{count}"; {wait}; {alone}; fi\nexec {SYSTEM_PYTHON} "$@"\n')
+    python.chmod(0o755)
+    return {**os.environ, "CROSSCHECK_YADE_PYTHON": str(python)}, go
 
 
 def wait_for(happens: Callable[[], bool], seconds: float = PATIENCE) -> None:

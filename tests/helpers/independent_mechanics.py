@@ -1,11 +1,13 @@
 """Equilibrium, cones, flow rule and duality by lines of their own: what answers of `la_core` are held against, and other solvers."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import csc_matrix, hstack, identity
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, hstack, identity
 
+from la_core.exchange.fields import FREE, SUPPORT
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.problem import Drive
@@ -168,3 +170,97 @@ def ask_other_solvers(assembly: Assembly, drive: Drive) -> OtherSolvers:
     beyond = max(abs(static.value - conic.value), low - conic.value, conic.value - high)
     allowed = max(value_slack(assembly, drive, conic, other) for other in (static, inside, outside))
     return OtherSolvers(statuses, *(value / assembly.weight for value in (static.value, low, high, beyond, allowed)))
+
+
+# --- walls of rectangles: another form of the problem, and nothing of `la_core` but the corners of the blocks -----------------
+
+
+@dataclass(frozen=True)
+class Rectangles:
+    """Axis-parallel rectangles in the xz plane: low and high corners (B, 2), weights (B,), roles."""
+
+    low: np.ndarray
+    high: np.ndarray
+    weight: np.ndarray
+    role: np.ndarray
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Rectangles":
+        """Of a scene made of boxes; only their corners are taken from it."""
+        corners = [scene.blocks.vertices[i:j] for i, j in zip(scene.blocks.vertex_start, scene.blocks.vertex_start[1:], strict=False)]
+        low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])
+        weight = scene.blocks.density * np.prod(high - low, axis=1) * 9.81
+        return cls(low[:, [0, 2]], high[:, [0, 2]], weight, scene.blocks.role)
+
+    def joints(self) -> Iterator[tuple[int, int, int, float, float, float]]:
+        """(a, b, axis, place, from, to): b lies beyond a along `axis` (0: x, 1: z) and they share this segment."""
+        near = 1e-9
+        for a in range(len(self.low)):
+            for axis in (0, 1):
+                across = 1 - axis
+                start = np.maximum(self.low[:, across], self.low[a, across])
+                end = np.minimum(self.high[:, across], self.high[a, across])
+                touching = (np.abs(self.low[:, axis] - self.high[a, axis]) < near) & (end - start > near)
+                for b in np.flatnonzero(touching):
+                    if FREE in (self.role[a], self.role[b]):
+                        yield a, int(b), axis, self.high[a, axis], start[b], end[b]
+
+
+def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
+    """Least (sign 1) or greatest (sign -1) vertical reaction over weight, or the multiplier of a live load along x: static form.
+
+    Unknowns: normal and tangential force at both ends of every joint. Independent of la_core but for the corners of the blocks.
+    """
+    shape = Rectangles.of(scene)
+    free = shape.role == FREE
+    number = np.cumsum(free) - 1
+    total = shape.weight[free].sum()
+    middle = (shape.low + shape.high) / 2.0
+    rows, columns, entries, cost = [], [], [], []
+    count = 0
+    for a, b, axis, place, *ends in shape.joints():
+        for end in ends:
+            point = np.array([place, end]) if axis == 0 else np.array([end, place])
+            for kind, tangential in enumerate((False, True)):
+                direction = np.zeros(2)
+                direction[axis if not tangential else 1 - axis] = 1.0
+                for body, turn in ((a, -1.0), (b, 1.0)):
+                    arm = point - middle[body]
+                    generalised = turn * np.array([*direction, arm[0] * direction[1] - arm[1] * direction[0]])
+                    if free[body]:
+                        rows += [3 * number[body] + k for k in range(3)]
+                        columns += [2 * count + kind] * 3
+                        entries += list(generalised)
+                # A support at a pushes up on b; the reaction is positive when it holds the structure.
+                cost.append(direction[1] if shape.role[a] == SUPPORT else -direction[1] if shape.role[b] == SUPPORT else 0.0)
+            count += 1
+    load = np.zeros((int(free.sum()), 3))
+    load[:, 1] = shape.weight[free] / total
+    load = load.ravel()
+    sliding = _friction_of_joint_ends(count, scene.friction)
+    if scene.live is not None:
+        rows += [3 * k for k in range(int(free.sum()))]
+        columns += [2 * count] * int(free.sum())
+        entries += list(shape.weight[free] / total)
+        objective = np.append(np.zeros(2 * count), -1.0)
+    else:
+        objective = np.append(sign * np.array(cost), 0.0)
+    equilibrium = coo_matrix((entries, (rows, columns)), shape=(len(load), 2 * count + 1)).tocsr()
+    bounds = [(0.0, None), (None, None)] * count + [(0.0, None)]
+    answer = linprog(objective, A_ub=sliding, b_ub=np.zeros(2 * count), A_eq=equilibrium, b_eq=load, bounds=bounds, method="highs")
+    assert answer.status == 0, answer.message
+    return float(sign * answer.fun if scene.live is None else -answer.fun)
+
+
+def _friction_of_joint_ends(count: int, friction: float) -> csr_matrix:
+    """Rows |T| - friction N <= 0 of every joint's end; columns N, T in turn, and one for the multiplier."""
+    return coo_matrix(
+        (
+            np.concatenate([np.ones(count), np.full(count, -friction), -np.ones(count), np.full(count, -friction)]),
+            (
+                np.repeat([0, 1], 2 * count) * count + np.tile(np.arange(count), 4),
+                np.concatenate([2 * np.arange(count) + k for k in (1, 0, 1, 0)]),
+            ),
+        ),
+        shape=(2 * count, 2 * count + 1),
+    ).tocsr()

@@ -29,10 +29,12 @@ NAMES = (
 )  # fmt: skip
 
 
+@pytest.mark.yade
 def test_every_reader_is_tried(readers: dict[str, Reader]) -> None:
     assert tuple(readers) == NAMES
 
 
+@pytest.mark.yade
 @pytest.mark.parametrize("name", NAMES)
 def test_a_damaged_file_is_read_or_refused_in_words(name: str, readers: dict[str, Reader]) -> None:
     found = Counter(outcome for _, outcome in fuzz_readers.outcomes(readers[name], range(COUNT)))

@@ -4,6 +4,8 @@ Reference values: closed forms are written out here; published and computed digi
 """
 
 import math
+import tomllib
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -31,14 +33,18 @@ def value(model: Scene | Assembly, drive: Drive = Drive.YIELDING) -> float:
     return solution.value / (1.0 if drive is Drive.LIVE else assembly.weight)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "two_pads", "trilith", "two_blocks", "slab_four_corners", "flat_arch", "arch_spreading", "arch_settling", "arch_diagonal",
-        "wall_third", "wall_half", "stack_bond_wall", "wall_long", "wall_tall", "facade",
-        "vault_spreading", "dome_sector",
-    ],
-)  # fmt: skip
+COULOMB_ALONE = "wall_low_friction"  # its joints slide, and what is known of it is not the associated value
+
+
+def with_associated_value() -> Iterator[str]:
+    """Shipped scenes of a settlement that state a value which the associated problem has: a new one is held without being listed."""
+    for path in scenes.SHIPPED.glob("*.toml"):
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        if {"expected", "settlement"} <= tables.keys() and path.stem != COULOMB_ALONE:
+            yield path.stem
+
+
+@pytest.mark.parametrize("name", sorted(with_associated_value()))
 def test_shipped_scene_yields_its_expected_value(name: str) -> None:
     scene = scenes.shipped(name)
     assert scene.expected is not None and scene.inset == 0.001
@@ -49,13 +55,6 @@ def test_shipped_scene_yields_its_expected_value(name: str) -> None:
     assert value(sharp) == pytest.approx(expected, abs=scene.expected.tolerance)
     if scene.expected.reaction_max_over_weight is not None:
         assert value(sharp, Drive.PUSHING) == pytest.approx(scene.expected.reaction_max_over_weight, abs=scene.expected.tolerance)
-
-
-def test_every_shipped_scene_is_named_in_a_test() -> None:
-    """The list above, the live loads of test_ferris_tin_loi.py, the mesh of test_mesh.py, and what test_methods_agree.py knows."""
-    named = test_shipped_scene_yields_its_expected_value.pytestmark[0].args[1]
-    elsewhere = ("ferris_tin_loi_1", "ferris_tin_loi_2", "wall_low_friction", "corner_settling_end", "building_corner", "rubble_wall")
-    assert sorted(path.stem for path in scenes.SHIPPED.glob("*.toml")) == sorted([*named, *elsewhere])
 
 
 # --- statically determinate supports -----------------------------------------------------------------------------------------

@@ -50,6 +50,7 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     assert answer(copy) == answer(undisturbed)
 
 
+@pytest.mark.yade
 def test_a_yade_that_hangs_is_ended_from_outside(
     fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -59,6 +60,7 @@ def test_a_yade_that_hangs_is_ended_from_outside(
     assert "SIGKILL, 0.2 s after its limit of 0.3 s" in capsys.readouterr().err
 
 
+@pytest.mark.yade
 def test_a_yade_without_memory_is_a_failed_tool(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -68,6 +70,7 @@ def test_a_yade_without_memory_is_a_failed_tool(
     assert capsys.readouterr().err.count("YADE: failed") == 1
 
 
+@pytest.mark.yade
 def test_h5py_missing_in_yade_s_python_is_named_with_the_remedy(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -105,6 +108,7 @@ def test_another_yade_is_refused_in_words(
     assert said.count(state) == 1 and word in said and "Traceback" not in said
 
 
+@pytest.mark.yade
 def test_a_python_that_says_nothing_is_no_yade(
     fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -153,6 +157,7 @@ def kill_and_recover(moments: list[float], undisturbed: Path, tmp_path: Path, mo
     assert failed > len(moments) / 3  # else it tested nothing
 
 
+@pytest.mark.slow
 def test_a_yade_killed_at_some_moments_is_run_again(
     undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,6 +10,7 @@ from hard_cases_table import Outcome, outcome, row
 from comparison.workflow import one_scene
 
 CASES = list(catalogue())
+IN_EVERY_RUN = ("pads, friction 0", "columns, friction 0.9", "lintel that overhangs", "support that slides away")  # seconds of YADE each
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
 
 
@@ -18,8 +19,10 @@ def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})
 
 
-def of(cases: list[HardCase]) -> pytest.MarkDecorator:
-    marked = [pytest.param(case, marks=pytest.mark.long if case.long else (), id=case.name) for case in cases]
+def of(cases: list[HardCase], in_every_run: tuple[str, ...]) -> pytest.MarkDecorator:
+    """Cases by their names; those that are not in every run are left to `make test-all`."""
+    left = {case.name: pytest.mark.long if case.long else () if case.name in in_every_run else pytest.mark.slow for case in cases}
+    marked = [pytest.param(case, marks=left[case.name], id=case.name) for case in cases]
     return pytest.mark.parametrize("case", marked)
 
 
@@ -41,7 +44,8 @@ def test_limit_analysis_says_what_is_known(case: HardCase, tmp_path: Path) -> No
         assert max(answer[name] for name in ("equilibrium_residual", "cone_violation", "duality_gap")) <= RESIDUAL
 
 
-@of([case for case in CASES if case.yade and case.known != REFUSED])
+@pytest.mark.yade
+@of([case for case in CASES if case.yade and case.known != REFUSED], in_every_run=IN_EVERY_RUN)
 def test_no_wrong_answer_is_called_agreement(case: HardCase, tmp_path: Path) -> None:
     found = taken(case, tmp_path, with_yade=True)
     assert found.summary is not None and found.summary["yade"] is not None

@@ -34,6 +34,7 @@ for name in {lacking!r}:
 POLYHEDRA = ("Bo1_Polyhedra_Aabb", "Ig2_Sphere_Polyhedra_ScGeom", "Polyhedra")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", ["2022.01a", "20301231-9999~abcdef~trixie1"])
 def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
     version: str, altered_yade: Callable[..., None], capsys: pytest.CaptureFixture[str]
@@ -44,6 +45,7 @@ def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
     assert f"YADE: {version} is not among the versions this was tested with (2023.02a, 2025.2.0)" in said and "two_pads" in said
 
 
+@pytest.mark.slow
 def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
     altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

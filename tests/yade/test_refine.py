@@ -35,6 +35,8 @@ def summary(folder: Path) -> dict:
     return run_scene(load_scene(WALL), folder, Silent(), with_yade=True)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_eight_steps_leave_a_thrust_that_more_steps_do_not(summary: dict) -> None:
     coulomb, weight = summary["limit_analysis"]["coulomb"], summary["weight"]
     assert coulomb["steps"] > STEPS and summary["verdict"] == "agree", summary["reason"]
@@ -46,6 +48,8 @@ def test_eight_steps_leave_a_thrust_that_more_steps_do_not(summary: dict) -> Non
     assert abs(first.value / weight - 3 / BLOCKS) > 0.1 * 3 / BLOCKS  # else this scene shows nothing
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_what_was_made_again_is_kept(summary: dict, folder: Path) -> None:
     heard: list[str] = []
 
@@ -65,6 +69,8 @@ def stored(folder: Path) -> tuple[Scene, LimitAnalysis, Run]:
     return scene, analysis, read_run(folder / "run.h5", analysis.assembly)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_a_prediction_that_is_not_contradicted_is_left_alone(summary: dict, folder: Path) -> None:
     _scene, analysis, run = stored(folder)
     assert analysis.coulomb is not None
@@ -72,6 +78,8 @@ def test_a_prediction_that_is_not_contradicted_is_left_alone(summary: dict, fold
     assert list(finer_prediction.predictions(Results(as_if_first, run))) == []
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_a_contradiction_that_finer_steps_do_not_mend_stands(summary: dict, folder: Path) -> None:
     """A reaction of YADE's that no prediction comes near."""
     scene, _, run = stored(folder)

@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 import pytest
 from conftest import CrossChecked
+from faulty_runs import endless, held_yade, wait_for
 
 from comparison.cli.commands import main
 from comparison.workflow import one_scene
@@ -54,6 +55,7 @@ def test_a_facade_goes_through_both_methods(cross_checked: CrossCheck) -> None:
     assert _verdicts(found)["reaction against prediction"] == "agree"
 
 
+@pytest.mark.yade
 def test_blocks_laid_without_thrust_may_fall_although_thrust_could_hold_them(tmp_path: Path) -> None:
     path = tmp_path / "unwedged.toml"
     path.write_text(shipped.find("flat_arch").read_text().replace("wedging = 2e-5", "wedging = 0.0"))
@@ -78,7 +80,7 @@ def test_two_identical_runs_give_identical_bits(yade: Yade, cross_checked: Cross
 
 
 def test_nothing_listens_while_yade_runs(yade: Yade, tmp_path: Path) -> None:
-    scene = load_scene(shipped.find("wall_third"))
+    scene = load_scene(endless(tmp_path))  # it runs for as long as this test looks at it
     case_file.write_case(tmp_path / "case.h5", stage.analyse(scene), "test")
     script = ROOT / "yade_scripts" / "run_case.py"
     variables = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
@@ -96,6 +98,7 @@ def test_nothing_listens_while_yade_runs(yade: Yade, tmp_path: Path) -> None:
     assert sockets and not [target for target in sockets if target.startswith("socket:")]
 
 
+@pytest.mark.yade
 def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path) -> None:
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
     path = tmp_path / "overhang.toml"
@@ -106,6 +109,7 @@ def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path)
     assert summary["limit_analysis"]["associated"]["falling"] == ["block"]
 
 
+@pytest.mark.yade
 def test_sharp_arrises_are_judged_by_the_inset_that_yade_took(tmp_path: Path) -> None:
     path = tmp_path / "sharp.toml"
     path.write_text(shipped.find("two_pads").read_text().replace("friction = 0.6", "friction = 0.6\ninset = 0.0"))
@@ -117,6 +121,7 @@ def test_sharp_arrises_are_judged_by_the_inset_that_yade_took(tmp_path: Path) ->
     assert any("smallest inset" in note for note in summary["notes"])
 
 
+@pytest.mark.yade
 def test_a_rotating_support_gives_a_moment(tmp_path: Path) -> None:
     path = tmp_path / "hinge.toml"
     text = shipped.find("two_pads").read_text().split("[expected]")[0]
@@ -127,19 +132,20 @@ def test_a_rotating_support_gives_a_moment(tmp_path: Path) -> None:
     assert yade["reaction"] == pytest.approx(associated["reaction"], rel=HALF_PER_CENT)
 
 
+@pytest.mark.slow
+@pytest.mark.yade
 def test_a_run_that_was_killed_is_redone(tmp_path: Path) -> None:
     out = tmp_path / "out"
     command = [sys.executable, "-m", "comparison", "run", "wall_third", "-o", str(out)]
-    with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, cwd=ROOT) as process:
-        deadline = time.monotonic() + 60.0
-        while not (out / "wall_third" / "yade.log").exists() and time.monotonic() < deadline:
-            time.sleep(0.05)
-        time.sleep(1.0)
+    environment, _ = held_yade(tmp_path)
+    with subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, cwd=ROOT, env=environment) as process:
+        wait_for((out / "wall_third" / "yade.log").exists)
         process.kill()
     assert not (out / "wall_third" / "run.h5").exists()
     assert main(["run", "wall_third", "-o", str(out), "-q", "--no-yade"]) == 0
 
 
+@pytest.mark.yade
 def test_a_yade_that_crashes_is_a_failed_tool_with_the_log_s_last_lines(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -152,12 +158,16 @@ def test_a_yade_that_crashes_is_a_failed_tool_with_the_log_s_last_lines(
     assert "SIGSEGV" in said and "the sky is falling" in said
 
 
+@pytest.mark.slow
+@pytest.mark.yade
 def test_a_time_limit_ends_in_a_timeout_that_is_tried_again(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert main(["run", "wall_third", "-o", str(out), "-q", "--time-limit", "0.5"]) == 4
+    assert main(["run", "wall_third", "-o", str(out), "-q", "--time-limit", "0.01"]) == 4  # YADE takes seconds to load
     assert json.loads((out / "wall_third" / "comparison.json").read_text())["yade"]["status"] == "timeout"
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 def test_a_time_limit_is_obeyed_however_many_steps_lie_between_two_records(tmp_path: Path) -> None:
     """At this speed the first row of the settlement would be written after a day."""
     scene = tmp_path / "slow.toml"
@@ -181,7 +191,8 @@ def test_the_settings_a_scene_may_name_are_those_yade_knows() -> None:
     assert tuple(field.target.id for field in settings.body if isinstance(field, ast.AnnAssign)) == SETTINGS
 
 
-@pytest.mark.parametrize("friction", [1.5, 5.0, 1e3])
+@pytest.mark.yade
+@pytest.mark.parametrize("friction", [1.5, *(pytest.param(value, marks=pytest.mark.slow) for value in (5.0, 1e3))])
 def test_where_rough_joints_may_jam_or_slide_the_interval_holds_both_and_nobody_is_called_wrong(friction: float, tmp_path: Path) -> None:
     path = tmp_path / "rough.toml"
     path.write_text(shipped.find("two_blocks").read_text().split("[expected]")[0].replace("friction = 0.6", f"friction = {friction}"))

@@ -50,6 +50,8 @@ def piers(roles: tuple[str, ...]) -> list[str]:
     ]
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_slab_at_any_angle_in_space_carries_what_it_carries_upright(seed: int, cross_check: CrossCheck) -> None:
     """No face lies along the axes: all blocks are YADE's polyhedra."""
@@ -62,7 +64,8 @@ def test_a_slab_at_any_angle_in_space_carries_what_it_carries_upright(seed: int,
     assert yade == pytest.approx(level, rel=HALF_PER_CENT)
 
 
-@pytest.mark.parametrize("angle", [0.35, 0.9])
+@pytest.mark.yade
+@pytest.mark.parametrize("angle", [0.35, pytest.param(0.9, marks=pytest.mark.slow)])
 def test_beams_crossed_askew_rest_on_the_corners_where_their_edges_cross(angle: float, cross_check: CrossCheck) -> None:
     """A beam askew over two rails: no corner of any block lies at a contact point, all are crossings of edges."""
     across = scenes.rotation((0.0, 0.0, 1.0), angle)
@@ -78,6 +81,8 @@ def test_beams_crossed_askew_rest_on_the_corners_where_their_edges_cross(angle: 
     assert yade == pytest.approx(predicted, rel=HALF_PER_CENT)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (1.0, 1.0, 0.0)])
 def test_a_pier_that_tilts_under_a_slab_feels_the_moment_of_its_load(axis: tuple[float, float, float], cross_check: CrossCheck) -> None:
     """Its head moves sideways, too, and slides under the slab."""
@@ -88,6 +93,8 @@ def test_a_pier_that_tilts_under_a_slab_feels_the_moment_of_its_load(axis: tuple
     assert yade == pytest.approx(predicted, rel=HALF_PER_CENT)
 
 
+@pytest.mark.yade
+@pytest.mark.slow
 @pytest.mark.parametrize("region", [((1.0, 0.0), (1.6, 0.6)), ((0.6, 0.0), (1.2, 0.2))], ids=["corner", "strip"])
 def test_a_small_building_settles_at_its_corner_or_along_a_strip(region: tuple, cross_check: CrossCheck) -> None:
     walls = scenes.table("[building]", plan="rectangle", origin=(0.0, 0.0, 0.0), size=(1.6, 1.2), block=(0.4, 0.2, 0.2), courses=3)
@@ -96,6 +103,7 @@ def test_a_small_building_settles_at_its_corner_or_along_a_strip(region: tuple, 
     assert yade == pytest.approx(predicted, rel=HISTORY)
 
 
+@pytest.mark.yade
 @pytest.mark.long
 def test_irregular_stones_of_a_mesh_at_any_angle_in_space_go_through_both_methods(tmp_path: Path) -> None:
     """The shipped wall with its mesh turned and shifted, gravity and settlement turned along: 3D, and the same reaction."""

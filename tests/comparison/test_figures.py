@@ -1,0 +1,330 @@
+"""Laws of the figures: drawn for every kind of scene, the same twice, every line named once, words off each other."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from comparison.figures import canvas as drawing
+from comparison.figures import reaction as plot_reaction
+from comparison.figures import structure
+from comparison.figures.line_labels import ROW, Word, write_words
+from comparison.yade import Results
+from comparison.yade.run_record import Run
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.limit.problem import Drive
+from la_core.scene.scene import Scene, load_scene
+
+HEAD = """
+title = "{title}"
+[stone]
+density = 2000.0
+[joint]
+friction = 0.6
+"""
+PADS = """
+[[block]]
+name = "fixed $\\\\frac$ <pad>"
+role = "fixed"
+box = { from = [0.0, 0.0, -0.1], to = [0.4, 0.2, 0.0] }
+[[block]]
+name = "settling"
+role = "support"
+box = { from = [0.5, 0.0, -0.1], to = [1.0, 0.2, 0.0] }
+"""
+BLOCK = """
+[[block]]
+name = "block"
+box = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }
+"""
+NARROW = BLOCK.replace("0.2, 0.5]", "0.15, 0.5]")
+OVERHANG = """
+[[block]]
+name = "overhang"
+box = { from = [0.9, 0.0, 0.0], to = [1.9, 0.2, 0.5] }
+[[block]]
+name = "stands"
+box = { from = [0.0, 0.0, 0.0], to = [0.4, 0.2, 0.5] }
+"""
+DOWN = "[settlement]\ndirection = [0.0, 0.0, -1.0]\n"
+TURN = "[settlement]\naxis = [0.0, 1.0, 0.0]\npoint = [0.5, 0.0, 0.0]\n"
+LIVE = "[live]\ndirection = [1.0, 0.0, 0.0]\n"
+TITLE = r"Costs $5 and $\badmacro"
+FRAME = 4  # pixels, more than the width of an axes' frame
+SCENES = {
+    "plane": PADS + BLOCK + DOWN,
+    "solid": PADS + NARROW + DOWN,
+    "turning": PADS + BLOCK + TURN,
+    "falling": PADS + OVERHANG + DOWN,
+    "live": PADS.replace('"support"', '"fixed"') + BLOCK + LIVE,
+}
+
+
+def scene_of(folder: Path, body: str, title: str = "A scene") -> Scene:
+    path = folder / "scene.toml"
+    path.write_text(HEAD.format(title=title) + body, encoding="utf-8")
+    return load_scene(path)
+
+
+def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
+    """A record that falls from rest to a plateau 1 % of the weight above the least reaction, with the associated mechanism."""
+    least = analysis.bounds[Drive.YIELDING]
+    weight = analysis.assembly.weight
+    settlement = np.linspace(0.0, 4e-4, 200)
+    plateau = least.value + 0.01 * weight
+    reaction = plateau + 0.4 * weight * np.exp(-settlement / 3e-5)
+    record = {"stage": np.ones(200, dtype=int), "settlement": settlement, "reaction": reaction}
+    poses = {
+        "settlement": settlement[::20],
+        "displacement": settlement[::20, None, None] * least.twists[None, :, :3],
+        "rotation": settlement[::20, None, None] * least.twists[None, :, 3:],
+    }
+    known = {"status": "plateau", "reaction": plateau, "uncertainty": 2.0, "plateau_start": 2e-4, "slope": 0.0, "message": "settled"}
+    return Run({**known, **result}, record, poses, np.zeros((0, 2), dtype=int), {})
+
+
+def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
+    """Whether the picture is of more than one colour within the axes' own frame."""
+    pixels = imread(path)
+    height, width = pixels.shape[:2]
+    frame = axes.get_position().bounds
+    left, below, wide, high = (share * size for share, size in zip(frame, (width, height) * 2, strict=True))
+    inside = pixels[int(height - below - high) + FRAME : int(height - below) - FRAME, int(left) + FRAME : int(left + wide) - FRAME]
+    return len(np.unique(inside.reshape(-1, inside.shape[-1]), axis=0)) > 1
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES[kind], title=TITLE.replace("\\", r"\\"))
+    analysis = analyse(scene)
+    solution = analysis.bounds[analysis.main]
+    run = synthetic_run(analysis) if np.isfinite(solution.value) and scene.live is None else None
+    mechanisms = {"limit analysis (associated)": solution.twists, "YADE": run.mechanism() if run else np.full_like(solution.twists, np.nan)}
+    figures = {
+        "assembly": structure.assembly_figure(scene, analysis.assembly),
+        "mechanisms": structure.mechanism_figure(analysis.assembly, mechanisms, scene.title, solution.falling),
+        "reaction": structure.reaction_figure(Results(analysis, run)),
+    }
+    for name, figure in figures.items():
+        structure.save(figure, tmp_path / f"{name}.png")
+        assert all(has_ink(tmp_path / f"{name}.png", figure, axes) for axes in figure.axes)
+    for figure in (figures["assembly"], figures["mechanisms"]):
+        assert TITLE in " ".join(figure.get_suptitle().split())  # as it was written, not read as a formula
+    for axes in (*figures["assembly"].axes, *figures["mechanisms"].axes):
+        outlines = sum(len(shapes.get_paths()) for shapes in axes.collections if isinstance(shapes, PolyCollection))
+        assert outlines >= len(scene.blocks)  # a face of every block at least
+
+
+def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["solid"])
+    analysis = analyse(scene)
+    for path in (tmp_path / "first.png", tmp_path / "second.png"):
+        structure.save(structure.reaction_figure(Results(analysis, synthetic_run(analysis))), path)
+    assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
+
+
+def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = analyse(scene)
+    twists = analysis.bounds[Drive.YIELDING].twists
+    figure = structure.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
+    drawn = [float(word) for word in re.findall(r"([0-9.]+) mm", figure.get_suptitle())]
+    # The block turns about (0.4, 0) by 1/0.6 of the settlement at x = 1; its upper right corner is the fastest, by hypot(0.6, 0.5)/0.6.
+    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.structure_size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
+
+
+def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    assembly = analysis.assembly
+    opens, slides = structure.contact_motion(assembly, analysis.bounds[Drive.YIELDING].twists)
+    # The block turns about the fixed pad's right end and stays on the settling pad at its right end: the other two points open.
+    where = assembly.points.position[:, 0]
+    assert [round(float(x), 1) for x in np.sort(where[opens])] == [0.0, 0.5]
+    assert not slides[opens].any()
+    shear = np.zeros((len(assembly.blocks), 6))
+    shear[assembly.blocks.free, 0] = 1.0
+    opens, slides = structure.contact_motion(assembly, shear)
+    assert slides.all()
+    assert not opens.any()
+
+
+def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["solid"]))
+    canvas = drawing.canvases(structure.Figure(), analysis.assembly, 1)[0]
+    # Seen from above, the block hides its pads, although its centroid is not nearer than the right pad's.
+    assert list(canvas.order).index(2) == 2
+
+
+def test_points_inside_a_thick_wall_are_hidden(tmp_path: Path) -> None:
+    wall = """
+[[wall]]
+bond = "stack"
+origin = [0.0, 0.0, 0.0]
+block = [0.5, 0.5, 0.5]
+per_course = 5
+courses = 5
+[[wall]]
+name = "behind"
+bond = "stack"
+origin = [0.0, 0.5, 0.0]
+block = [0.5, 0.5, 0.5]
+per_course = 5
+courses = 5
+[[block]]
+name = "ground"
+role = "fixed"
+box = { from = [0.0, 0.0, -0.5], to = [1.5, 1.0, 0.0] }
+[[block]]
+name = "yields"
+role = "support"
+box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
+"""
+    analysis = analyse(scene_of(tmp_path, wall + DOWN + "[effects]\nplane = false\n"))
+    canvas = drawing.canvases(structure.Figure(), analysis.assembly, 1)[0]
+    assert list(canvas.seen(np.array([[1.0, 0.001, 1.0], [1.0, 0.5, 1.0], [2.499, 0.5, 1.0], [1.0, 0.999, 1.0]]))) == [
+        True,
+        False,
+        True,
+        False,
+    ]
+
+
+def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = analyse(scene)
+    whole, close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes
+    greatest, least = (analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
+    assert close.get_ylim()[1] < greatest
+    assert "lies above" in close.get_title(loc="right")
+    assert close.get_ylim()[0] < least < close.get_ylim()[1]
+    assert whole.get_ylim()[1] > least + 0.4 * scene.weight
+
+
+def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = analyse(scene)
+    run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
+    (axes,) = structure.reaction_figure(Results(analysis, run)).axes
+    assert "no plateau" in axes.get_title(loc="left")
+    assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
+
+
+def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
+    """The analysis with a Coulomb value of so many times the least reaction, and its interval likewise; and a short path."""
+    assert analysis.coulomb is not None
+    least = analysis.bounds[analysis.main].value
+    coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
+    settlement = np.linspace(0.0, 8e-4, 9)
+    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
+    return replace(analysis, coulomb=coulomb, path=path)
+
+
+def labels_of(axes: Any) -> dict[str, Any]:
+    return {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("share", "drawn"),
+    [
+        ((1.0, 1.3), True), ((1.0, np.inf), True), ((-np.inf, 1.3), True), ((1.1, 1.1 + 1e-6), False), ((np.nan, 1.3), False),
+        ((1.0, np.nan), False),
+    ],
+)  # fmt: skip
+def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), share)
+    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
+    structure.save(figure, tmp_path / "reaction.png")
+    least = analysis.bounds[Drive.YIELDING].value
+    for axes in figure.axes:
+        band = labels_of(axes).get(plot_reaction.HISTORY)
+        assert (band is not None) == drawn
+        assert plot_reaction.COULOMB in labels_of(axes)
+        if band is not None:
+            seen = np.clip([band.get_y(), band.get_y() + band.get_height()], *axes.get_ylim())
+            assert seen == pytest.approx(np.clip(np.array(share) * least, *axes.get_ylim()))
+
+
+def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    beside = {
+        plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
+        plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
+        plot_reaction.HISTORY: "friction's history decides within",
+        plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
+        plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
+        r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
+        plot_reaction.ADMISSIBLE: "admissible",
+    }
+    for label in {label for axes in figure.axes for label in labels_of(axes)}:
+        shown = any(beside[label] in word for word in words) if label in beside else False
+        assert shown != (label in keys), label
+    assert {plot_reaction.LEAST, plot_reaction.COULOMB, plot_reaction.HISTORY, plot_reaction.FITTED}.isdisjoint(keys)
+
+
+def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
+    figure = structure.reaction_figure(Results(analysis))
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert any("associated, and Coulomb prediction" in word for word in words)
+    assert not any(word.startswith("Coulomb prediction") for word in words)
+
+
+@pytest.mark.parametrize("kind", ["plane", "live"])
+@pytest.mark.parametrize("known", [(), ("coulomb",), ("path",), ("coulomb", "path")])
+def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES[kind])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
+    figure = structure.reaction_figure(Results(replace(analysis, **missing)))
+    structure.save(figure, tmp_path / "reaction.png")
+    assert len(figure.axes) == (2 if "path" in known else 1)
+    for axes in figure.axes:
+        assert (plot_reaction.COULOMB in labels_of(axes)) == ("coulomb" in known)
+        assert any("path" in label for label in labels_of(axes)) == ("path" in known)
+    assert figure.axes[0].get_xlabel().startswith("mean displacement" if kind == "live" else "settlement")
+    if "path" in known:
+        assert figure.axes[0].get_xlabel().endswith("(mm)")
+        assert figure.axes[0].get_ylim()[0] < 0.0 < analysis.path.value.max() < 1e3 * figure.axes[0].get_ylim()[1]  # type: ignore[union-attr]
+
+
+def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 5.0))
+    close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
+    assert close.get_ylim()[1] < 1.5 * analysis.bounds[Drive.YIELDING].value
+
+
+def test_words_keep_off_lines_and_each_other() -> None:
+    axes = structure.Figure().subplots()
+    axes.set_ylim(0.0, 1.0)
+
+    def word(low: float, high: float, name: str) -> Word:
+        return Word(low, high, name, "black", (name,))
+
+    # Words for "two" fit below it only, for "one" nowhere; the band's stand in its widest gap.
+    lines = [word(0.5, 0.5, "three"), word(0.5 - 0.2 * ROW, 0.5 - 0.2 * ROW, "one"), word(0.5 - 0.4 * ROW, 0.5 - 0.4 * ROW, "two")]
+    narrow = word(0.9, 0.9 + 0.9 * ROW, "narrow")
+    assert write_words(axes, [*lines, word(0.0, 0.5, "band"), narrow], (0.0, 1.0)) == {"three", "two", "band"}
+    at = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert at["three"] == 0.5
+    assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
+    # The words of the upper line stand below it, for above is no room, and there those of the lower line may not be.
+    axes = structure.Figure().subplots()
+    upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
+    assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
+    assert [text.get_va() for text in axes.texts] == ["top", "top"]

@@ -1,0 +1,294 @@
+"""Laws of the report: its numbers, honest about what is missing, harmless to open, the same twice."""
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from comparison.judge.summary import limit_analysis_summary
+from comparison.report import report
+from la_core.analysis.stage import analyse
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (None, "–"), (float("nan"), "–"), (float("inf"), "–"), (True, "–"), (0.0, "0"), (24.0, "24"), (22829, "22829"), (363.2987, "363.3"),
+        (99999.6, "100000"), (-0.02981, "−0.02981"), (1.2344e-9, "1.234e-9"), (12345678.9, "1.235e7"),
+    ],
+)  # fmt: skip
+def test_numbers(value: Any, shown: str) -> None:
+    assert report.number(value) == shown
+
+
+HOSTILE = '<script>alert(1)</script> | `a` "b" https://example.org'
+NUMBERS = ("limit_analysis", "yade", "difference", "tolerance")
+
+
+def comparison_of(**changes: Any) -> dict[str, Any]:
+    return {
+        "scene": "two pads",
+        "title": HOSTILE,
+        "source": HOSTILE,
+        "weight": 2158.2,
+        "unit": "N",
+        "free_blocks": 1,
+        "interfaces": 2,
+        "contact_points": 4,
+        "effects": {
+            "plane": True,
+            "friction": "coulomb",
+            "reasons": {"plane": HOSTILE},
+            "table": [
+                {"effect": "plane", "what": HOSTILE, "on": False, "modelled": "plane", "reason": HOSTILE, "saved": {"unknowns": 3}}
+                | {"seconds": None},
+                {"effect": "friction", "what": "sliding", "on": True, "modelled": "coulomb", "reason": "", "saved": {}, "seconds": 0.25},
+            ],
+        },
+        "expected": {"reaction_over_weight": 0.16667, "reaction_max_over_weight": None, "tolerance": 1e-4, "kind": "exact"},
+        "limit_analysis": {
+            "associated": {
+                "status": "solved", "reaction": 363.3, "reaction_max": 2153.9, "reaction_max_status": "solved", "reaction_sharp": 359.7,
+                "reaction_max_sharp": 2158.2, "inset": 0.001, "equilibrium_residual": 1e-12, "cone_violation": 0.0,
+                "mechanism_violation": 0.0, "duality_gap": 1e-10, "iterations": 7, "seconds": 0.01,
+            },
+            "coulomb": None,
+        },
+        "yade": {"status": "plateau", "reaction": 363.5, "uncertainty": 0.3, "steps": 34233, "seconds": 8.1, "slope": float("nan")},
+        "checks": [
+            {"name": HOSTILE, "verdict": "agree", "unit": "N", "reason": ""} | dict(zip(NUMBERS, (363.3, 363.5, 0.2, 3.6), strict=True)),
+            {"name": "unknown", "verdict": "inconclusive", "unit": "", "reason": HOSTILE} | dict.fromkeys(NUMBERS),
+        ],
+        "verdict": "inconclusive",
+        "reason": HOSTILE,
+        "notes": [HOSTILE],
+        "settings": {"time_step": 1e-6, "name": HOSTILE},
+        "provenance": {"python": "3.11"},
+        **changes,
+    }  # fmt: skip
+
+
+class Page(HTMLParser):
+    """Tags, every attribute that could load something, and the text of table cells."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.links: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "action", "srcset", "data")]
+        self.ids += [value or "" for name, value in attrs if name == "id"]
+
+
+def test_the_page_loads_nothing_and_escapes_everything(tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "assembly.png").write_bytes(b"not looked into")
+    page = report.write_report(tmp_path, [comparison_of()], {"python": HOSTILE})
+    read = Page(page.read_text(encoding="utf-8"))
+    assert not {"script", "link", "iframe", "object"} & set(read.tags)
+    assert read.tags.count("img") == 1
+    assert all(link.startswith(("data:image/png;base64,", "#")) for link in read.links)
+    assert {link[1:] for link in read.links if link.startswith("#")} <= set(read.ids)
+    assert "url(" not in page.read_text(encoding="utf-8")
+
+
+def test_every_markdown_table_keeps_its_columns(tmp_path: Path) -> None:
+    report.write_report(tmp_path, [comparison_of(), comparison_of(yade=None, verdict=None)], {"python": HOSTILE})
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "<script" not in text.replace(r"\<", "")
+    columns = 0
+    for before, line in zip(["", *text.splitlines()], text.splitlines(), strict=False):
+        if line.startswith("|"):
+            count = len(re.findall(r"(?<!\\)\|", line))
+            columns = columns if before.startswith("|") else count
+            assert count == columns, line
+    assert not re.search(r"\n\n\n\n", text)
+
+
+def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
+    bare = {"scene": "bare", "verdict": None}
+    page = report.write_report(tmp_path, [bare], {}).read_text(encoding="utf-8")
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert "–" in row
+    assert not re.search(r">\s*0", row)
+    assert "Nothing was compared" in page
+
+
+def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
+    page = report.write_report(tmp_path, [comparison_of(verdict="agree", reason="")], {}).read_text(encoding="utf-8")
+    for words in (
+        "</span> agree",
+        "The two methods agree.",
+        "34233 steps",
+        "7 iterations",
+        "8.1",
+        "takes the associated reaction from 359.70 N",
+        "+1.0 %",
+    ):
+        assert words in page
+
+
+def test_the_inset_of_yade_is_what_it_is_judged_by(tmp_path: Path) -> None:
+    comparison = comparison_of()
+    comparison["limit_analysis"]["associated"] |= {
+        "inset": 0.0,
+        "shared_inset": {"inset": 0.001, "reaction": 364.0, "reaction_max": 2150.0},
+    }
+    page = report.write_report(tmp_path, [comparison], {}).read_text(encoding="utf-8")
+    assert "364 to 2150 N" in page
+    assert "−0.500 N" in page
+
+
+def test_json_is_strict_and_all_three_files_are_the_same_twice(tmp_path: Path) -> None:
+    names = ("report.html", "report.md", "report.json")
+    report.write_report(tmp_path, [comparison_of()], {"b": 1, "a": {"d": float("inf"), "c": 2}})
+    first = [(tmp_path / name).read_bytes() for name in names]
+    report.write_report(tmp_path, [comparison_of()], {"a": {"c": 2, "d": float("inf")}, "b": 1})
+    assert [(tmp_path / name).read_bytes() for name in names] == first
+    stored = json.loads(first[2], parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
+    assert stored["comparisons"][0]["yade"]["slope"] is None
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+
+
+def frictional_comparison(**changes: Any) -> dict[str, Any]:
+    """A comparison with everything that a scene with sliding joints has."""
+    comparison = comparison_of(title="A wall", source="", reason="", notes=[], checks=[], **changes)
+    comparison["limit_analysis"]["coulomb"] = {
+        "status": "solved", "reaction": 366.0, "reaction_interval": [363.3, 371.3], "reaction_sharp": 362.0,
+        "reaction_interval_sharp": [360.0, 368.0], "reaction_at_rest": 800.0, "drift": 1.5e-5, "dilatancy_residual": 2.5e-6,
+        "strain_residual": 3.5e-5, "equilibrium_residual": 1e-10, "cone_violation": 0.0, "iterations": 19, "seconds": 0.23,
+    }  # fmt: skip
+    comparison["limit_analysis"]["path"] = {
+        "settlement": [0.0, 1e-5, 1e-4], "reaction": [800.0, 500.0, 366.1], "strain_residual": [None, 4.5e-4, 2e-4],
+        "converged": [True, False, True], "solves": [2, 30, 11], "seconds": 0.57,
+    }  # fmt: skip
+    counts = {"opening": 2.0, "sliding": 8.0, "sticking": 3.0, "idle": 1.0}
+    measures = {"dissipated_power": 51.25, "dissipated_share": 0.1375, "participation_index": 0.0815, "moving_mass_share": 0.25}
+    comparison["mechanism_measures"] = {
+        "associated": {**measures, **counts, "participation_index": 0.9125},
+        "coulomb": {**measures, **counts},
+        "yade": dict.fromkeys((*measures, *counts)),
+    }
+    return comparison
+
+
+def page_and_markdown(folder: Path, comparison: dict[str, Any]) -> tuple[str, str]:
+    page = report.write_report(folder, [comparison], {}).read_text(encoding="utf-8")
+    return page, (folder / "report.md").read_text(encoding="utf-8")
+
+
+def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_it(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    for words in ("366 N", "363.30 to 371.30 N", "−2.50 N"):
+        assert words in row
+    assert "less R_min" not in row
+    (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
+    assert "| 366 | 363.30 to 371.30 N |" in top
+    assert top.endswith("| −2.50 |")
+
+
+def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of())
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert "0.200 N" in row
+    assert "less R_min" in row
+    assert "| 0.200 (less R\\_min) |" in markdown
+
+
+def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    for text in (page, markdown):
+        for words in (
+            "7 iterations", "largest residual 1e-10", "19 associated programmes", "dilatancy residual 2.5e-6", "half-width 4 N",
+            "2 increments, 43 associated programmes", "largest strain residual 4.5e-4", "1 increments not converged", "34233 steps",
+        ):  # fmt: skip
+            assert words in text
+    for seconds in ("0.010", "0.23", "0.57", "8.1"):
+        assert f'<td class="number">{seconds}</td>' in page
+    assert "Coulomb: work of the dilation left, over the elastic energy of the joints" in page
+
+
+def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    table = page[page.index("Mechanisms, measured") :]
+    table = table[: table.index("</table>")]
+    assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
+        "associated",
+        "Coulomb",
+    ]
+    for words in ("51.25 N", "0.138", "0.912", "0.0815", "0.250"):
+        assert words in table
+        assert words.removesuffix(" N") in markdown
+    assert "(Σp)²/(J Σp²)" in page
+
+
+def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"]["shared_inset"] = {"inset": 0.001, "reaction": 364.5, "reaction_interval": [363.5, 363.51]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert "364.50 N" in row
+    assert "a point" in row
+    assert "−1 N" in row
+
+
+def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
+    comparison = frictional_comparison(unit="", yade=None)
+    answers = comparison["limit_analysis"]
+    for answer in (answers["associated"], answers["coulomb"], answers["path"]):
+        for name in [name for name in answer if name.startswith("reaction")]:
+            answer[name.replace("reaction", "multiplier")] = answer.pop(name)
+    answers["coulomb"]["multiplier_interval"] = [363.3, None]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "0.138" not in page
+    assert "363.30 to –" in page
+    assert "per unit power of the load" in page
+
+
+@pytest.mark.parametrize("empty", [None, {}])
+def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"] |= {"coulomb": empty, "path": empty}
+    comparison["mechanism_measures"] = {"coulomb": empty, "yade": {"moving_mass_share": 0.5}}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "less R_min" in page
+    del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "Mechanisms, measured" not in page
+    comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
+    comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert ">failed<" in page
+    assert "0 increments" in page
+
+
+def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "dissipation.png").write_bytes(b"not looked into")
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    assert "<figcaption>Where friction dissipates" in page
+    assert "(two%20pads/dissipation.png)" in markdown
+
+
+def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
+    scene = load_scene(find("two_blocks"))
+    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
+    assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
+    assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
+
+
+def test_the_report_says_what_was_left_out_why_and_what_that_saves(tmp_path: Path) -> None:
+    report.write_report(tmp_path, [comparison_of()], {})
+    for name in ("report.html", "report.md"):
+        page = (tmp_path / name).read_text(encoding="utf-8")
+        assert "saves 3 unknowns" in page and "took 0.25 s" in page
