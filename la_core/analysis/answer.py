@@ -124,7 +124,8 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
     values[f"{scene.quantity}_sharp"] = analysis.sharp.bounds[main].value
     values["inset"] = analysis.assembly.inset if scene.inset else 0.0
     if analysis.assembly.inset != values["inset"]:
-        values["shared_inset"] = {"inset": analysis.assembly.inset, **{drive.key: bound.value for drive, bound in analysis.bounds.items()}}
+        bounds = {drive.key: bound.value for drive, bound in analysis.bounds.items()}
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds}
     values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
     values["iterations"] = solution.iterations
     values["seconds"] = sum(s.seconds for s in _distinct(analysis))

@@ -1,9 +1,9 @@
 """Limit analysis with associated friction: bounds of the reaction, or the multiplier of a live load, and the mechanism.
 
-Kinematic form: the unknowns are the twists of the free blocks; the relative velocity u at every contact point obeys the
-associated flow rule u_n >= mu |u_t| (dual of Coulomb's cone |t| <= mu n); the contact forces are the multipliers.
-Let w be the weights and d the support's unit motion. Virtual power bounds the reaction R, or the multiplier lambda, of every
-equilibrium with forces in the cones by the power of every such velocity v:
+Kinematic form: the unknowns are the twists of the free blocks; the relative velocity u at every contact point obeys
+the associated flow rule u_n >= mu |u_t| (dual of Coulomb's cone |t| <= mu n); the contact forces are the multipliers.
+Let w be the weights and d the support's unit motion. Virtual power bounds the reaction R, or the multiplier lambda,
+of every equilibrium with forces in the cones by the power of every such velocity v:
     settlement, support yields (d):          R      >=  w . v    so  R_min  = max   w . v
     settlement, support pushes back (-d):    R      <= -w . v    so  R_max  = min  -w . v
     live load l, with l . v = 1:             lambda <= -w . v    so  lambda = min  -w . v
@@ -22,7 +22,7 @@ from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem,
 from la_core.measures import residuals
 from la_core.model import Assembly, global_forces, support_motion, twists_of
 
-SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve, for the solver's residuals are close to the recomputed ones, not equal
+SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
 FALLING_SHARE = 1e-3  # of the fastest falling block: blocks at least this fast count as falling in a certificate
@@ -31,7 +31,7 @@ LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs
 
 
 class Status(enum.StrEnum):
-    """Outcome of limit analysis; only SOLVED has a value that the residuals confirm."""
+    """What limit analysis can say; only SOLVED carries a value that residuals confirm."""
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"  # cannot stand under its own weight
@@ -61,7 +61,8 @@ class Solution:
     mechanism_violation : float
         Largest violation of the flow rule over the largest speed of a block.
     duality_gap : float
-        Difference between the values from forces and from work, over the mean free-block weight (a multiplier: as it is).
+        Difference between the values from forces and from work, over the mean free-block weight (a multiplier: as it
+        is).
     seconds : float
         Time in the solver, all attempts; always defined.
     iterations : int
@@ -118,8 +119,9 @@ def solve_associated(assembly: Assembly, drive: Drive, problem: ScaledProblem | 
 
 
 def _worst_residual(solution: Solution) -> float:
-    all_residuals = (solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
-    return float(np.nan_to_num(np.max(all_residuals), nan=np.inf))
+    of_forces = (solution.equilibrium_residual, solution.cone_violation)
+    of_mechanism = (solution.mechanism_violation, solution.duality_gap)
+    return float(np.nan_to_num(np.max(of_forces + of_mechanism), nan=np.inf))
 
 
 def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy: float, equilibrate: bool, refine: bool) -> Solution:
@@ -144,10 +146,10 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy:
 
 
 def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> np.ndarray:
-    """Scale (count,) of the rows; the rows of the contact points come last. Equal scales at a point do not change its cone.
+    """Scale (count,) of the rows; the rows of the contact points come last.
 
-    The solver starts from forces and velocities of one size in all rows. Larger scales at head joints save a tenth to a fifth of
-    its iterations.
+    Equal scales at a point do not change its cone. The solver starts from forces and velocities of one size in all
+    rows. Larger scales at head joints save a tenth to a fifth of its iterations.
     """
     gravity = assembly.dead_load[:, :3].sum(axis=0)
     pressed = np.abs(assembly.normal @ gravity) / np.linalg.norm(gravity)
@@ -179,8 +181,8 @@ def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, f
 def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> Solution | None:
     """INFEASIBLE with the falling blocks, or None where the structure can stand.
 
-    The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are at most one
-    and the work is the greatest possible, so that every block that can fall does fall.
+    The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
+    at most one and the work is the greatest possible, so that every block that can fall does fall.
     """
     rows, offset, cones = box_limits(problem)
     fall = optimum(problem.power, rows, offset, cones)
@@ -192,7 +194,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeA
 
 
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
-    """Names of the blocks that sink in a motion (B, 6) of order one; empty where the weights do no positive work on it."""
+    """Names of the blocks that sink in a motion (B, 6) of order one; empty where the weights do no positive work."""
     power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
     if not power.sum() > LEAST_FALL * assembly.weight:
         return ()
@@ -230,7 +232,7 @@ def solution_of(
 def _with_evidence(
     assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: ProgrammeAnswer, accuracy: float
 ) -> Solution:
-    """Solution with residuals recomputed from its forces and twists; a residual above the accuracy makes it INACCURATE."""
+    """Solution with residuals recomputed from forces and twists; a residual above the accuracy makes it INACCURATE."""
     from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     if drive is Drive.LIVE:
         value, from_forces, unit = from_work, residuals.multiplier(assembly, forces), 1.0

@@ -1,11 +1,11 @@
 """The classic iteration for Coulomb friction without dilatancy: a fictitious cohesion from the last normal forces.
 
-At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, with N its normal force so far.
-At n = N the limit is Coulomb's plus c0. It is nearly flat, so that a sliding joint hardly opens.
-N follows the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one.
-Gilbert, Casapulla & Ahmed, Computers & Structures 84 (2006) 873; in 3D Portioli, Casapulla, Gilbert & Cascini, ibid. (2014).
-Neither convergence nor uniqueness of the answer is proven; the method is included as the published reference.
-A limit that falls with n rewards a sliding joint for a smaller normal force. Where one mechanism allows several reactions, the
+At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, with N its normal force
+so far. At n = N the limit is Coulomb's plus c0. It is nearly flat, so that a sliding joint hardly opens. N follows
+the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one. Gilbert, Casapulla &
+Ahmed, Computers & Structures 84 (2006) 873; in 3D Portioli, Casapulla, Gilbert & Cascini, ibid. (2014). Neither
+convergence nor uniqueness of the answer is proven; the method is included as the published reference. A limit that
+falls with n rewards a sliding joint for a smaller normal force. Where one mechanism allows several reactions, the
 iteration therefore tends to the end of the interval at which sliding joints carry the smallest normal forces.
 """
 
@@ -32,7 +32,8 @@ class ClassicParameters:
     relaxation : float
         b, in (0, 1]; the papers' 0.6 damps the swing of forces between redundant contact points.
     slope : float
-        a, at least 0: the limit falls with n by a mu. A larger slope keeps N bounded and makes sliding joints close by a mu |u_t|.
+        a, at least 0: the limit falls with n by a mu. A larger slope keeps N bounded and makes sliding joints close
+        by a mu |u_t|.
     cohesion : float
         c0 over the mean block weight, below the tolerance; with it an unloaded contact point can take up force again.
     iterations : int
@@ -57,7 +58,7 @@ class ClassicParameters:
         if not (0.0 < self.relaxation <= 1.0 and self.slope >= 0.0 and self.iterations >= 1):
             raise ValueError(f"relaxation must be in (0, 1], slope at least 0 and iterations at least 1, not {self}")
         if not 0.0 <= self.cohesion < self.tolerance:
-            raise ValueError(f"cohesion must be at least 0 and below the tolerance {self.tolerance}, not {self.cohesion}")
+            raise ValueError(f"cohesion must be from 0 to below the tolerance {self.tolerance}, not {self.cohesion}")
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,9 @@ class ClassicSolution:
     Attributes
     ----------
     status : Status
-        SOLVED: converged. INACCURATE: not converged within the limit of iterations. INFEASIBLE: programme number `iterations` had
-        no equilibrium. FAILED: that programme had no usable answer. The last two have no value, forces or twists.
+        SOLVED: converged. INACCURATE: not converged within the limit of iterations. INFEASIBLE: programme number
+        `iterations` had no equilibrium. FAILED: that programme had no usable answer. The last two have no value,
+        forces or twists.
     value : float
         Reaction (N; N m for a rotation) or multiplier.
     forces : (C, 3) array
@@ -108,7 +110,7 @@ class ClassicSolution:
 
 
 def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicParameters | None = None) -> ClassicSolution:
-    """Run the classic iteration from the associated answer. A programme without solution raises no error: the status reports it."""
+    """Run the classic iteration from the associated answer; the status reports a programme without solution."""
     chosen = parameters or ClassicParameters()
     no_sliding, friction = coulomb_limits(assembly)
     cohesion = chosen.cohesion * assembly.mean_weight
@@ -146,9 +148,10 @@ def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicPara
 
 
 def dilation(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power of normal forces on the opening of loaded sliding points, over sum |w . v|; 0 without dilatancy, NaN if undefined.
+    """Power of normal forces on the opening of loaded sliding points, over sum |w . v|.
 
-    twists (B, 6) and forces (C, 3) in N: a mechanism and its contact forces.
+    It is 0 without dilatancy and NaN where undefined. twists (B, 6) and forces (C, 3) in N: a mechanism and its
+    contact forces.
     """
     parting, sliding = contact_speeds(assembly, twists)
     compression = assembly.split(forces)[0]
@@ -165,7 +168,7 @@ def _has_value(step: StaticSolution) -> bool:
 
 
 def _converged(assembly: Assembly, drive: Drive, values: list[float], violations: list[float], tolerance: float) -> bool:
-    """Whether the last value is steady and its forces obey Coulomb's limit; the first value, the associated one, never counts."""
+    """Whether the last value is steady and its forces obey Coulomb's limit; the associated value never counts."""
     if len(values) < 2:
         return False
     unit = 1.0

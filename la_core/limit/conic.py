@@ -10,7 +10,7 @@ from scipy import sparse
 
 TOLERANCE = 1e-9  # on feasibility and gap in the solver; the caller recomputes the residuals of the answer
 MOST_ITERATIONS = 300
-SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: beyond it faer's factorisation is faster than qdldl's
+SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: beyond it faer factorises faster than qdldl
 
 
 class ProgrammeOutcome(enum.Enum):
@@ -79,8 +79,9 @@ _OUTCOMES = {
 class Programme:
     """A conic programme that is set up once and solved for several powers and offsets.
 
-    It maximises power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The solver keeps the
-    ordering and symbolic factorisation of the first solve; there is no warm start. The caller scales all entries to order one.
+    It maximises power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The
+    solver keeps the ordering and symbolic factorisation of the first solve; there is no warm start. The caller scales
+    all entries to order one.
 
     Parameters
     ----------
@@ -95,8 +96,8 @@ class Programme:
     equilibrate : bool
         Let the solver scale the rows and columns once more.
     refine : bool
-        Correct the solution of every linear system iteratively. It takes a quarter of the time and gains digits that a caller who
-        checks the answer seldom needs.
+        Correct the solution of every linear system iteratively. It takes a quarter of the time and gains digits that
+        a caller who checks the answer seldom needs.
     """
 
     def __init__(
@@ -148,7 +149,8 @@ def maximise(
 ) -> ProgrammeAnswer:
     """Solve a linear conic programme once: maximise power . x subject to matrix x + offset in the product of `cones`.
 
-    power (n,), matrix (rows, n) and offset (rows,) have entries of order one; the other parameters are those of `Programme`.
+    power (n,), matrix (rows, n) and offset (rows,) have entries of order one; the other parameters are those of
+    `Programme`.
     """
     start = time.perf_counter()
     answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
@@ -158,8 +160,8 @@ def maximise(
 def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> ProgrammeAnswer:
     """Answer of `maximise`; without an optimum, it tries again without equilibration.
 
-    Equilibration enlarges the rows of joints with very little friction so much that the solver may stall. The parameters are those
-    of `maximise`; seconds and iterations are those of both attempts.
+    Equilibration enlarges the rows of joints with very little friction so much that the solver may stall. The
+    parameters are those of `maximise`; seconds and iterations are those of both attempts.
     """
     first = maximise(power, matrix, offset, cones)
     if first.outcome is ProgrammeOutcome.OPTIMUM:

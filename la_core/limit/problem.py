@@ -11,7 +11,7 @@ from la_core.limit.no_sliding import no_sliding_rows
 from la_core.model import PLANE_FREEDOMS, Assembly, columns, scaled_load, support_motion
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
-SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient is solved as 0: the solver needs it, and the residuals do not notice
+SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient counts as 0: the solver needs it, and residuals do not show it
 
 
 class Drive(enum.Enum):
@@ -28,8 +28,8 @@ class Drive(enum.Enum):
                      multiplier
     ========  =====  ==================================  ========  ============  ======
 
-    `value` is the factor of the support's unit motion. `group` names the HDF5 group and, for a reaction, the Python attribute;
-    `key` is the JSON key; `symbol` stands in figures and reports.
+    `value` is the factor of the support's unit motion. `group` names the HDF5 group and, for a reaction, the Python
+    attribute; `key` is the JSON key; `symbol` stands in figures and reports.
     """
 
     YIELDING = 1.0
@@ -56,7 +56,8 @@ class Drive(enum.Enum):
 class ScaledProblem:
     """The kinematic problem with lengths over the mean block size and forces over the weight of the free blocks.
 
-    The n unknowns are the scaled twists of the free blocks (see `la_core.model.columns`); the m flow-rule velocities lie in `cones`.
+    The n unknowns are the scaled twists of the free blocks (see `la_core.model.columns`); the m flow-rule velocities
+    lie in `cones`.
 
     Attributes
     ----------
@@ -84,8 +85,8 @@ class ScaledProblem:
 class DrivenProblem:
     """The scaled problem under one drive: maximise power . x subject to rows x + offset in `cones`.
 
-    The unknowns x (n,) are the scaled twists of the free blocks. Twists per unit of the drive are (twists of x + imposed) times
-    `speed`. A live load adds a first row: its power minus 1, which must vanish.
+    The unknowns x (n,) are the scaled twists of the free blocks. Twists per unit of the drive are (twists of x +
+    imposed) times `speed`. A live load adds a first row: its power minus 1, which must vanish.
 
     Attributes
     ----------
@@ -114,7 +115,8 @@ class DrivenProblem:
 def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProblem:
     """Set up the kinematic problem of an assembly; it is the same for every drive.
 
-    every_point: where sliding is excluded, write the condition at every contact point; otherwise only the independent equations.
+    every_point: where sliding is excluded, write the condition at every contact point; otherwise only the independent
+    equations.
     """
     flow_rule, cones = _flow_rule(assembly, every_point)
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
@@ -150,16 +152,16 @@ def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> 
         offset = np.concatenate([[-1.0], offset])
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
-    free_blocks = int(assembly.blocks.free.sum())  # powers over the weight become powers over the mean block weight, as residuals are
+    free_blocks = int(assembly.blocks.free.sum())  # makes powers relative to the mean block weight, as residuals are
     return DrivenProblem(problem.power * free_blocks, rows, offset, cones, imposed, speed)
 
 
 def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix, Cones]:
-    """Rows T that put local relative velocities u into the flow rule's cone as T u; contact forces are T' times the multipliers.
+    """Rows T that put local relative velocities u into the flow rule's cone as T u.
 
-    A frictionless point needs only u_n >= 0. Where sliding is excluded (Heyman 1966), u_t = 0 and u_n >= 0. In the plane the cone
-    is two inequalities, u_n -+ mu u_t >= 0; in space it is one second-order cone. Rows are scaled to unit length, which does not
-    change the cones.
+    Contact forces are T' times the multipliers. A frictionless point needs only u_n >= 0. Where sliding is excluded
+    (Heyman 1966), u_t = 0 and u_n >= 0. In the plane the cone is two inequalities, u_n -+ mu u_t >= 0; in space it is
+    one second-order cone. Rows are scaled to unit length, which does not change the cones.
     """
     friction, count = assembly.points.friction, len(assembly.points)
     width = 2 if assembly.effects.plane else 3
