@@ -13,8 +13,8 @@ from la_core import exchange
 from la_core.analysis.case_file import read_case, scene_digest, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, write_sealed
-from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
+from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, write_sealed
+from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, Field, solution_fields
 from la_core.limit.associated import Solution
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -104,7 +104,7 @@ def test_case_comes_back_as_it_was(case) -> None:
     back = read_case(path, scene)
     assert back.main is analysis.main
     assert np.array_equal(back.assembly.points.position, analysis.assembly.points.position)
-    for written, read in ((analysis.bounds, back.bounds), (analysis.sharp, back.sharp)):
+    for written, read in ((analysis.bounds, back.bounds), (analysis.sharp.bounds, back.sharp.bounds)):
         assert written.keys() == read.keys()
         for drive, solution in written.items():
             for field in fields(Solution):
