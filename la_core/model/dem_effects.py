@@ -38,13 +38,13 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     """The choice, its reason, and the least gap (m)."""
     request = scene.effects.displacement
     if request == "finite":
-        return request, "asked for in the scene", float("nan")
+        return request, "requested in the scene", float("nan")
     travel = stiffness.travel * assembly.support_speed
     distance = GAP_OVER_TRAVEL * travel
     gap, pair = least_gap(assembly, distance)
     if pair is None:
         why = f"blocks without a joint between them are at least {gap:.3g} m apart, and the support moves {travel:.3g} m: {_LISTED}"
-        return "small", f"asked for in the scene, and {why}" if request == "small" else why, gap
+        return "small", f"requested in the scene, and {why}" if request == "small" else why, gap
     names = f'blocks "{assembly.blocks.names[pair[0]]}" and "{assembly.blocks.names[pair[1]]}"'
     near = f"{names} are {gap:.3g} m apart without a joint"
     if request == "small":
@@ -84,7 +84,7 @@ def _recording(scene: Scene, assembly: Assembly) -> tuple[str, str]:
     """The choice and its reason."""
     request = scene.effects.recording
     if request != "auto":
-        return request, "asked for in the scene"
+        return request, "requested in the scene"
     states = int(scene.yade.get("poses", POSES)) + 1
     numbers = states * (6 * len(assembly.blocks) + 3 * len(assembly.points))  # displacements and rotations; contact forces
     size = 8e-6 * numbers

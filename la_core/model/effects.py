@@ -66,7 +66,7 @@ def decide(scene: Scene) -> Effects:
         elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
     elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
         raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
-    by_request = "asked for in the scene"
+    by_request = "requested in the scene"
     reasons = {
         "plane": why_plane,
         "friction": by_request if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
@@ -101,7 +101,7 @@ def _decide_plane(scene: Scene) -> tuple[bool, str]:
     plane = not obstacle if request == "auto" else bool(request)
     low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
-    return plane, obstacle or (fits if plane else f"asked for in the scene, although {fits}")
+    return plane, obstacle or (fits if plane else f"requested in the scene, although {fits}")
 
 
 def _obstacle_to_elasticity(scene: Scene) -> str | None:
