@@ -1,7 +1,7 @@
 """Rigid blocks on elastic joints with friction without dilatancy: one associated cone programme for a given shift.
 
-The relative displacement of a joint since the blocks were laid is u = e + (gap, slip), with an elastic part e, a gap
->= 0 and a slip. The normal force follows the whole elastic part, n = -kn e_n. The friction force follows its change
+The relative displacement of a joint since the blocks were laid is u = e + (gap, slip), with elastic part e,
+gap >= 0 and slip. The normal force follows the whole elastic part, n = -kn e_n. The friction force follows its change
 in each step, t = t_before - ks (change of e_t), so that it keeps the history of slip. Friction without dilatancy is
 the associated law with the normal displacement shifted by s = mu |slip|:
     (gap + s, slip) in the dual of Coulomb's cone, orthogonal to the contact force

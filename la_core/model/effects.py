@@ -88,7 +88,7 @@ _DEFAULT = "joints may slide, and real friction does not dilate"
 _WHY_ELASTIC = {
     "none": "bounds do not depend on the joints' strain",
     "plateau": "friction without dilatancy follows the joints' strain from rest to the plateau",
-    "path": "a [path] is asked for",
+    "path": "a [path] is requested",
 }
 
 

@@ -27,9 +27,9 @@ from la_core.text_table import Tabled, number_text
 class Scene(Tabled):
     """A validated scene: blocks as arrays, joint law, motion or load, what is expected of it. SI units, z up.
 
-    support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live
-    load. live (3,): unit direction of a load proportional to weight, None for a settlement. meshes: the files of its
-    [[mesh]] tables as they were read. accuracy: share of the answer, None where none is asked for.
+    support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
+    live (3,): unit direction of a load proportional to weight, None for a settlement.
+    meshes: the files of its [[mesh]] tables as they were read. accuracy: share of the answer, None where none is asked for.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Errors of pydantic as sentences that tell a user what to change."""
+"""Errors of pydantic as sentences with the key, the value and the rule."""
 
 from typing import Any
 

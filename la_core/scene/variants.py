@@ -31,8 +31,8 @@ FULL_SUFFIX = "_full"
 def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = ".") -> Scene:
     """A scene from tables with the keys of a scene file; raises SceneError as for a file.
 
-    tables: as `tomllib` would read them, arrays (NumPy's, too) and tuples for lists. name: of the scene and of its
-    folder of results. folder: what the files of [[mesh]] tables are relative to.
+    tables: as `tomllib` would read them, arrays (NumPy's, too) and tuples for lists. name: of the scene and of its folder of results.
+    folder: what the files of [[mesh]] tables are relative to.
 
     >>> import la_core
     >>> pad = {"name": "pad", "role": "support", "box": {"from": [0, 0, -1], "to": [1, 1, 0]}}
@@ -47,9 +47,8 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
 def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     """The scene with some keys changed; raises SceneError for a key that leads nowhere and for what the schema refuses.
 
-    changes: new values by dotted key, such as "joint.friction" or "wall[0].courses"; None takes a key or a table
-    away. What the original scene expects is left out unless it is changed, too. name: made from the changes where
-    none is given, as is the title.
+    changes: new values by dotted key, such as "joint.friction" or "wall[0].courses"; None takes a key or a table away. What the
+    original scene expects is left out unless it is changed, too. name: made from the changes where none is given, as is the title.
 
     >>> import la_core
     >>> smooth = la_core.variant(la_core.load("wall_third"), {"joint.friction": 0.4})
