@@ -1,7 +1,7 @@
 """Rigid-block limit analysis of dry-joint structures on a moving support.
 
-Nothing is loaded before it is asked for, so that YADE's own interpreter can load `la_core.exchange` alone. The names in `__all__`
-are stable; type checkers read them in `__init__.pyi`.
+A module is loaded only when a name in it is used, so that YADE's own interpreter can load `la_core.exchange` alone.
+The names in `__all__` are stable; type checkers read them in `__init__.pyi`.
 """
 
 from importlib import import_module as _load
@@ -21,7 +21,7 @@ __all__ = sorted(_HOMES)  # noqa: PLE0605
 
 
 def __getattr__(name: str) -> object:
-    """A stable name, from the module where it lives (PEP 562)."""
+    """Load a stable name from the room that defines it (PEP 562)."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(_load(f"{__name__}.{_HOMES[name]}"), name)

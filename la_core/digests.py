@@ -1,11 +1,11 @@
-"""Digests of code: what a stored result was made by."""
+"""Digests of code, which record the code that made a stored result."""
 
 import hashlib
 from pathlib import Path
 
 
 def code_digest(*folders: Path) -> str:
-    """Digest of all Python code below the folders: where each file lies, and every byte of it. A single file counts as a folder of one."""
+    """Digest of the relative paths and contents of all Python files below the folders; a folder may be a single file."""
     total = hashlib.sha256()
     for folder in folders:
         for source in [folder] if folder.is_file() else sorted(folder.rglob("*.py")):

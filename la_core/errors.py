@@ -1,10 +1,12 @@
-"""Complaints a user can act on."""
+"""Errors in a scene, with messages that say what to do next."""
 
 import difflib
 import re
 from collections.abc import Iterable
 
-CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")  # what a terminal obeys, but for tab and new line
+CONTROL = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
+)  # characters that control a terminal, except tab and new line
 
 
 class SceneError(Exception):
@@ -16,15 +18,15 @@ class SceneError(Exception):
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
-    """A hint with the valid key (or other `kind`) nearest to `word`, and all valid ones when none is near."""
+    """A hint with the valid key (or other `kind`) nearest to `word`, or with all valid ones where no key is similar."""
     choices = list(valid)
     near = difflib.get_close_matches(word, choices, n=1, cutoff=0.5)
     return f'did you mean "{near[0]}"?' if near else f"valid {kind}: {', '.join(choices)}"
 
 
 def visible(text: str) -> str:
-    """The text with an escape in the place of every character that a terminal would obey, and of halves of characters."""
-    return CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
+    """The text with an escape in place of every control character, and of every lone surrogate."""
+    return CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _short(value: object, limit: int = 80) -> str:

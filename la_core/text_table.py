@@ -4,24 +4,24 @@ import html
 import math
 from collections.abc import Sequence
 
-ROUND_OFF = 1e-9  # of the weight: what the solver leaves of a reaction that is zero
+ROUND_OFF = 1e-9  # of the weight: a smaller reaction is zero but for the residuals of the solver
 
 
 def number_text(value: float | None, digits: int = 6) -> str:
-    """A number in `digits` significant digits, a dash for none; up to a million its whole part is written out."""
+    """A number with `digits` significant digits, or a dash where undefined; up to a million the whole part is in full."""
     if value is None or not math.isfinite(value):
         return "–"
     return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
 
 
 def over_weight(value: float | None, weight: float) -> float | None:
-    """A value over the weight; zero where only round-off is left of it."""
+    """A value over the weight (both in N); 0 where the value is only round-off, None where there is no value."""
     ratio = None if value is None else value / weight
     return 0.0 if ratio is not None and abs(ratio) < ROUND_OFF else ratio
 
 
 def as_text(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """A table as plain text, laid out as the command line does."""
+    """A table as plain text, in the layout of the command line: `title`, headings `head`, rows `body`."""
     widths = [max(len(cell) for cell in column) for column in zip(head, *body, strict=True)]
     lines = ["  " + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in (head, *body)]
     lines.insert(1, " " + "─" * (sum(widths) + 3 * len(widths) - 1))
@@ -29,7 +29,7 @@ def as_text(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
 
 
 def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:
-    """A table as HTML for a notebook, every text in it escaped."""
+    """A table as HTML for a notebook: `title`, headings `head`, rows `body`; every text is escaped."""
     lines = [f"<table><caption>{html.escape(title)}</caption>"]
     for row, tag in ((head, "th"), *((row, "td") for row in body)):
         lines.append("<tr>" + "".join(f'<{tag} style="text-align: left">{html.escape(cell)}</{tag}>' for cell in row) + "</tr>")
@@ -37,7 +37,7 @@ def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
 
 
 class Tabled:
-    """What shows itself as a table: in print as text, in a notebook as HTML."""
+    """Base class of objects that show themselves as a table: as text in print, as HTML in a notebook."""
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         """Title, headings and rows."""

@@ -124,9 +124,9 @@ def test_a_mistake_in_code_is_told_as_in_a_file(key: str, value: object, write_s
     [
         ("joint friction", "must be a dotted path"),
         ("joint.friction.static", "is a value, not a table"),
-        ("wall.courses", r"say which of its entries: wall\[0\].courses"),
+        ("wall.courses", r"select one of its entries: wall\[0\].courses"),
         ("block[7].density", "has 2 entries"),
-        ("joint[0]", "is no array"),
+        ("joint[0]", "is not an array"),
         ("arch[0].radius", "has no arch"),
     ],
 )
@@ -271,7 +271,7 @@ def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
 def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
     pads = la_core.load("two_pads")
     assert la_core.solve(pads) != la_core.solve(pads)
-    with pytest.raises(la_core.SceneError, match="a key is a text"):
+    with pytest.raises(la_core.SceneError, match="a key must be a text"):
         la_core.variant(pads, {3: 1})  # type: ignore[dict-item]
     with pytest.raises(la_core.SceneError, match="greater than or equal to 0"):
         la_core.variant(pads, {"yade.speed": -1.0})

@@ -124,7 +124,8 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
     values[f"{scene.quantity}_sharp"] = analysis.sharp.bounds[main].value
     values["inset"] = analysis.assembly.inset if scene.inset else 0.0
     if analysis.assembly.inset != values["inset"]:
-        values["shared_inset"] = {"inset": analysis.assembly.inset, **{_NAMES[d]: s.value for d, s in analysis.bounds.items()}}
+        bounds = {drive.key: bound.value for drive, bound in analysis.bounds.items()}
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds}
     values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
     values["iterations"] = solution.iterations
     values["seconds"] = sum(s.seconds for s in _distinct(analysis))
@@ -160,9 +161,6 @@ def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     values = {key: getattr(path, name).tolist() for name, key in keys.items()}
     values["converged"] = [bool(converged) for converged in values["converged"]]
     return values | {"solves": path.solves.tolist(), "seconds": path.seconds}
-
-
-_NAMES = {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE: "multiplier"}
 
 
 def _worst(residuals: Iterable[float]) -> float:

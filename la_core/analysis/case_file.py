@@ -17,16 +17,15 @@ from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.digests import code_digest
 from la_core.geometry import Interfaces
-from la_core.limit import Drive, Solution, Status
+from la_core.limit import Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness, assemble
 from la_core.scene import Scene
 
 PACKAGE = Path(__file__).parents[1]
-GROUPS = {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}
 
 
 def _fields(scene: Scene, has_coulomb: bool, has_path: bool) -> tuple[exchange.Field, ...]:
-    groups = [f"{arrises}/{GROUPS[drive]}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
+    groups = [f"{arrises}/{drive.group}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
     fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
     if has_coulomb:
         fields += exchange.coulomb_fields("coulomb") + exchange.coulomb_fields("coulomb_sharp")
@@ -64,7 +63,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
     }
     for suffix, answers in (("", analysis.at_inset), ("_sharp", analysis.sharp)):
         for drive, solution in answers.bounds.items():
-            values |= _below(f"limit_analysis/associated{suffix}/{GROUPS[drive]}", solution)
+            values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
     exchange.write(path, _fields(scene, analysis.coulomb is not None, analysis.path is not None), values, inputs)
@@ -103,7 +102,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], h
     def answers(assembly: Assembly, suffix: str) -> Answers:
         if data["blocks/aside"].any():
             assembly = reach.set_aside(assembly, data["blocks/aside"].astype(bool))
-        bounds = {drive: _solution(data, f"limit_analysis/associated{suffix}/{GROUPS[drive]}") for drive in drives(scene)}
+        bounds = {drive: _solution(data, f"limit_analysis/associated{suffix}/{drive.group}") for drive in drives(scene)}
         return Answers(assembly, bounds, _coulomb(data, f"coulomb{suffix}") if has_coulomb else None)
 
     at_inset = answers(whole, "")

@@ -1,13 +1,15 @@
-"""Rigid blocks on elastic joints with friction that need not dilate: one associated cone programme for a given shift.
+"""Rigid blocks on elastic joints with friction without dilatancy: one associated cone programme for a given shift.
 
-A joint's relative displacement since the blocks were laid is u = e + (gap, slip): e its elastic part, gap >= 0 and slip the rest.
-Compression follows e_n in total, n = -kn e_n; friction follows it in steps, t = t_before - ks (change of e_t), so that slip keeps
-its history. Friction that does not dilate is the associated law with the normal displacement shifted by s = mu |slip|:
+The relative displacement of a joint since the blocks were laid is u = e + (gap, slip), with elastic part e,
+gap >= 0 and slip. The normal force follows the whole elastic part, n = -kn e_n. The friction force follows its change
+in each step, t = t_before - ks (change of e_t), so that it keeps the history of slip. Friction without dilatancy is
+the associated law with the normal displacement shifted by s = mu |slip|:
     (gap + s, slip) in the dual of Coulomb's cone, orthogonal to the contact force
-(De Saxce & Feng 1998; Acary, Cadoux, Lemarechal & Malick 2011, doi 10.1002/zamm.201000073). For a given s this is the optimum of
+(De Saxce & Feng 1998; Acary, Cadoux, Lemarechal & Malick 2011, doi 10.1002/zamm.201000073). For a given s this is the
+optimum of
     maximise  w . q - sum (kn e_n^2 + ks |e_t|^2) / 2 + t_before . e_t   subject to   (u - e) + s n in the dual cone
-over displacements q of the blocks and e of the joints; the contact forces are its multipliers. Any s, right or wrong, gives forces
-in equilibrium and within Coulomb's cone. Matrix and cones never change: `conic.Programme` is set up once.
+over displacements q of the blocks and e of the joints; the contact forces are its multipliers. For every s the forces
+are in equilibrium and within Coulomb's cone. Matrix and cones never change, so `conic.Programme` is set up once.
 
 Displacements are over `unit`, the travel of the fastest support point; forces over the weight W.
 """
@@ -20,13 +22,21 @@ from scipy import sparse
 from la_core.limit import Programme, ProgrammeAnswer, ProgrammeOutcome, scaled_problem
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
 
-LEAST_WORK = 1e-3  # of the weight's over the support's motion
-TOLERANCE = 1e-8  # asked of the solver; what was reached is recomputed from the answer
+LEAST_WORK = 1e-3  # of the weight's work over the support's motion
+TOLERANCE = 1e-8  # of the solver; residuals are recomputed from its answer
 
 
 @dataclass(frozen=True)
 class JointState:
-    """Where the joints are: relative displacement (C, k) in local axes since the blocks were laid, and contact force (C, k); scaled."""
+    """State of the joints in local axes (normal, then k - 1 tangents; k = 2 in the plane, 3 in space), scaled.
+
+    Attributes
+    ----------
+    displacement : (C, k) array
+        Relative displacement at each contact point since the blocks were laid.
+    force : (C, k) array
+        Contact force on block b, compression positive.
+    """
 
     displacement: np.ndarray
     force: np.ndarray
@@ -34,9 +44,24 @@ class JointState:
 
 @dataclass(frozen=True)
 class Trial:
-    """Answer for one shift; all scaled. blocks (n,): displacements of the free blocks. gap (C,), slip (C, k - 1): of this step.
+    """Answer of the programme for one shift; all numbers are scaled.
 
-    load: multiplier of the live load, NaN without one. energy: elastic energy of the joints. solved: whether the solver has an answer.
+    Attributes
+    ----------
+    solved : bool
+        Whether the solver has an answer.
+    blocks : (n,) array
+        Displacements of the free blocks.
+    joints : JointState
+        Displacements and forces of the joints.
+    gap : (C,) array
+        Opening of each contact point.
+    slip : (C, k - 1) array
+        Slip of each contact point in this step.
+    load : float
+        Multiplier of the live load; NaN where it does not act.
+    energy : float
+        Elastic energy of the joints.
     """
 
     solved: bool
@@ -49,7 +74,15 @@ class Trial:
 
 
 class ElasticJoints:
-    """The problem of one assembly on joints of given stiffness; counts its `solves` and their `seconds`."""
+    """An assembly on elastic joints of given stiffness. It counts its `solves` and the `seconds` they take.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Blocks, contact points, weights, and the support's motion or the live load.
+    stiffness : JointStiffness
+        Stiffness of a contact point, and the travel of the support, which is the unit of displacement.
+    """
 
     def __init__(self, assembly: Assembly, stiffness: JointStiffness) -> None:
         self.assembly = assembly
@@ -63,7 +96,7 @@ class ElasticJoints:
         self.motion = self._local(kinematics @ columns(assembly, motion))
         self.weights = scaled_load(assembly, assembly.dead_load)
         self._live_load = scaled_load(assembly, assembly.live_load)
-        problem = scaled_problem(assembly, every_point=True)  # each has its own spring
+        problem = scaled_problem(assembly, every_point=True)  # every point has its own spring
         self._flow_rule, self._cones = problem.flow_rule, problem.cones
         stiff = np.full((len(assembly.points), self._width), stiffness.shear)
         stiff[:, 0] = stiffness.normal
@@ -73,24 +106,36 @@ class ElasticJoints:
 
     @property
     def laid(self) -> JointState:
-        """Joints as laid, without force."""
-        nothing = np.zeros((len(self.assembly.points), self._width))
-        return JointState(nothing, nothing)
+        """Joints as laid, without displacement or force."""
+        zero = np.zeros((len(self.assembly.points), self._width))
+        return JointState(zero, zero)
 
     def live_displacement(self, blocks: np.ndarray) -> float:
-        """Mean displacement along the live load, weighted by it, of the free blocks' displacements (n,)."""
+        """Mean displacement along the live load, weighted by the load, for displacements (n,) of the free blocks."""
         return float(self._live_load @ blocks)
 
     def value(self, trial: Trial) -> float:
-        """Reaction over the weight, per unit speed of the fastest support point, or multiplier of the live load, 0 before it acts."""
+        """Scaled reaction, or multiplier of the live load.
+
+        A reaction is over the weight, per unit speed of the fastest support point. A multiplier is 0 where the load
+        does not act.
+        """
         if self.live:
             return trial.load if np.isfinite(trial.load) else 0.0
         return float(np.sum(self.motion * trial.joints.force))
 
     def work(self, trial: Trial, before: Trial, stride: float) -> float:
-        """Work over a stride of motion by the weights that settle and a support that has to be pulled, or the live load; scaled.
+        """Scaled work put into the structure over one step; residuals are relative to it.
 
-        At least LEAST_WORK of the weight's: a mechanism that takes less is judged by this.
+        The sinking weights do work, and so does the live load, or a support that has to be pulled. The result is at
+        least LEAST_WORK of the work of the whole weight.
+
+        Parameters
+        ----------
+        trial, before : Trial
+            States at the end and at the start of the step.
+        stride : float
+            Motion of the support, or displacement along the live load, in the step; over `unit`.
         """
         freedoms = len(self.weights) // int(self.assembly.blocks.free.sum())
         weights = np.sum((self.weights * (trial.blocks - before.blocks)).reshape(-1, freedoms), axis=1)
@@ -99,9 +144,18 @@ class ElasticJoints:
         return max(float(np.maximum(weights, 0.0).sum()) + driving * stride, LEAST_WORK * stride)
 
     def solve(self, before: JointState, motion: np.ndarray, shift: np.ndarray, live: float | None = None) -> Trial:
-        """One associated solve from `before`, for the supports' relative displacement (C, k) and shift (C,).
+        """Solve the associated programme once for a given shift.
 
-        live: the displacement to impose along the live load; None where the load does not act.
+        Parameters
+        ----------
+        before : JointState
+            Joints at the start of the step, with their history of friction.
+        motion : (C, k) array
+            Relative displacement of the joints that the supports impose, since the blocks were laid.
+        shift : (C,) array
+            Shift s of the normal displacement.
+        live : float, optional
+            Displacement to impose along the live load; None where the load does not act.
         """
         offset = motion.copy()
         offset[:, 0] += shift
@@ -136,7 +190,7 @@ class ElasticJoints:
         )
 
     def _programme(self, driven: bool, refine: bool) -> Programme:
-        """The programme without or with the row that imposes the live displacement; made when first asked for."""
+        """The programme without or with the row that imposes the live displacement, set up at its first use."""
         if (driven, refine) not in self._programmes:
             rows, cones = sparse.hstack([self._flow_rule @ self._blocks, -self._flow_rule]).tocsr(), self._cones
             if driven:

@@ -11,11 +11,24 @@ from la_core.model import Assembly, JointStiffness
 
 @dataclass(frozen=True)
 class EquilibriumPath:
-    """The followed curve, N + 1 points of which the first is rest under gravity; it ends early where a step has no answer.
+    """Curve of the reaction over the settlement: rest under gravity, then one point per increment.
 
-    settlement (N + 1,): motion of the support, m or rad; under a live load the mean displacement along it, m.
-    value (N + 1,): reaction in N (N m for a rotation) or multiplier. strain_residual (N + 1,): see `la_core.coulomb.fixed_point.Step`.
-    converged (N + 1,): whether each step did. solves (N + 1,): associated programmes of each step. seconds: of all.
+    It ends early, with fewer points P, where a step has no answer.
+
+    Attributes
+    ----------
+    settlement : (P,) array
+        Motion of the support, m or rad; for a live load the mean displacement along it, m.
+    value : (P,) array
+        Reaction (N; N m for a rotation) or multiplier.
+    strain_residual : (P,) array
+        Work of the spurious dilation over the elastic energy of the joints.
+    converged : (P,) array of bool
+        Whether the iteration of each step converged.
+    solves : (P,) array of int
+        Associated programmes solved in each step.
+    seconds : float
+        Time in the solver, all steps.
     """
 
     settlement: np.ndarray
@@ -27,7 +40,21 @@ class EquilibriumPath:
 
 
 def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float, increments: int, wedging: float = 0.0) -> EquilibriumPath:
-    """Follow a structure that stands to `settlement` (m or rad) in `increments` steps, short at first, where the reaction falls fast."""
+    """Follow the reaction from rest to a settlement. The first steps are short, because the reaction falls fast there.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure that can stand.
+    stiffness : JointStiffness
+        Stiffness of the joints.
+    settlement : float
+        Final motion of the support, m or rad; for a live load the mean displacement along it, m.
+    increments : int
+        Number of steps after rest; their ends grow as the square of their number.
+    wedging : float
+        Motion of the support against its settlement before gravity acts, m or rad.
+    """
     joints = ElasticJoints(assembly, stiffness)
     stations = settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2
     steps = [step for step in follow(joints, stations, stiffness, wedging) if step.trial.solved]

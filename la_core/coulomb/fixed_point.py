@@ -1,9 +1,10 @@
 """Coulomb friction without dilatancy as the fixed point s = mu |slip(s)| of De Saxce's shift, one step of motion at a time.
 
-Each contact point is relaxed by its own factor: it grows while the point's residual keeps its sign and is cut when the sign turns
-(the delta-bar-delta rule, Jacobs 1988); its ceiling sinks with every turn, so that a point that chatters comes to rest. One factor
-for all, under-, over- or Anderson-relaxed, converges on fewer walls, because confined joints answer a shift with less slip and
-free ones do not answer at all.
+Each contact point has its own relaxation factor. The factor grows while the point's residual keeps its sign and is
+cut when the sign changes (the delta-bar-delta rule, Jacobs 1988). Its upper limit decreases with every change of
+sign, so that a chattering point comes to rest. A common factor (under-, over- or Anderson relaxation) converges on
+fewer walls, because the slip of a confined joint decreases with the shift and the slip of a free joint does not
+respond to it.
 """
 
 from dataclasses import dataclass, replace
@@ -14,22 +15,41 @@ from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
 
 FIRST, LEAST, MOST = 1.0, 0.02, 2.0  # relaxation factor of a contact point
 GROW, CUT, CEILING_CUT = 1.2, 0.6, 0.9
-CONVERGED = 1e-3  # strain residual: the forces of such a state are history for the next step, so it has to be small
-STEADY, STEADY_RESIDUAL, STEADY_SOLVES = 2e-3, 2e-2, 4  # range of the value over so many solves, while a few joints still chatter
-LAST_RESIDUAL = 6e-3  # the same of the last step, whose state is the answer: its dilatancy residual is a seventh of this
-PATIENCE = 20  # solves of a step, which few small walls take: from then on a steady value makes do with the next two
-PATIENT_RESIDUAL = 5e-2  # strain residual on the way
-DILATANCY = 1e-3  # dilatancy residual at the end: what an answer is judged by
-LEAST_ENERGY = 1e-12  # of the weight's work over the travel: joints that carry nothing have no energy to compare with
-STALLED_SOLVES, MOST_SOLVES = 50, 150  # solves without a tenth less residual; of one step
+CONVERGED = 1e-3  # strain residual of a converged step: small, for its forces are history for the next step
+# A value is steady if its relative range over the last STEADY_SOLVES solves is at most STEADY. The step then converges with
+# STEADY_RESIDUAL as its largest strain residual; a few joints may still chatter.
+STEADY, STEADY_RESIDUAL, STEADY_SOLVES = 2e-3, 2e-2, 4
+LAST_RESIDUAL = 6e-3  # the same for the last step, which is the answer: its dilatancy residual is a seventh of this
+PATIENCE = 20  # solves of a step, more than most small walls take; then a steady value only has to meet the next two
+PATIENT_RESIDUAL = 5e-2  # strain residual of every step but the last
+DILATANCY = 1e-3  # dilatancy residual of the last step, and so of an accepted answer
+LEAST_ENERGY = 1e-12  # of the weight's work over the travel: unloaded joints have no energy to compare with
+STALLED_SOLVES, MOST_SOLVES = 50, 150  # solves without a tenth less residual; solves of one step
 
 
 @dataclass(frozen=True)
 class Step:
-    """State at the end of one step of motion, and how well its shift and its slip agree. All scaled as in `la_core.coulomb.elastic_joints`.
+    """State at the end of one step, and the difference between its shift and its slip.
 
-    strain_residual: work of the spurious dilation, sum of n |mu |slip| - s|, over the joints' elastic energy: it tells by how much
-    the dilation that is left can still change the forces. dilation: that work. solves: associated programmes of this step.
+    All numbers are scaled as in `la_core.coulomb.elastic_joints`.
+
+    Attributes
+    ----------
+    progress : float
+        Motion of the support, or displacement along the live load, over the travel.
+    trial : Trial
+        Displacements and forces.
+    shift : (C,) array
+        Shift of the normal displacement; equal to mu |slip| in an exact answer.
+    strain_residual : float
+        `dilation` over the elastic energy of the joints; it measures how much the spurious dilation can still change
+        the forces.
+    dilation : float
+        Work of the spurious dilation, sum of n |mu |slip| - s|.
+    solves : int
+        Associated programmes solved in this step.
+    converged : bool
+        Whether the iteration converged.
     """
 
     progress: float
@@ -56,13 +76,36 @@ def advance(
     last_from: Step | None = None,
     most_solves: int | None = None,
 ) -> Step:
-    """Take one step to the supports' relative displacement `motion` (C, k), starting the iteration from `shift` (C,).
+    """Take one step of motion: iterate the shift s until it agrees with mu |slip|.
 
-    last_from: the step before the last one, which is held to more; None on the way.
-    The best state found counts: where joints chatter, the residual may rise again. A step that did not converge says so.
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    before : JointState
+        Joints at the start of the step.
+    motion : (C, k) array
+        Relative displacement of the joints that the supports impose at the end of the step, scaled.
+    live : float or None
+        Displacement to impose along the live load, scaled; None where the load does not act.
+    progress : float
+        Motion of the support, or displacement along the live load, at the end of the step, over the travel.
+    shift : (C,) array
+        First shift of the iteration, scaled.
+    last_from : Step, optional
+        Previous step, given with the last step alone: the answer then has to meet DILATANCY and LAST_RESIDUAL as well.
+    most_solves : int, optional
+        Largest number of associated programmes; MOST_SOLVES if not given.
+
+    Returns
+    -------
+    Step
+        State with the smallest strain residual, for the residual may rise again where joints chatter; or the first
+        converged state. `converged` is False where the iteration did not converge, and `trial.solved` where the
+        solver has no answer.
     """
     friction = joints.assembly.points.friction
-    enough = STEADY_RESIDUAL if last_from is None else LAST_RESIDUAL
+    steady_limit = STEADY_RESIDUAL if last_from is None else LAST_RESIDUAL
     relaxation, ceiling, last = np.full(len(shift), FIRST), np.full(len(shift), MOST), np.zeros(len(shift))
     values: list[float] = []
     best: Step | None = None
@@ -77,9 +120,9 @@ def advance(
         values.append(joints.value(trial))
         if last_from is None:
             accepted, suffices = True, residual <= PATIENT_RESIDUAL
-        else:  # what the answer is judged by counts before all else
+        else:  # an accepted answer needs this first
             accepted = suffices = dilation <= DILATANCY * joints.work(trial, last_from.trial, progress - last_from.progress)
-        is_steady = _is_steady(values) and (residual <= enough or (count > PATIENCE and suffices))
+        is_steady = _is_steady(values) and (residual <= steady_limit or (count > PATIENCE and suffices))
         converged = accepted and (residual <= CONVERGED or is_steady)
         if best is None or residual < 0.9 * best.strain_residual:
             progressed = count

@@ -1,8 +1,9 @@
-"""The interval of values that a non-dilatant mechanism allows: which joints part, slide and stick decides it, friction's history not.
+"""The interval of reactions, or multipliers, that a mechanism without dilatancy allows over all histories of friction.
 
-A joint that parts carries no force; one that slides carries friction mu n against its slip; one that sticks carries any force in
-its cone. Forces of this kind in equilibrium are a convex set, so the least and the greatest reaction are two cone programmes:
-as in `la_core.limit`, with a sliding joint's velocity limited by (n - mu tau) . u >= 0 in the place of the flow rule's cone.
+A parting joint carries no force. A sliding joint carries friction mu n against its slip. A sticking joint carries any
+force in its cone. The forces of this kind in equilibrium form a convex set, so the least and the greatest reaction
+are two cone programmes: those of `la_core.limit`, with (n - mu tau) . u >= 0 in place of the flow rule at a sliding
+joint (n: normal, tau: direction of slip).
 """
 
 from dataclasses import replace
@@ -15,21 +16,31 @@ from la_core.coulomb.fixed_point import Step
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
-THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain that the last step still carries
-LOADED = 1e-5  # of the weight: more normal force than the residuals of a joint that carries none
-SLIGHT = 1e-5  # friction up to here may point anywhere: it moves an end by no more, and exact directions contradict equilibrium
-FAN = 0.01  # rad: slip's direction is known no better, and exact ones, far more than equilibrium needs in 3D, would contradict it
+THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain of the last step
+LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
+# A friction coefficient below SLIGHT may act in any direction: it moves an end by no more, and exact directions contradict equilibrium.
+SLIGHT = 1e-5
+FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 
 
 def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold: float = THRESHOLD) -> tuple[float, float]:
     """Least and greatest reaction (N, N m) or multiplier that the mechanism of the last step allows.
 
-    An end is infinite where nothing limits it, NaN where no state of force fits the mechanism.
+    An end is infinite where nothing limits it, and NaN where no state of forces fits the mechanism.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints; the time of the two programmes is added to its `seconds`.
+    before, last : Step
+        The last two steps; the mechanism is the difference of their states.
+    threshold : float
+        Least speed of slip and of parting, over the motion of the fastest support point.
     """
     stride = last.progress - before.progress
     slip = last.trial.slip / stride
     speed = np.linalg.norm(slip, axis=1)
-    unloaded = last.joints.force[:, 0] <= LOADED  # a joint that slides may part by the dilation that is left, and still carries force
+    unloaded = last.joints.force[:, 0] <= LOADED  # a loaded sliding joint may part by the remaining spurious dilation
     parting = unloaded & ((last.trial.gap - before.trial.gap) / stride > threshold)
     sliding = ~parting & (speed > threshold) & (joints.assembly.points.friction > SLIGHT)
     direction = slip / np.where(speed > 0.0, speed, 1.0)[:, None]
@@ -62,7 +73,7 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
 
 
 def _fan(direction: np.ndarray) -> list[np.ndarray]:
-    """Directions (C, 1 or 2) that friction at a sliding point may oppose; in 3D a fan, for no more is known of it."""
+    """Directions of slip, each (C, 1 or 2), that friction may oppose; in 3D a fan about the computed direction."""
     if direction.shape[1] == 1:
         return [direction]
     across = direction[:, ::-1] * [-1.0, 1.0]
@@ -70,7 +81,7 @@ def _fan(direction: np.ndarray) -> list[np.ndarray]:
 
 
 def _guide(assembly: Assembly, direction: np.ndarray) -> sparse.csr_matrix:
-    """Rows (C,) from all blocks' columns to (n - mu tau) . u at every contact point."""
+    """Matrix from the scaled twists of all blocks to (n - mu tau) . u at every contact point, tau = `direction`."""
     count, width = len(direction), direction.shape[1] + 1
     local = np.concatenate([np.ones((count, 1)), -assembly.points.friction[:, None] * direction], axis=1)
     rows = np.repeat(np.arange(count), width)
@@ -79,7 +90,10 @@ def _guide(assembly: Assembly, direction: np.ndarray) -> sparse.csr_matrix:
 
 
 def _value(answer: ProgrammeAnswer, power: np.ndarray) -> float:
-    """The optimum; minus infinity where no velocity fits, so that no force is limited; NaN where no state of force exists."""
+    """The optimum; minus infinity where no velocity is admissible, NaN where no state of forces exists.
+
+    Without an admissible velocity nothing limits the force.
+    """
     if answer.outcome is ProgrammeOutcome.OPTIMUM:
         return float(power @ answer.x)
     return -np.inf if answer.outcome is ProgrammeOutcome.EMPTY else float("nan")

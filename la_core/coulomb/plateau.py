@@ -1,9 +1,9 @@
 """Coulomb limit analysis: the reaction at collapse, or the collapse multiplier, with friction that does not dilate.
 
-The rigid plateau of such friction is not unique; the elasticity of the joints, however stiff, selects the physical one
-(mechanics behind it: `la_core.coulomb.elastic_joints`). From rest under gravity the support moves, or the live load grows, in a few
-steps of geometric progression, from the first strain of the joints to a travel of many times that, where the mechanism carries on with no
-further change in force.
+With rigid joints the plateau of such friction is not unique. The elasticity of the joints, however stiff, selects the
+physical one (see `la_core.coulomb.elastic_joints`). From rest under gravity the support moves, or the live load
+displaces the structure, in a few steps. They grow geometrically from the first strain of the joints to a travel of
+many times that strain, where the mechanism moves on at constant forces.
 """
 
 from collections.abc import Iterator
@@ -18,18 +18,23 @@ from la_core.limit import Drive, Solution, Status
 from la_core.measures import mechanism, residuals
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 
-STEPS = 8  # to the plateau; tests/benchmarks/benchmark_friction.py shows what fewer and more cost and bring
+STEPS = 8  # to the plateau; tests/benchmarks/benchmark_friction.py measures cost and error of fewer and more
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
-SOFTEST = 0.05  # sag over the travel: the strain of softer joints passes for a mechanism
-DRIFT = 0.1  # largest change of the value over the last step: what changes more has no plateau within the travel
-ACCEPTED_RESIDUAL = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
+SOFTEST = 0.05  # largest sag over the travel: the strain of softer joints would pass for a mechanism
+DRIFT = 0.1  # largest relative change of the value over the last step: beyond it the travel has no plateau
+ACCEPTED_RESIDUAL = 1e-5  # equilibrium and cone residuals, of the mean block weight; friction's history matters far more
 
 
 @dataclass(frozen=True)
 class PredictionSettings:
     """Steps of a prediction.
 
-    steps: from rest to the whole travel. first_sags: travel of the first step over the elastic sag.
+    Attributes
+    ----------
+    steps : int
+        Steps from rest to the whole travel.
+    first_sags : float
+        Travel of the first step over the elastic sag.
     """
 
     steps: int = STEPS
@@ -40,14 +45,38 @@ class PredictionSettings:
 class CoulombSolution:
     """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
 
-    value: reaction in N (N m for a rotation) or multiplier. interval: least and greatest value that the mechanism allows.
-    twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load. forces (C, 3): on b, N, global.
-    at_rest: reaction before the support moves, 0 for a live load. drift: relative change of the value over the last step.
-    dilatancy_residual: work of the dilation that is left, sum of n |mu |slip| - s|, over the work put in by the weights that settle
-    and by a support that has to be pulled, or the live load, in the last step. strain_residual: the same work over the elastic
-    energy of the joints.
-    equilibrium_residual, cone_violation: over the mean free-block weight. iterations: associated programmes solved. steps: from rest
-    to the plateau as asked for, twice as many where the iteration did not converge in these; 0 without a value.
+    Attributes
+    ----------
+    status : Status
+        SOLVED where the last step converged to a plateau and all residuals are small enough.
+    value : float
+        Reaction (N; N m for a rotation) or multiplier on the plateau.
+    interval : tuple of float
+        Least and greatest value that the mechanism allows over all histories of friction.
+    twists : (B, 6) array
+        Mechanism for the support's unit motion, or for unit power of the unit live load.
+    forces : (C, 3) array
+        Contact forces on block b on the plateau, N, global axes.
+    at_rest : float
+        Reaction before the support moves; 0 for a live load.
+    drift : float
+        Relative change of the value over the last step.
+    dilatancy_residual : float
+        Work of the remaining spurious dilation, sum of n |mu |slip| - s|, over the work put in during the last step
+        by the sinking weights and by a support that has to be pulled, or by the live load.
+    strain_residual : float
+        The same work of dilation over the elastic energy of the joints.
+    equilibrium_residual : float
+        Largest unbalanced force on a free block over the mean free-block weight.
+    cone_violation : float
+        Largest tension or excess of |t| over mu n, over the mean free-block weight.
+    seconds : float
+        Time in the solver.
+    iterations : int
+        Associated programmes solved.
+    steps : int
+        Requested steps from rest to the plateau. Where the iteration did not converge, twice as many were tried. 0
+        where no steps were taken.
     """
 
     status: Status
@@ -73,9 +102,20 @@ def predict(
     wedging: float = 0.0,
     settings: PredictionSettings | None = None,
 ) -> CoulombSolution:
-    """Follow the structure from rest to its plateau; where the associated answer has no value, neither has this.
+    """Follow the structure from rest to its plateau and return the state there.
 
-    wedging: m or rad, a motion of the support against its settlement before gravity acts.
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its support motion or live load.
+    stiffness : JointStiffness
+        Stiffness of the joints, and the travel.
+    associated : Solution
+        Associated answer of the same assembly; without a value the prediction has none either, and the same status.
+    wedging : float
+        Motion of the support against its settlement before gravity acts, m or rad.
+    settings : PredictionSettings, optional
+        Number and first length of the steps. Where the iteration does not converge, twice as many steps are tried.
     """
     settings = settings or PredictionSettings()
     if associated.status is not Status.SOLVED:
@@ -100,7 +140,10 @@ def predict(
 
 
 def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:
-    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest."""
+    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest.
+
+    wedging: motion of the support against its settlement before gravity acts, m or rad.
+    """
     joints = ElasticJoints(assembly, stiffness)
     step = next(follow(joints, np.zeros(0), stiffness, wedging))
     return value_of(joints, step) if step.trial.solved else float("nan")
@@ -109,13 +152,31 @@ def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: flo
 def follow(
     joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0, most_solves: int | None = None
 ) -> Iterator[Step]:
-    """Rest under gravity, then one step to each of the `stations` (rising, over the travel); ends early where a step fails.
+    """Take the step to rest under gravity, then one step to each station; end early after a step without an answer.
 
-    The shift of a step is foretold by that of the one before, as if the mechanism went on.
+    The first shift of a step extrapolates the shift of the previous step, as if the mechanism continued.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    stations : (N,) array
+        Ends of the steps in rising order: motion of the support, or displacement along the live load, over the travel.
+    stiffness : JointStiffness
+        Stiffness of the joints; its travel is the unit of the stations.
+    wedging : float
+        Motion of the support against its settlement before gravity acts, m or rad.
+    most_solves : int, optional
+        Largest number of associated programmes in a step.
+
+    Yields
+    ------
+    Step
+        State at rest, then at each station. The last step has to meet stricter residuals, see `advance`.
     """
     wedged = -wedging / stiffness.travel
-    nothing = np.zeros(len(joints.assembly.points))
-    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, nothing, most_solves=most_solves)
+    no_shift = np.zeros(len(joints.assembly.points))
+    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, no_shift, most_solves=most_solves)
     yield step
     start = joints.live_displacement(step.trial.blocks)
     rate = np.zeros_like(step.shift)
@@ -173,9 +234,23 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
 
 
 def without_sliding(assembly: Assembly, associated: Solution, seconds: float, solves: int) -> CoulombSolution:
-    """The associated answer as Coulomb's, where no joint slides: nothing dilates, and its mechanism leaves the value no interval.
+    """Return the associated answer as Coulomb's where no joint slides: nothing dilates, and the interval is the value.
 
-    seconds, solves: of the look for sliding. The value at rest is not known: nobody needs it.
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    associated : Solution
+        Its associated answer.
+    seconds : float
+        Solver time of the search for sliding.
+    solves : int
+        Associated programmes of that search.
+
+    Returns
+    -------
+    CoulombSolution
+        The value at rest, the drift and the strain residual are NaN, because no steps were taken.
     """
     if associated.status is not Status.SOLVED:
         return _without_value(assembly, associated.status)

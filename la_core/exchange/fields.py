@@ -1,4 +1,4 @@
-"""The HDF5 files between the two methods: one schema table writes, reads, checks and documents them.
+"""Schema of the HDF5 files between the two methods; one table writes, reads, checks and documents them.
 
 `case.h5` carries the assembly and its limit analysis to YADE; `run.h5` carries YADE's record back.
 This module runs in both interpreters: standard library, numpy >= 1.24 and h5py >= 3.7 only.
@@ -15,10 +15,24 @@ FREE, FIXED, SUPPORT = 0, 1, 2
 
 @dataclass(frozen=True)
 class Field:
-    """One dataset: where it lies, what it holds. `shape` names dimensions by letters; equal letters are equal sizes."""
+    """One dataset of a file.
+
+    Attributes
+    ----------
+    path : str
+        Path in the file.
+    dtype : str
+        "f8", "i8", "u1" or "str".
+    shape : tuple of str and int
+        Size of each dimension, or a letter for it; equal letters are equal sizes. () is a scalar.
+    unit : str
+        SI unit; "" for none.
+    meaning : str
+        Meaning of the values.
+    """
 
     path: str
-    dtype: str  # "f8", "i8", "u1" or "str"
+    dtype: str
     shape: tuple[str | int, ...]
     unit: str
     meaning: str
@@ -102,19 +116,19 @@ PATH_FIELDS = (
 
 
 def solution_fields(group: str) -> tuple[Field, ...]:
-    """Fields of one associated solution below `limit_analysis/<group>`; its contact points may be its own."""
+    """Fields of one associated solution below `limit_analysis/<group>`; its number of contact points is independent."""
     return _below(group, _SOLUTION)
 
 
 def coulomb_fields(group: str) -> tuple[Field, ...]:
-    """Fields of one Coulomb solution below `limit_analysis/<group>`; its contact points may be its own."""
+    """Fields of one Coulomb solution below `limit_analysis/<group>`; its number of contact points is independent."""
     return _below(group, _COULOMB)
 
 
 def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, str], ...]) -> tuple[Field, ...]:
-    own = {"C": f"C of {group}", "K": f"K of {group}"}
+    dimensions = {"C": f"C of {group}", "K": f"K of {group}"}
     return tuple(
-        Field(f"limit_analysis/{group}/{name}", dtype, tuple(own.get(str(n), n) for n in shape), unit, meaning)
+        Field(f"limit_analysis/{group}/{name}", dtype, tuple(dimensions.get(str(n), n) for n in shape), unit, meaning)
         for name, dtype, shape, unit, meaning in rows
     )
 

@@ -1,4 +1,4 @@
-"""Write, read and check HDF5 files by the fields of a schema; whatever is wrong with a file is an ExchangeError."""
+"""Write, read and check HDF5 files by the fields of a schema; every fault of a file is an ExchangeError."""
 
 import contextlib
 import io
@@ -14,7 +14,24 @@ from la_core.exchange.fields import Field
 
 
 def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
-    """Write `values` (one per field path); `inputs` is the digest of what made them. The file is whole or what was there before."""
+    """Write a file; a crash leaves the previous one.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    fields : tuple of Field
+        Schema of the file.
+    values : mapping
+        Value of each field, by its path.
+    inputs : str
+        Digest of the inputs that made the values.
+
+    Raises
+    ------
+    ExchangeError
+        A field has no value.
+    """
     missing = [field.path for field in fields if field.path not in values]
     if missing:
         raise ExchangeError(f"{path}: not written: no value for {', '.join(missing)}")
@@ -30,7 +47,7 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
 
 
 def _stored(field: Field, value: Any) -> np.ndarray:
-    """A value as it lies in the file; texts as UTF-8 of fixed length, for a damaged heap of texts can catch HDF5 in an endless loop."""
+    """A value as stored; texts are UTF-8 of fixed length, because a damaged heap of texts can trap HDF5 in an endless loop."""
     if field.dtype != "str":
         return np.asarray(value, dtype=field.dtype)
     texts = np.char.encode(np.asarray(value, dtype=str), "utf-8")
@@ -38,7 +55,7 @@ def _stored(field: Field, value: Any) -> np.ndarray:
 
 
 def inputs_digest(path: Path) -> str:
-    """Digest of the inputs that made `path`, or "" when there is no whole file of this version."""
+    """Digest of the inputs that made `path`, or "" where there is no whole file of this version."""
     try:
         with _opened(path) as file:
             return bytes(file.attrs["inputs"]).decode()
@@ -56,7 +73,10 @@ def holds(path: Path, group: str) -> bool:
 
 
 def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
-    """Read and check every field: present, of its kind, of its shape. Strings come as `str`, arrays as numpy."""
+    """Read and check every field; return the values by path, texts as `str` and arrays as numpy.
+
+    Raises ExchangeError for a field that is missing or has another type or shape than the schema.
+    """
     with _opened(path) as file:
         sizes: dict[str, int] = {}
         return {field.path: _checked(path, file, field, sizes) for field in fields}
@@ -64,7 +84,7 @@ def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """The HDF5 file of a content whose seal holds; whatever HDF5 stumbles over in it is an ExchangeError."""
+    """Open the HDF5 file at `path`; a broken seal, and every error of HDF5, is an ExchangeError."""
     content = read_sealed(path)
     try:
         with h5py.File(h5py.h5f.open_file_image(content)) as file:
@@ -72,16 +92,17 @@ def _opened(path: Path) -> Iterator[Any]:
     except ExchangeError:
         raise
     except Exception as error:
-        raise ExchangeError(f"{path}: not HDF5 as this program writes it ({type(error).__name__}: {error}); run it again") from error
+        raise ExchangeError(f"{path}: not an HDF5 file of this program ({type(error).__name__}: {error}); run it again") from error
 
 
 @contextlib.contextmanager
 def values_of(path: Path) -> Iterator[None]:
-    """Whatever Python stumbles over in the values of a file is an ExchangeError."""
+    """Turn every error of Python about the values of a file into an ExchangeError."""
     try:
         yield
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
-        raise ExchangeError(f"{path}: a value is none that this program writes ({type(error).__name__}: {error}); run it again") from error
+        fault = f"invalid value ({type(error).__name__}: {error}), the file is damaged"
+        raise ExchangeError(f"{path}: {fault}; run it again") from error
 
 
 def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
@@ -89,7 +110,7 @@ def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
     if dataset is None:
         raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
     if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
-        raise ExchangeError(f"{path}: {field.path} is not stored as it is, in one piece in this file; run it again")
+        raise ExchangeError(f"{path}: {field.path} is not stored as plain data in one piece; run it again")
     text_type = h5py.check_string_dtype(dataset.dtype)
     is_text = text_type is not None and text_type.length is not None
     if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
@@ -104,7 +125,7 @@ def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
 
 
 def _own_dataset(file: Any, path: str) -> Any:
-    """The dataset at a path, None where there is none; links are not followed, for they may lead to other files."""
+    """The dataset at a path, or None; links are not followed, because they may lead to other files."""
     place = file
     for step in path.split("/"):
         if not isinstance(place, h5py.Group) or not isinstance(place.get(step, getlink=True), h5py.HardLink):

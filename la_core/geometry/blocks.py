@@ -13,10 +13,36 @@ ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
 
 @dataclass(frozen=True)
 class Blocks:
-    """All blocks of a structure as flat arrays (see `la_core.exchange` for the layout); SI units.
+    """All B blocks of a structure as flat arrays (see `la_core.exchange` for the layout); SI units.
 
-    names B; role (B,); density (B,) NaN where a held block has none; vertices (V, 3); vertex_start (B+1,);
-    face_vertex (L,); face_start (F+1,); face_block (F,); face_normal (F, 3) outward; face_offset (F,): normal . x = offset.
+    Attributes
+    ----------
+    names : tuple of str
+        Unique name of each block.
+    role : (B,) array of int
+        FREE, FIXED or SUPPORT.
+    density : (B,) array
+        Density, kg/m3; NaN for a held block without one.
+    vertices : (V, 3) array
+        Vertices of all blocks, block after block, m.
+    vertex_start : (B + 1,) array of int
+        Block i has vertices[vertex_start[i]:vertex_start[i + 1]].
+    face_vertex : (L,) array of int
+        Face loops: rows of `vertices`, counter-clockwise seen from outside.
+    face_start : (F + 1,) array of int
+        Face j has face_vertex[face_start[j]:face_start[j + 1]].
+    face_block : (F,) array of int
+        Block of each face.
+    face_normal : (F, 3) array
+        Outward unit normal of each face.
+    face_offset : (F,) array
+        Offset of each face plane, normal . x = offset, m.
+    volume : (B,) array
+        Volume, m3.
+    centroid : (B, 3) array
+        Centroid, m.
+    inertia : (B, 3, 3) array
+        Inertia about the centroid, global axes, kg m2; NaN for a held block without density.
     """
 
     names: tuple[str, ...]
@@ -35,7 +61,19 @@ class Blocks:
 
     @classmethod
     def gather(cls, names: Sequence[str], roles: Sequence[str], densities: Sequence[float], shapes: Sequence[Shape]) -> "Blocks":
-        """Concatenate shapes and derive face planes, volume (B,), centroid (B, 3) and inertia (B, 3, 3) at the centroid."""
+        """Gather single shapes into flat arrays, with their face planes and mass properties.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Unique name of each of the B blocks.
+        roles : sequence of str
+            Role of each block: "free", "fixed" or "support".
+        densities : sequence of float
+            Density of each block, kg/m3; NaN for a held block without one.
+        shapes : sequence of Shape
+            Convex shape of each block.
+        """
         vertices = np.concatenate([shape.vertices for shape in shapes])
         vertex_start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])])
         loops = [np.array(face) + start for shape, start in zip(shapes, vertex_start, strict=False) for face in shape.faces]
@@ -56,12 +94,12 @@ class Blocks:
 
     @property
     def free(self) -> np.ndarray:
-        """Mask (B,) of the blocks that may move freely."""
+        """Mask (B,) of the free blocks."""
         return self.role == FREE
 
     @property
     def mass(self) -> np.ndarray:
-        """Masses (B,) in kg; NaN for a held block without density."""
+        """Mass (B,), kg; NaN for a held block without density."""
         return self.density * self.volume
 
     @property
@@ -97,7 +135,10 @@ def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.n
 def _mass_properties(
     vertices: np.ndarray, vertex_start: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray, face_block: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Volume, centroid and inertia at unit density, by tetrahedra from each block's first vertex to its faces' triangles."""
+    """Volume (B,), centroid (B, 3) and inertia (B, 3, 3) about the centroid at unit density.
+
+    A tetrahedron joins the first vertex of each block to every triangle of its faces.
+    """
     count = len(vertex_start) - 1
     corners, face = _triangles(face_vertex, face_start)
     block = face_block[face]

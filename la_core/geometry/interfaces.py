@@ -1,6 +1,7 @@
 """Interfaces between convex blocks and the contact points at their vertices.
 
-Two blocks share an interface where two of their faces are opposite and coplanar and overlap; convex blocks share at most one.
+Two blocks share an interface where two of their faces are opposite and coplanar and overlap; convex blocks share at
+most one.
 """
 
 import itertools
@@ -15,13 +16,27 @@ from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, polygons_of, true_corners
 
-TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom carry more digits
-OPPOSITE = 1e-3  # rad: candidate faces; whether they touch is then decided by distance, all over the overlap
+TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
+OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
 @dataclass(frozen=True)
 class Interfaces:
-    """block_a < block_b (I,), unit normal from a to b (I, 3), area (I,) in m2 and overlap polygons (Q, 3), polygon_start (I+1,)."""
+    """The I interfaces of a structure as flat arrays.
+
+    Attributes
+    ----------
+    block_a, block_b : (I,) arrays of int
+        Blocks on both sides, block_a < block_b.
+    normal : (I, 3) array
+        Unit normal from block a to block b.
+    area : (I,) array
+        Area of the overlap of the two faces, m2.
+    polygon : (Q, 3) array
+        Corners of the overlaps, interface after interface, m.
+    polygon_start : (I + 1,) array of int
+        Interface i has polygon[polygon_start[i]:polygon_start[i + 1]].
+    """
 
     block_a: np.ndarray
     block_b: np.ndarray
@@ -35,9 +50,9 @@ class Interfaces:
 
 
 def find_interfaces(blocks: Blocks) -> Interfaces:
-    """All interfaces in which a free block takes part.
+    """Find all interfaces that have a free block on at least one side.
 
-    Raises SceneError for blocks that overlap and for blocks that touch nothing, by name.
+    Raises SceneError, with the blocks' names, for blocks that overlap and for blocks that touch no other block.
     """
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)
     pairs = near_pairs(blocks, TOUCH * size)
@@ -60,29 +75,34 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
 
 
 def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2), a < b, whose bounding boxes touch, each enlarged by its block's margin (B,), m.
+    """Pairs (P, 2) of blocks, a < b, whose bounding boxes touch when each is enlarged by its block's margin (B,), m.
 
-    Blocks are sorted into classes of size, each a factor of two wide, with a tree of centres each: a few large blocks, such as
-    a foundation, then do not make every small one a neighbour, and the search grows as N log N.
+    Blocks are sorted into classes of size, each a factor of two wide, and each class has its own tree of centres. A
+    few large blocks, such as a foundation, then do not make every small block a neighbour, and the search grows as N
+    log N.
     """
     low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
     centre, radius = (low + high) / 2.0, np.linalg.norm(high - low, axis=1) / 2.0
     octave = np.floor(np.log2(radius))
-    classes = [np.flatnonzero(octave == one) for one in np.unique(octave)]
+    classes = [np.flatnonzero(octave == size) for size in np.unique(octave)]
     trees = [cKDTree(centre[members]) for members in classes]
-    found = []
+    pairs_by_class = []
     for i, j in itertools.combinations_with_replacement(range(len(classes)), 2):
         distance = radius[classes[i]].max() + radius[classes[j]].max()
         near = trees[i].sparse_distance_matrix(trees[j], distance, output_type="ndarray")
         a, b = classes[i][near["i"]], classes[j][near["j"]]
         meet = np.all((low[a] <= high[b]) & (low[b] <= high[a]), axis=1) & ((i != j) | (a < b))
-        found.append(np.sort(np.stack([a[meet], b[meet]], axis=1), axis=1))
-    pairs = np.concatenate(found)
+        pairs_by_class.append(np.sort(np.stack([a[meet], b[meet]], axis=1), axis=1))
+    pairs = np.concatenate(pairs_by_class)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    """Separating faces decide almost every pair; for the few left, a linear programme seeks the largest ball in both blocks."""
+    """Raise SceneError for a pair (P, 2) of blocks that overlap by more than its tolerance (P,), m.
+
+    Separating faces decide almost every pair. For the others a linear programme finds the largest ball within both
+    blocks.
+    """
     apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
     for (a, b), limit in zip(pairs[~apart], tolerance[~apart], strict=True):
         faces = np.isin(blocks.face_block, (a, b))
@@ -96,7 +116,10 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
 
 
 def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
-    """Largest distance (P,), m, of the whole second block of each pair (P, 2) from a face of the first, positive outside."""
+    """Largest distance (P,), m, of the second block of each pair (P, 2) from a face plane of the first, positive outside.
+
+    The distance is negative where no face plane separates the blocks.
+    """
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     first, second = pairs.T
     pair, place = group_members(np.diff(face_start)[first])
@@ -114,7 +137,7 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
 def _opposite_faces(
     blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Candidate face pairs: the pair they belong to, the face of its first and of its second block."""
+    """Candidate face pairs: the pair of blocks they belong to, the face of its first block and of its second block."""
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     counts = np.diff(face_start)
     pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
@@ -133,7 +156,11 @@ def _opposite_faces(
 def _overlap_polygons(
     blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Overlaps in the plane of face a: indices of the candidates that touch, their polygons' vertices (Q, 3) and owner (Q,)."""
+    """Overlaps of face pairs in the plane of face a.
+
+    Returns the indices of the candidates that touch, the corners (Q, 3) of their overlaps, and the overlap of each
+    corner (Q,).
+    """
     first, second = plane_axes(blocks.face_normal[face_a])
     origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]
 

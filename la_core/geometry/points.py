@@ -13,7 +13,17 @@ from la_core.geometry.polygons import plane_axes, polygons_of, true_corners
 
 @dataclass(frozen=True)
 class ContactPoints:
-    """interface of each point (C,), position (C, 3) in m, friction coefficient (C,)."""
+    """The C contact points of a structure as flat arrays.
+
+    Attributes
+    ----------
+    interface : (C,) array of int
+        Interface of each point.
+    position : (C, 3) array
+        Position, m.
+    friction : (C,) array
+        Friction coefficient, tan(phi).
+    """
 
     interface: np.ndarray
     position: np.ndarray
@@ -23,14 +33,31 @@ class ContactPoints:
         return len(self.interface)
 
     def subset(self, kept: np.ndarray) -> "ContactPoints":
-        """The points of a mask (C,) alone."""
+        """The points in a mask (C,)."""
         return ContactPoints(self.interface[kept], self.position[kept], self.friction[kept])
 
 
 def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inset: float, plane: bool) -> ContactPoints:
-    """Contact points at the corners of each interface, drawn in from its edges by `inset` (m): two in a plane scene.
+    """Lay contact points at the corners of each interface.
 
-    Raises SceneError when an interface is too small for the inset.
+    Parameters
+    ----------
+    blocks : Blocks
+        Blocks, for the names in messages.
+    interfaces : Interfaces
+        Interfaces of the blocks.
+    friction : float
+        Friction coefficient of every point, tan(phi).
+    inset : float
+        Distance of the points from the edges of their interface, m; 0 puts them on its corners.
+    plane : bool
+        True for two points at mid depth per interface, at its ends in the xz plane; False for one point at every
+        corner.
+
+    Raises
+    ------
+    SceneError
+        An interface is too small for the inset.
     """
     position, interface = (_plane_points if plane else _solid_points)(blocks, interfaces, inset)
     return ContactPoints(interface, position, np.full(len(interface), friction))

@@ -5,14 +5,16 @@ import shapely
 
 
 def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For groups of the given sizes: the group of each member and its place within the group."""
+    """Group of each member, and its place within the group, for groups of the sizes `counts` (N,) laid end to end."""
     group = np.repeat(np.arange(len(counts)), counts)
     return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def plane_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit tangents (N, 3) each, right-handed with the unit normals (N, 3); the first is horizontal in the xz plane
-    for normals in that plane."""
+    """Two unit tangents, (N, 3) each, that are right-handed with the unit normals (N, 3).
+
+    For a normal in the xz plane the first tangent lies in that plane and the second along y.
+    """
     seed = np.where(np.abs(normal[:, 1:2]) < 0.9, np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 1.0]]))
     first = np.cross(seed, normal)
     first /= np.linalg.norm(first, axis=1)[:, None]
@@ -20,8 +22,8 @@ def plane_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Polygons (N,) from their corners (Q, 2), polygon after polygon, `counts` (N,) of them each."""
-    row, place = group_members(counts + 1)  # shapely wants the first corner again at the end
+    """Polygons (N,) from their corners `flat` (Q, 2), polygon after polygon, with `counts` (N,) corners each."""
+    row, place = group_members(counts + 1)  # shapely repeats the first corner at the end
     start = np.cumsum(counts) - counts
     closed = flat[start[row] + place % counts[row]]
     rings = np.concatenate([[0], np.cumsum(counts + 1)])
@@ -29,7 +31,10 @@ def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
 
 
 def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """True corners (Q, 2) of convex polygons and the polygon of each: vertices on a straight edge or doubled are dropped."""
+    """True corners (Q, 2) of convex polygons (N,), and the polygon (Q,) of each corner.
+
+    Repeated vertices, and vertices on a straight edge, are dropped; `tolerance` (N,) is a distance in m.
+    """
     flat, owner = shapely.get_coordinates(polygons, return_index=True)
     closing = np.append(owner[1:] != owner[:-1], True) if len(owner) else np.zeros(0, dtype=bool)
     flat, owner = flat[~closing], owner[~closing]
@@ -51,7 +56,19 @@ def _ring_neighbours(owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def polygon_areas(corners: np.ndarray, ring: np.ndarray, start: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Areas (I,) of plane polygons in space, by the shoelace formula about their first corner."""
+    """Areas (I,) of plane polygons in space, m2, by the shoelace formula about their first corner.
+
+    Parameters
+    ----------
+    corners : (Q, 3) array
+        Corners, polygon after polygon, m.
+    ring : (Q,) array of int
+        Polygon of each corner.
+    start : (I + 1,) array of int
+        Polygon i has corners[start[i]:start[i + 1]].
+    normal : (I, 3) array
+        Unit normal of each polygon.
+    """
     arm = corners - corners[start[ring]]
     last = start[1:][ring] - 1
     following = np.where(np.arange(len(ring)) == last, start[ring], np.arange(len(ring)) + 1)

@@ -1,4 +1,4 @@
-"""Convex blocks: from the shapes of a scene to flat arrays of vertices and faces, and their mass properties."""
+"""Convex shapes of single blocks: boxes, prisms, lofts and polyhedra as vertices and faces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,21 @@ import scipy.spatial
 from la_core.errors import SceneError
 
 FLATNESS = 1e-9  # of the block's size: vertices closer than this to a line lie on it
-ROUND_OFF = 1e-12  # of the distance from the origin: a block thinner than this keeps four digits of its thickness
-FACE_FLATNESS = 1e-4  # of the size: corners closer than this to a plane lie on it; typed ones are seldom exact, faces must not split
+ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
+FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
 @dataclass(frozen=True)
 class Shape:
-    """One convex polyhedron: vertices (n, 3) in m, faces as loops counter-clockwise seen from outside."""
+    """One convex polyhedron.
+
+    Attributes
+    ----------
+    vertices : (n, 3) array
+        Vertices, m.
+    faces : tuple of tuples of int
+        Loop of vertices of each face, counter-clockwise seen from outside.
+    """
 
     vertices: np.ndarray
     faces: tuple[tuple[int, ...], ...]
@@ -34,9 +42,10 @@ def _extruded(points: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
 
 
 def loft(front: np.ndarray, back: np.ndarray) -> Shape:
-    """Body between two plane loops (n, 3) of corners in m, `front` counter-clockwise seen from outside, `back` corner by corner.
+    """Body between two plane loops of n corners each, `front` and `back` (n, 3), m.
 
-    The caller sees to it that the faces between them are plane and the body convex.
+    `front` is counter-clockwise seen from outside; an edge joins each of its corners to the same corner of `back`.
+    The caller guarantees that the faces between the loops are plane and that the body is convex.
     """
     n = len(front)
     sides = tuple(((i + 1) % n, i, n + i, n + (i + 1) % n) for i in range(n))
@@ -82,7 +91,7 @@ def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:
         raise ValueError("the polyhedron has no volume") from error
     edges = hull.points[hull.simplices[:, 1:]] - hull.points[hull.simplices[:, :1]]
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-    faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face knows its plane best
+    faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face gives its plane best
     while remaining:
         plane = hull.equations[remaining[0]]
         distance = np.abs(hull.points[hull.vertices] @ plane[:3] + plane[3])
@@ -104,7 +113,7 @@ def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tup
 
 
 def refuse_slivers(names: Sequence[str], shapes: Sequence[Shape]) -> None:
-    """Raises SceneError for a block so thin that round-off decides where its faces are."""
+    """Raise SceneError for a block so thin that round-off decides the positions of its faces."""
     vertices = np.concatenate([shape.vertices for shape in shapes])
     start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])[:-1]])
     low, high = np.minimum.reduceat(vertices, start), np.maximum.reduceat(vertices, start)

@@ -1,9 +1,9 @@
 """Limit analysis with associated friction: bounds of the reaction, or the multiplier of a live load, and the mechanism.
 
-Kinematic form: the unknowns are the twists of the free blocks; the relative velocity u at every contact point obeys the
-associated flow rule u_n >= mu |u_t| (dual of Coulomb's cone |t| <= mu n); the contact forces are the multipliers.
-With K* the cone of the flow rule, w the weights and d the support's unit motion, virtual power gives for every equilibrium
-with forces in the cones and every such velocity
+Kinematic form: the unknowns are the twists of the free blocks; the relative velocity u at every contact point obeys
+the associated flow rule u_n >= mu |u_t| (dual of Coulomb's cone |t| <= mu n); the contact forces are the multipliers.
+Let w be the weights and d the support's unit motion. Virtual power bounds the reaction R, or the multiplier lambda,
+of every equilibrium with forces in the cones by the power of every such velocity v:
     settlement, support yields (d):          R      >=  w . v    so  R_min  = max   w . v
     settlement, support pushes back (-d):    R      <= -w . v    so  R_max  = min  -w . v
     live load l, with l . v = 1:             lambda <= -w . v    so  lambda = min  -w . v
@@ -22,11 +22,11 @@ from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem,
 from la_core.measures import residuals
 from la_core.model import Assembly, global_forces, support_motion, twists_of
 
-SHARE_ASKED = 0.25  # of ACCEPTED, asked of a quick solve: the solver's tests are close to the recomputed ones, not the same
-REFINED_SHARE = 0.1  # of that, asked of a refined solve
+SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
+REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
-FALLING_SHARE = 1e-3  # of the fastest falling block: blocks with at least this fall in a certificate
-HEAD_SCALE = 10.0  # of the rows of joints along gravity, against 1 for joints that it presses straight on
+FALLING_SHARE = 1e-3  # of the fastest falling block: blocks at least this fast count as falling in a certificate
+HEAD_SCALE = 10.0  # scale of the rows of joints parallel to gravity; joints perpendicular to it have 1
 LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
@@ -44,11 +44,31 @@ class Status(enum.StrEnum):
 class Solution:
     """Answer of one limit analysis with its recomputed evidence. Undefined numbers are NaN.
 
-    value: reaction in N (N m for a rotation) or multiplier. twists (B, 6): mechanism for the support's unit motion, or for
-    unit power of the unit live load. forces (C, 3): contact forces on b in N, global axes.
-    Residuals (equilibrium_residual, cone_violation, duality_gap) are relative to the mean free-block weight;
-    mechanism_violation is the flow rule's, relative to the largest speed of a block.
-    falling: names of blocks that fall when the status is INFEASIBLE.
+    Attributes
+    ----------
+    status : Status
+        Outcome; the other values are defined only for SOLVED and INACCURATE, unless stated otherwise.
+    value : float
+        Reaction (N; N m for a rotation) or multiplier.
+    twists : (B, 6) array
+        Mechanism for the support's unit motion, or for unit power of the unit live load.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    equilibrium_residual : float
+        Largest unbalanced force on a free block over the mean free-block weight.
+    cone_violation : float
+        Largest tension or excess of |t| over mu n, over the mean free-block weight.
+    mechanism_violation : float
+        Largest violation of the flow rule over the largest speed of a block.
+    duality_gap : float
+        Difference between the values from forces and from work, over the mean free-block weight (a multiplier: as it
+        is).
+    seconds : float
+        Time in the solver, all attempts; always defined.
+    iterations : int
+        Solver iterations, all attempts; always defined.
+    falling : tuple of str
+        Names of the blocks that fall, where the status is INFEASIBLE.
     """
 
     status: Status
@@ -65,26 +85,43 @@ class Solution:
 
 
 def solve_associated(assembly: Assembly, drive: Drive, problem: ScaledProblem | None = None, accuracy: float = ACCEPTED) -> Solution:
-    """Solve one limit analysis; never raises for a structure that cannot stand, the status says so.
+    """Solve one limit analysis. A structure that cannot stand raises no error: its status is INFEASIBLE.
 
-    A quick solve comes first; an answer that the evidence does not confirm calls for the next of the ATTEMPTS. problem:
-    `scaled_problem(assembly)`, for callers with several drives. accuracy: residual up to which an answer is called solved, and for
-    which the solver works.
+    A quick attempt comes first. Where the residuals do not confirm its answer, the next of the ATTEMPTS follows.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its weights, and its support motion or live load.
+    drive : Drive
+        Bound to compute.
+    problem : ScaledProblem, optional
+        `scaled_problem(assembly)`, for callers that solve several drives.
+    accuracy : float
+        Largest residual of an answer called SOLVED; the solver's tolerance is derived from it.
+
+    Returns
+    -------
+    Solution
+        The accepted attempt, or the one with the smallest residuals; seconds and iterations are those of all attempts.
     """
     problem = problem or scaled_problem(assembly)
-    tried: list[Solution] = []
+    attempts: list[Solution] = []
     for equilibrate, refine in ATTEMPTS:
-        tried.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine))
-        status = tried[-1].status
+        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine))
+        status = attempts[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
-    best = min(tried, key=_worst_residual) if tried[-1].status in (Status.INACCURATE, Status.FAILED) else tried[-1]
-    return replace(best, seconds=sum(one.seconds for one in tried), iterations=sum(one.iterations for one in tried))
+    last = attempts[-1]
+    best = min(attempts, key=_worst_residual) if last.status in (Status.INACCURATE, Status.FAILED) else last
+    seconds, iterations = sum(attempt.seconds for attempt in attempts), sum(attempt.iterations for attempt in attempts)
+    return replace(best, seconds=seconds, iterations=iterations)
 
 
 def _worst_residual(solution: Solution) -> float:
-    each = (solution.equilibrium_residual, solution.cone_violation, solution.mechanism_violation, solution.duality_gap)
-    return float(np.nan_to_num(np.max(each), nan=np.inf))
+    of_forces = (solution.equilibrium_residual, solution.cone_violation)
+    of_mechanism = (solution.mechanism_violation, solution.duality_gap)
+    return float(np.nan_to_num(np.max(of_forces + of_mechanism), nan=np.inf))
 
 
 def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy: float, equilibrate: bool, refine: bool) -> Solution:
@@ -109,10 +146,10 @@ def _attempt(assembly: Assembly, problem: ScaledProblem, drive: Drive, accuracy:
 
 
 def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> np.ndarray:
-    """Scale (count,) of the rows, the last of them those of the contact points, alike at each point, which leaves cones as they are.
+    """Scale (count,) of the rows; the rows of the contact points come last.
 
-    The solver starts from forces and velocities of one size in all rows; with those of head joints scaled up it takes a tenth to a
-    fifth fewer iterations.
+    Equal scales at a point do not change its cone. The solver starts from forces and velocities of one size in all
+    rows. Larger scales at head joints save a tenth to a fifth of its iterations.
     """
     gravity = assembly.dead_load[:, :3].sum(axis=0)
     pressed = np.abs(assembly.normal @ gravity) / np.linalg.norm(gravity)
@@ -123,16 +160,29 @@ def _starting_scale(assembly: Assembly, problem: ScaledProblem, count: int) -> n
 
 
 def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, falling: tuple[str, ...] = ()) -> Solution:
-    """Solution of which only the status, the cost and the falling blocks are known."""
+    """Solution without a value: its status, its cost and the blocks that fall; all numbers are NaN.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure, which gives the shapes of the arrays.
+    status : Status
+        Reason for the missing value.
+    answer : ProgrammeAnswer
+        Answer of the solver, for its seconds and iterations.
+    falling : tuple of str
+        Names of the blocks that fall.
+    """
     nan = float("nan")
     twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
 
 
 def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> Solution | None:
-    """The certificate, or None: an admissible motion with the supports at rest on which the weights do positive work.
+    """INFEASIBLE with the falling blocks, or None where the structure can stand.
 
-    Velocities are limited to one and the work is greatest, so that all that can fall does, wherever it stands.
+    The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
+    at most one and the work is the greatest possible, so that every block that can fall does fall.
     """
     rows, offset, cones = box_limits(problem)
     fall = optimum(problem.power, rows, offset, cones)
@@ -144,7 +194,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeA
 
 
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
-    """Names of the blocks that sink in a motion (B, 6) of order one; none where the weights do no positive work on it."""
+    """Names of the blocks that sink in a motion (B, 6) of order one; empty where the weights do no positive work."""
     power, weight = np.sum(assembly.dead_load * twists, axis=1), np.linalg.norm(assembly.dead_load[:, :3], axis=1)
     if not power.sum() > LEAST_FALL * assembly.weight:
         return ()
@@ -155,7 +205,23 @@ def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
 def solution_of(
     assembly: Assembly, problem: ScaledProblem, drive: Drive, driven: DrivenProblem, answer: ProgrammeAnswer, accuracy: float = ACCEPTED
 ) -> Solution:
-    """Forces, twists and their evidence from the solver's answer to the driven problem."""
+    """Turn the solver's answer into forces, twists and a value, with residuals recomputed from them.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure of the problem.
+    problem : ScaledProblem
+        Problem without drive, whose flow rule turns multipliers into contact forces.
+    drive : Drive
+        Drive of the problem.
+    driven : DrivenProblem
+        Problem that was solved.
+    answer : ProgrammeAnswer
+        Its velocities x and multipliers.
+    accuracy : float
+        Largest residual of an answer called SOLVED; otherwise it is INACCURATE.
+    """
     multipliers = answer.multipliers[-problem.rows.shape[0] :] / int(assembly.blocks.free.sum())
     forces = global_forces(assembly, problem.flow_rule.T @ multipliers)
     if assembly.effects.sliding_excluded:
@@ -166,7 +232,7 @@ def solution_of(
 def _with_evidence(
     assembly: Assembly, drive: Drive, twists: np.ndarray, forces: np.ndarray, answer: ProgrammeAnswer, accuracy: float
 ) -> Solution:
-    """Solution with residuals recomputed from its forces and twists; one residual above the accuracy makes it inaccurate."""
+    """Solution with residuals recomputed from forces and twists; a residual above the accuracy makes it INACCURATE."""
     from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     if drive is Drive.LIVE:
         value, from_forces, unit = from_work, residuals.multiplier(assembly, forces), 1.0
@@ -179,6 +245,6 @@ def _with_evidence(
         "mechanism_violation": residuals.flow_rule_violation(assembly, twists),
         "duality_gap": abs(from_forces - from_work) / unit,
     }
-    confirmed = max(recomputed.values()) <= accuracy  # whatever the solver says of itself
+    confirmed = max(recomputed.values()) <= accuracy  # the solver's own status does not count
     status = Status.SOLVED if confirmed else Status.INACCURATE
     return Solution(status, value, twists, forces, seconds=answer.seconds, iterations=answer.iterations, falling=(), **recomputed)

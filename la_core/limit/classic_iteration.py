@@ -1,12 +1,12 @@
 """The classic iteration for Coulomb friction without dilatancy: a fictitious cohesion from the last normal forces.
 
-At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, with N its normal force so far:
-at n = N it is Coulomb's limit plus c0, and its slope is nearly flat, so that a sliding joint hardly changes its opening.
-N follows the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one.
-Gilbert, Casapulla & Ahmed, Computers & Structures 84 (2006) 873; in 3D Portioli, Casapulla, Gilbert & Cascini, ibid. (2014).
-Nothing proves that it converges, nor that what it converges to is the only answer: it is here as the published reference method.
-A falling limit, however flat, rewards a sliding joint for pressing less. Where friction history would decide between several
-reactions of one mechanism, the iteration therefore tends to the end where sliding joints are pressed least.
+At every iteration the friction limit of a contact point is |t| <= c0 + (1 + a) mu N - a mu n, with N its normal force
+so far. At n = N the limit is Coulomb's plus c0. It is nearly flat, so that a sliding joint hardly opens. N follows
+the solutions with relaxation b: N <- b n + (1 - b) N. The first programme is the associated one. Gilbert, Casapulla &
+Ahmed, Computers & Structures 84 (2006) 873; in 3D Portioli, Casapulla, Gilbert & Cascini, ibid. (2014). Neither
+convergence nor uniqueness of the answer is proven; the method is included as the published reference. A limit that
+falls with n rewards a sliding joint for a smaller normal force. Where one mechanism allows several reactions, the
+iteration therefore tends to the end of the interval at which sliding joints carry the smallest normal forces.
 """
 
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from la_core.limit.static import StaticSolution, coulomb_limits, solve_static
 from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly
 
-LOADED = 1e-6  # of the mean block weight: a contact point with a larger normal force carries some
+LOADED = 1e-6  # of the mean block weight: a contact point with a larger normal force is loaded
 SLIDES = 1e-6  # of the fastest block's speed: a contact point with a larger sliding speed slides
 
 
@@ -27,10 +27,25 @@ SLIDES = 1e-6  # of the fastest block's speed: a contact point with a larger sli
 class ClassicParameters:
     """Parameters of the iteration.
 
-    relaxation: b, the papers' 0.6 damps the swing of forces between redundant contact points. slope: a, the share of mu at which
-    the limit falls with n; a larger one keeps N from running away and makes sliding joints close by a mu |u_t|. cohesion: c0 over
-    the mean block weight; lets a contact without force take some again. iterations: most programmes solved. tolerance: over the
-    mean block weight (the multiplier as it is), of the change of the value and of Coulomb's limit; c0 is part of its violation.
+    Attributes
+    ----------
+    relaxation : float
+        b, in (0, 1]; the papers' 0.6 damps the swing of forces between redundant contact points.
+    slope : float
+        a, at least 0: the limit falls with n by a mu. A larger slope keeps N bounded and makes sliding joints close
+        by a mu |u_t|.
+    cohesion : float
+        c0 over the mean block weight, below the tolerance; with it an unloaded contact point can take up force again.
+    iterations : int
+        Largest number of programmes.
+    tolerance : float
+        Largest change of the value and largest violation of Coulomb's limit in the answer, over the mean block weight
+        (a multiplier: as it is). The violation includes c0.
+
+    Raises
+    ------
+    ValueError
+        A parameter outside of its range.
     """
 
     relaxation: float = 0.6
@@ -41,22 +56,43 @@ class ClassicParameters:
 
     def __post_init__(self) -> None:
         if not (0.0 < self.relaxation <= 1.0 and self.slope >= 0.0 and self.iterations >= 1):
-            raise ValueError(f"relaxation in (0, 1], slope from 0 and iterations from 1 are needed, not {self}")
+            raise ValueError(f"relaxation must be in (0, 1], slope at least 0 and iterations at least 1, not {self}")
         if not 0.0 <= self.cohesion < self.tolerance:
-            raise ValueError(f"the cohesion {self.cohesion} must be below the tolerance {self.tolerance}, for it counts as violation")
+            raise ValueError(f"cohesion must be from 0 to below the tolerance {self.tolerance}, not {self.cohesion}")
 
 
 @dataclass(frozen=True)
 class ClassicSolution:
-    """Where the iteration ended, with recomputed evidence. Undefined numbers are NaN.
+    """Last state of the iteration with recomputed evidence. Undefined numbers are NaN.
 
-    status: SOLVED when it converged, INACCURATE when it did not within the limit, INFEASIBLE when programme number `iterations`
-    had no equilibrium, FAILED when it had no usable answer; then value, forces and twists are NaN.
-    value: reaction in N (N m) or multiplier. forces (C, 3) in N. twists (B, 6): for the support's unit motion or unit live power.
-    values, violations (programmes with a value,): the history of the value, and of the excess of |t| over mu n, or tension, over
-    the mean block weight; the last ones are the answer's.
-    dilation: sum of n max(u_n, 0) over loaded sliding points, over the power that the weights exchange, sum of |w . v|.
-    penetration: largest speed at which blocks penetrate over the fastest block's. seconds: inside the solver, all programmes.
+    Attributes
+    ----------
+    status : Status
+        SOLVED: converged. INACCURATE: not converged within the limit of iterations. INFEASIBLE: programme number
+        `iterations` had no equilibrium. FAILED: that programme had no usable answer. The last two have no value,
+        forces or twists.
+    value : float
+        Reaction (N; N m for a rotation) or multiplier.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    twists : (B, 6) array
+        Mechanism for the support's unit motion, or for unit power of the unit live load.
+    iterations : int
+        Programmes solved.
+    values : (k,) array
+        Value of each of the k programmes that have one, in order; the last is the answer.
+    violations : (k,) array
+        Largest tension or excess of |t| over mu n of each, over the mean block weight.
+    equilibrium_residual : float
+        Largest unbalanced force on a free block over the mean block weight.
+    dilation : float
+        Sum of n max(u_n, 0) over loaded sliding points, over the power that the weights exchange, sum of |w . v|.
+    penetration : float
+        Largest speed at which blocks penetrate each other over the speed of the fastest block.
+    seconds : float
+        Time in the solver, all programmes.
+    parameters : ClassicParameters
+        Parameters of the iteration.
     """
 
     status: Status
@@ -74,7 +110,7 @@ class ClassicSolution:
 
 
 def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicParameters | None = None) -> ClassicSolution:
-    """Run the classic iteration; never raises for a programme without solution, the status says so."""
+    """Run the classic iteration from the associated answer; the status reports a programme without solution."""
     chosen = parameters or ClassicParameters()
     no_sliding, friction = coulomb_limits(assembly)
     cohesion = chosen.cohesion * assembly.mean_weight
@@ -112,7 +148,11 @@ def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicPara
 
 
 def dilation(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power of normal forces on the opening of loaded points that slide, over sum |w . v|; zero without dilatancy, NaN if undefined."""
+    """Power of normal forces on the opening of loaded sliding points, over sum |w . v|.
+
+    It is 0 without dilatancy and NaN where undefined. twists (B, 6) and forces (C, 3) in N: a mechanism and its
+    contact forces.
+    """
     parting, sliding = contact_speeds(assembly, twists)
     compression = assembly.split(forces)[0]
     fastest = block_speeds(assembly.blocks, twists).max()
@@ -128,7 +168,7 @@ def _has_value(step: StaticSolution) -> bool:
 
 
 def _converged(assembly: Assembly, drive: Drive, values: list[float], violations: list[float], tolerance: float) -> bool:
-    """Whether the last value stands still and its forces obey Coulomb; the first, associated, one is never the answer."""
+    """Whether the last value is steady and its forces obey Coulomb's limit; the associated value never counts."""
     if len(values) < 2:
         return False
     unit = 1.0

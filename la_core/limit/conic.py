@@ -8,23 +8,33 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-TOLERANCE = 1e-9  # feasibility and gap asked of the solver; what was reached is recomputed by the caller
+TOLERANCE = 1e-9  # on feasibility and gap in the solver; the caller recomputes the residuals of the answer
 MOST_ITERATIONS = 300
-SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: from here on faer's factorisation overtakes qdldl's
+SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: beyond it faer factorises faster than qdldl
 
 
 class ProgrammeOutcome(enum.Enum):
-    """What the solver believes: an optimum, a ray along which the power grows for ever, no feasible point, or neither."""
+    """Outcome as the solver reports it; the caller confirms it by residuals."""
 
     OPTIMUM = "optimum"
-    RAY = "ray"
-    EMPTY = "empty"
-    STALLED = "stalled"
+    RAY = "ray"  # the power grows without bound along x
+    EMPTY = "empty"  # no feasible point
+    STALLED = "stalled"  # the solver stopped without a decision
 
 
 @dataclass(frozen=True)
 class Cones:
-    """Sizes of the product cone, in the order of the rows: equalities, then inequalities, then second-order cones of three."""
+    """Sizes of the product cone, in the order of the rows.
+
+    Attributes
+    ----------
+    equalities : int
+        Rows that vanish.
+    inequalities : int
+        Rows that are at least 0.
+    second_order : int
+        Cones of three rows each, first >= norm of the other two.
+    """
 
     equalities: int
     inequalities: int
@@ -33,7 +43,21 @@ class Cones:
 
 @dataclass(frozen=True)
 class ProgrammeAnswer:
-    """x: velocities (a ray where outcome is RAY); multipliers of the cone rows; iterations; seconds inside the solver."""
+    """Answer of the solver.
+
+    Attributes
+    ----------
+    outcome : ProgrammeOutcome
+        Outcome as the solver reports it.
+    x : (n,) array
+        Velocities; a ray where the outcome is RAY.
+    multipliers : (rows,) array
+        Multipliers of the cone rows.
+    iterations : int
+        Iterations of the solver.
+    seconds : float
+        Time in the solver.
+    """
 
     outcome: ProgrammeOutcome
     x: np.ndarray
@@ -53,12 +77,27 @@ _OUTCOMES = {
 
 
 class Programme:
-    """A programme set up once and solved for one power and offset after another: rows, cones and quadratic term stay.
+    """A conic programme that is set up once and solved for several powers and offsets.
 
-    Maximise power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The solver keeps the
-    ordering and symbolic factorisation of the first solve; there is no warm start.
-    The caller scales the problem: entries of order one. equilibrate: let the solver scale it once more. refine: correct the solution
-    of every linear system, a quarter of the time, by which digits are gained that a caller who checks the answer can do without.
+    It maximises power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The
+    solver keeps the ordering and symbolic factorisation of the first solve; there is no warm start. The caller scales
+    all entries to order one.
+
+    Parameters
+    ----------
+    matrix : (rows, n) sparse matrix
+        Rows of the constraints, in the order of `cones`.
+    cones : Cones
+        Sizes of the product cone.
+    quadratic : (n,) array, optional
+        Diagonal of the quadratic term, at least 0; absent for a linear objective.
+    tolerance : float
+        On feasibility and absolute gap.
+    equilibrate : bool
+        Let the solver scale the rows and columns once more.
+    refine : bool
+        Correct the solution of every linear system iteratively. It takes a quarter of the time and gains digits that
+        a caller who checks the answer seldom needs.
     """
 
     def __init__(
@@ -75,10 +114,10 @@ class Programme:
         settings.verbose = False
         settings.max_iter = MOST_ITERATIONS
         settings.tol_gap_abs = settings.tol_feas = tolerance
-        settings.tol_gap_rel = np.finfo(float).eps  # it is the absolute gap that callers look at
+        settings.tol_gap_rel = np.finfo(float).eps  # callers judge by the absolute gap
         settings.direct_solve_method = "faer" if rows > SUPERNODAL_ROWS else "qdldl"
         settings.max_threads = 1
-        settings.presolve_enable = False  # else a programme cannot be updated; there is nothing to remove
+        settings.presolve_enable = False  # a presolved programme cannot be updated; there is nothing to remove
         settings.equilibrate_enable = equilibrate
         settings.iterative_refinement_enable = refine
         if not refine:
@@ -90,7 +129,7 @@ class Programme:
         self._solver = clarabel.DefaultSolver(square, np.zeros(size), sparse.csc_matrix(-matrix), np.zeros(rows), kinds, settings)
 
     def solve(self, power: np.ndarray, offset: np.ndarray) -> ProgrammeAnswer:
-        """Solve for this power (n,) and offset (rows,)."""
+        """Maximise for this power (n,) and offset (rows,)."""
         start = time.perf_counter()
         self._solver.update(q=-power, b=offset)
         solution = self._solver.solve()
@@ -108,14 +147,22 @@ def maximise(
     equilibrate: bool = True,
     refine: bool = True,
 ) -> ProgrammeAnswer:
-    """Maximise power . x subject to matrix x + offset in the product of `cones`, once."""
+    """Solve a linear conic programme once: maximise power . x subject to matrix x + offset in the product of `cones`.
+
+    power (n,), matrix (rows, n) and offset (rows,) have entries of order one; the other parameters are those of
+    `Programme`.
+    """
     start = time.perf_counter()
     answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
     return replace(answer, seconds=time.perf_counter() - start)
 
 
 def optimum(power: np.ndarray, matrix: sparse.csr_matrix, offset: np.ndarray, cones: Cones) -> ProgrammeAnswer:
-    """`maximise`, and again without equilibration where that finds none: it blows up rows of joints almost without friction."""
+    """Answer of `maximise`; without an optimum, it tries again without equilibration.
+
+    Equilibration enlarges the rows of joints with very little friction so much that the solver may stall. The
+    parameters are those of `maximise`; seconds and iterations are those of both attempts.
+    """
     first = maximise(power, matrix, offset, cones)
     if first.outcome is ProgrammeOutcome.OPTIMUM:
         return first

@@ -1,19 +1,21 @@
 """Limit analysis with polygonal friction cones, a linear programme solved by HiGHS: bounds of the conic answer by another solver.
 
-Every cone |t| <= mu n of `la_core.limit` becomes a pyramid with a regular polygon of F corners as its section, the first of them
-along the first tangent (`la_core.geometry.plane_axes`). With the corners at n (mu cos a, mu sin a) it is inscribed: its forces are
-safe, so that R_min comes out from above, R_max and the multiplier from below. With corners at 1/cos(pi / F) times as much it is
-circumscribed, and they come out from the other side. The bracket holds however joints slide, and either side may bear
-more of its width: where joints slide towards a corner the inscribed value is exact, as when a wall slides in its own plane. Both
-values lie between the conic answers for mu cos(pi / F) and mu / cos(pi / F), so the width falls as 1 / F^2; one value alone may
-move away when facets are added, as the polygons need not be nested.
-In the plane the cone is two lines, exact for any F; frictionless joints, and joints that cannot slide, have no cone to cut.
+A pyramid replaces every cone |t| <= mu n of `la_core.limit`. Its section is a regular polygon of F corners, with the
+first corner along the first tangent (`la_core.geometry.plane_axes`). With corners at n (mu cos a, mu sin a) the
+pyramid is inscribed: its forces are safe, so R_min is an upper bound of the conic R_min, and R_max and the multiplier
+are lower bounds of theirs. With corners farther out by 1 / cos(pi / F) the pyramid is circumscribed, and each value
+bounds the conic one from the other side. The two values bracket the conic one however joints slide, but not
+symmetrically: where joints slide towards a corner, as when a wall slides in its own plane, the inscribed value is
+exact. Both values lie between the conic answers for mu cos(pi / F) and mu / cos(pi / F), so the width of the bracket
+decreases as 1 / F^2. A single value may get worse with more facets, because the polygons need not be nested. In the
+plane the cone is two lines, exact for any F. Frictionless joints, and joints that cannot slide, have no second-order
+cone.
 
 HiGHS is given the static form, with forces along the edges of the pyramids as unknowns,
     least offset . z   subject to   rows' z = -power,   z >= 0
-(rows, offset and power as in `la_core.limit.DrivenProblem`); the multipliers are the mechanism. The kinematic form takes HiGHS as
-long, and here the forces are in the pyramids exactly.
-(Linear programmes of limit analysis: Livesley 1978; HiGHS: Huangfu & Hall 2018, doi 10.1007/s12532-017-0130-5.)
+(rows, offset and power as in `la_core.limit.DrivenProblem`); the multipliers are the mechanism. The kinematic form
+takes as long, and the static form keeps the forces exactly within the pyramids. (Linear programmes of limit analysis:
+Livesley 1978; HiGHS: Huangfu & Hall 2018, doi 10.1007/s12532-017-0130-5.)
 """
 
 import time
@@ -35,23 +37,43 @@ _OUTCOMES = {
     0: ProgrammeOutcome.OPTIMUM,
     2: ProgrammeOutcome.RAY,
     3: ProgrammeOutcome.EMPTY,
-}  # of the kinematic form, dual to the static one: no force, any force
+}  # outcome of the kinematic form, dual to the static one: no equilibrium is a ray, an unbounded force an empty set
 
 
 def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: bool, method: str = "highs-ipm") -> Solution:
-    """Solve one limit analysis with pyramids of `facets` (at least 4) sides, inscribed in Coulomb's cones or circumscribed about them.
+    """Solve one limit analysis with friction pyramids instead of cones, as a linear programme.
 
-    Units, signs and residuals are those of `Solution`, held against the true cone: circumscribed pyramids leave a cone_violation,
-    inscribed ones a mechanism_violation, both of order 1 / facets^2. So the status is that of the linearised problem: SOLVED says
-    that equilibrium, duality gap and the mechanism's polygonal flow rule are within ACCEPTED, the forces being in the pyramids;
-    INFEASIBLE that no equilibrium lies within the pyramids, which the true cones may still allow where they are inscribed.
-    seconds: in HiGHS alone; iterations: as HiGHS counts them, without those of the crossover. method: one of METHODS.
-    Raises ValueError for too few facets or another method.
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its weights, and its support motion or live load.
+    drive : Drive
+        Bound to compute.
+    facets : int
+        Sides of every pyramid, at least 4.
+    inscribed : bool
+        Whether the pyramids are inscribed in Coulomb's cones, or circumscribed about them.
+    method : str
+        One of METHODS.
+
+    Returns
+    -------
+    Solution
+        Units and signs as in every `Solution`. The residuals refer to the true cone: circumscribed pyramids leave a
+        cone_violation and inscribed ones a mechanism_violation, both of order 1 / facets^2. The status refers to the
+        pyramids. SOLVED: equilibrium, duality gap and the polygonal flow rule are within ACCEPTED. INFEASIBLE: no
+        equilibrium within the pyramids; the true cones may allow one where the pyramids are inscribed. seconds and
+        iterations are those of HiGHS, without the iterations of its crossover.
+
+    Raises
+    ------
+    ValueError
+        Too few facets, or an unknown method.
     """
     if facets < LEAST_FACETS:
-        raise ValueError(f"facets = {facets}: a friction pyramid has at least {LEAST_FACETS}")
+        raise ValueError(f"facets = {facets}: a friction pyramid has at least {LEAST_FACETS} sides")
     if method not in METHODS:
-        raise ValueError(f'method = "{method}": one of {", ".join(METHODS)} is needed')
+        raise ValueError(f'method = "{method}": must be one of {", ".join(METHODS)}')
     problem = linearised_problem(assembly, facets, inscribed)
     driven = driven_problem(assembly, problem, drive)
     answer = _least_forces(driven, method)
@@ -59,13 +81,13 @@ def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: b
         status = Status.UNBOUNDED if answer.outcome is ProgrammeOutcome.EMPTY else Status.FAILED
         return _cannot_stand(assembly, problem, method, answer) or without_value(assembly, status, answer)
     solution = _confirmed(assembly, driven, answer, solution_of(assembly, problem, drive, driven, answer))
-    if drive is Drive.LIVE:  # it may be the load that holds the structure up
+    if drive is Drive.LIVE:  # the live load alone may hold the structure up
         return _cannot_stand(assembly, problem, method, answer) or solution
     return solution
 
 
 def linearised_problem(assembly: Assembly, facets: int, inscribed: bool) -> ScaledProblem:
-    """The kinematic problem with every second-order cone replaced by `facets` inequalities, one for each edge of its pyramid."""
+    """The kinematic problem with an inequality for each edge of a pyramid in place of every second-order cone."""
     problem = scaled_problem(assembly)
     cones = problem.cones
     angle = 2.0 * np.pi * np.arange(facets) / facets
@@ -78,7 +100,7 @@ def linearised_problem(assembly: Assembly, facets: int, inscribed: bool) -> Scal
 
 
 def _least_forces(driven: DrivenProblem, method: str) -> ProgrammeAnswer:
-    """Answer of the static form: its multipliers are the velocities x, its unknowns the multipliers of the kinematic form."""
+    """Solve the static form. Its multipliers are the velocities x; its unknowns are the kinematic form's multipliers."""
     lowest = np.zeros(len(driven.offset))
     lowest[: driven.cones.equalities] = -np.inf
     bounds = np.stack([lowest, np.full_like(lowest, np.inf)], axis=1)
@@ -91,10 +113,20 @@ def _least_forces(driven: DrivenProblem, method: str) -> ProgrammeAnswer:
 
 
 def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answer: ProgrammeAnswer) -> Solution | None:
-    """INFEASIBLE with the blocks that fall in a motion of limited velocities that the pyramids admit, or None where none falls."""
+    """INFEASIBLE with the falling blocks, or None where no block falls.
+
+    The certificate is a motion that the pyramids admit, with velocities of at most one and the greatest work of the
+    weights.
+    """
     split = problem.cones.equalities
-    rest, part = np.zeros(split), np.zeros(problem.rows.shape[0] - split)
-    programme = {"A_eq": problem.rows[:split], "b_eq": rest, "A_ub": -problem.rows[split:], "b_ub": part, "bounds": (-1.0, 1.0)}
+    equalities, inequalities = problem.rows[:split], problem.rows[split:]
+    programme = {
+        "A_eq": equalities,
+        "b_eq": np.zeros(equalities.shape[0]),
+        "A_ub": -inequalities,
+        "b_ub": np.zeros(inequalities.shape[0]),
+        "bounds": (-1.0, 1.0),
+    }
     result, seconds = _linprog(method, c=-problem.power * int(assembly.blocks.free.sum()), **programme)
     names = falling_blocks(assembly, twists_of(assembly, result.x)) if result.status == 0 else ()
     if not names:
@@ -104,7 +136,7 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answe
 
 
 def _linprog(method: str, **programme: object) -> tuple[OptimizeResult, float]:
-    """Answer of HiGHS and the seconds it took."""
+    """Result of HiGHS and its time in seconds."""
     options = {"primal_feasibility_tolerance": TOLERANCE, "dual_feasibility_tolerance": TOLERANCE}
     start = time.perf_counter()
     result = linprog(method=method, options=options, **programme)

@@ -1,7 +1,7 @@
-"""Joints that cannot slide (Heyman 1966): the equations that say so, none twice, and the friction that they leave undecided.
+"""Joints that cannot slide (Heyman 1966): the independent equations of no sliding, and the friction that they leave free.
 
-All points of an interface lie in one plane, so they stop sliding together: in the plane when one of them does, in 3D when one does
-and another does not turn about it.
+All points of an interface lie in one plane. In a plane model the interface does not slide if one point does not. In
+3D one point must not slide and a second one must not turn about it.
 """
 
 import numpy as np
@@ -11,7 +11,10 @@ from la_core.model import Assembly
 
 
 def no_sliding_rows(assembly: Assembly) -> sparse.csr_matrix:
-    """Rows (E, C k) from local relative velocities to those that vanish where no joint slides: 1 an interface in the plane, 3 in 3D."""
+    """Rows (E, C k) that pick the sliding velocities which must vanish: one per interface in the plane, three in 3D.
+
+    They act on the local relative velocities, k = 2 or 3 per contact point.
+    """
     width, count = (2, len(assembly.points)) if assembly.effects.plane else (3, len(assembly.points))
     interfaces, first = np.unique(assembly.points.interface, return_index=True)
     pick = sparse.identity(count * width, format="csr")
@@ -32,7 +35,10 @@ def no_sliding_rows(assembly: Assembly) -> sparse.csr_matrix:
 
 
 def shared_friction(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
-    """Contact forces (C, 3) with the friction of each interface shared by all its points: the least that has the same wrench."""
+    """Contact forces (C, 3), N, with the friction of each interface shared by all its points.
+
+    The wrench on each block stays the same; among all such friction forces these have the least sum of squares.
+    """
     interface, count = assembly.points.interface, len(assembly.interfaces)
     points = np.bincount(interface, minlength=count)[interface, None]
 

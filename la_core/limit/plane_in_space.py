@@ -1,4 +1,4 @@
-"""The answer of a plane model held against the model in space: what leaving out motion out of the plane rests on."""
+"""Check the answer of a plane model in the model in space; it justifies leaving out motion out of the plane."""
 
 from dataclasses import replace
 
@@ -10,7 +10,10 @@ from la_core.model import Assembly
 
 
 def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarray]:
-    """The model in space of a plane assembly, and contact forces (C, 3) shared equally by the points that each plane point stands for."""
+    """The model in space of a plane assembly, and its contact forces (C, 3) in N.
+
+    The points in space that one plane point represents share its force (rows of `forces`, N) equally.
+    """
     plane = assembly.points
     points = contact_points(assembly.blocks, assembly.interfaces, 0.0, assembly.inset, plane=False)
     ends = np.stack([2 * points.interface, 2 * points.interface + 1], axis=1)  # a plane interface has two points, in its own order
@@ -23,9 +26,10 @@ def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarr
 
 
 def residual_in_space(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Worst residual in space of a plane answer to a settlement.
+    """Largest residual in space of a plane answer to a settlement.
 
-    Equilibrium and cones are over the mean block weight, penetration is over the fastest block.
+    twists (B, 6) and contact forces (C, 3), N, are those of the plane answer. The residuals of equilibrium and of the
+    cones are over the mean block weight; the penetration is over the speed of the fastest block.
     """
     space, shared = in_space(assembly, forces)
     return max(

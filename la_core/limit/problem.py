@@ -11,23 +11,67 @@ from la_core.limit.no_sliding import no_sliding_rows
 from la_core.model import PLANE_FREEDOMS, Assembly, columns, scaled_load, support_motion
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
-SMOOTH = 0.1 * ACCEPTED  # friction up to here is solved as none, which the residuals do not notice and the solver needs
+SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient counts as 0: the solver needs it, and residuals do not show it
 
 
 class Drive(enum.Enum):
-    """What drives the structure to collapse."""
+    """The action that drives the structure to collapse. Each action yields one bound, and this table names the bounds:
 
-    YIELDING = 1.0  # the support moves by its unit motion: least reaction
-    PUSHING = -1.0  # the support moves against it: greatest reaction
-    LIVE = 0.0  # a load grows: collapse multiplier
+    ========  =====  ==================================  ========  ============  ======
+    drive     value  action and bound                    group     key           symbol
+    ========  =====  ==================================  ========  ============  ======
+    YIELDING   1.0   support moves with the settlement:  least     reaction      R_min
+                     least reaction
+    PUSHING   -1.0   support moves against it: greatest  greatest  reaction_max  R_max
+                     reaction
+    LIVE       0.0   live load grows: collapse           collapse  multiplier    λ
+                     multiplier
+    ========  =====  ==================================  ========  ============  ======
+
+    `value` is the factor of the support's unit motion. `group` names the HDF5 group and, for a reaction, the Python
+    attribute; `key` is the JSON key; `symbol` stands in figures and reports.
+    """
+
+    YIELDING = 1.0
+    PUSHING = -1.0
+    LIVE = 0.0
+
+    @property
+    def group(self) -> str:
+        """HDF5 group and Python name of the bound."""
+        return {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}[self]
+
+    @property
+    def key(self) -> str:
+        """JSON key of the bound."""
+        return {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE: "multiplier"}[self]
+
+    @property
+    def symbol(self) -> str:
+        """Symbol of the bound in figures and reports."""
+        return {Drive.YIELDING: "R_min", Drive.PUSHING: "R_max", Drive.LIVE: "λ"}[self]
 
 
 @dataclass(frozen=True)
 class ScaledProblem:
-    """The kinematic problem with lengths over the mean block size and weights over the total weight.
+    """The kinematic problem with lengths over the mean block size and forces over the weight of the free blocks.
 
-    power (n,): of the weights per unknown; rows: unknowns to flow-rule velocities; imposed_rows: all blocks' columns to the same;
-    flow_rule: local relative velocities to flow-rule velocities, its transpose turns multipliers into contact forces.
+    The n unknowns are the scaled twists of the free blocks (see `la_core.model.columns`); the m flow-rule velocities
+    lie in `cones`.
+
+    Attributes
+    ----------
+    power : (n,) array
+        Power of the weights per unit of each unknown.
+    rows : (m, n) sparse matrix
+        From the unknowns to the flow-rule velocities.
+    imposed_rows : (m, 3 B or 6 B) sparse matrix
+        From the scaled twists of all B blocks to the flow-rule velocities.
+    flow_rule : (m, 2 C or 3 C) sparse matrix
+        From the local relative velocities at the C contact points to the flow-rule velocities.
+        Its transpose turns multipliers into local contact forces.
+    cones : Cones
+        Sizes of the cones that hold the flow-rule velocities.
     """
 
     power: np.ndarray
@@ -39,10 +83,25 @@ class ScaledProblem:
 
 @dataclass(frozen=True)
 class DrivenProblem:
-    """Maximise power . x subject to rows x + offset in `cones`: the scaled problem under one drive, powers relative to the mean block.
+    """The scaled problem under one drive: maximise power . x subject to rows x + offset in `cones`.
 
-    x (n,) are the scaled twists of the free blocks without the imposed ones (B, 6); twists are (x + imposed) times `speed`. A live
-    load adds a first row, its power less the unit one.
+    The unknowns x (n,) are the scaled twists of the free blocks. Twists per unit of the drive are (twists of x +
+    imposed) times `speed`. A live load adds a first row: its power minus 1, which must vanish.
+
+    Attributes
+    ----------
+    power : (n,) array
+        Power of the weights per unit of each unknown, relative to the mean weight of a free block.
+    rows : (m, n) sparse matrix
+        From the unknowns to the flow-rule velocities; (m + 1, n) for a live load.
+    offset : (m,) array
+        Flow-rule velocities that the support's motion imposes; (m + 1,) for a live load.
+    cones : Cones
+        Sizes of the cones that hold rows x + offset.
+    imposed : (B, 6) array
+        Twists of the support blocks for unit speed of the fastest support point; zero for all other blocks.
+    speed : float
+        Factor from scaled twists to twists per unit motion of the support, or per unit power of the live load.
     """
 
     power: np.ndarray
@@ -54,9 +113,10 @@ class DrivenProblem:
 
 
 def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProblem:
-    """Set up the kinematic problem of an assembly, the same for every drive.
+    """Set up the kinematic problem of an assembly; it is the same for every drive.
 
-    every_point: where sliding is excluded, say so at every contact point, though a few say it for all.
+    every_point: where sliding is excluded, write the condition at every contact point; otherwise only the independent
+    equations.
     """
     flow_rule, cones = _flow_rule(assembly, every_point)
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
@@ -67,7 +127,22 @@ def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProbl
 
 
 def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> DrivenProblem:
-    """The scaled problem under one drive."""
+    """Add one drive to the scaled problem of an assembly.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its support motion, or its live load for `Drive.LIVE`.
+    problem : ScaledProblem
+        `scaled_problem(assembly)`, which several drives can share.
+    drive : Drive
+        Direction of the support's motion, or the live load.
+
+    Returns
+    -------
+    DrivenProblem
+        The problem that the conic solver takes: power, rows, offset and cones, and the imposed twists.
+    """
     speed, imposed = support_motion(assembly, drive.value)
     rows, cones = problem.rows, problem.cones
     offset = problem.imposed_rows @ columns(assembly, imposed)
@@ -77,15 +152,16 @@ def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> 
         offset = np.concatenate([[-1.0], offset])
         cones = replace(cones, equalities=cones.equalities + 1)
         speed = 1.0 / assembly.weight  # unit power of the unit live load, which was scaled by the weight
-    blocks = int(assembly.blocks.free.sum())  # turns powers relative to the weight into ones relative to the mean block, as residuals are
-    return DrivenProblem(problem.power * blocks, rows, offset, cones, imposed, speed)
+    free_blocks = int(assembly.blocks.free.sum())  # makes powers relative to the mean block weight, as residuals are
+    return DrivenProblem(problem.power * free_blocks, rows, offset, cones, imposed, speed)
 
 
 def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix, Cones]:
-    """Rows T with T u in the flow rule's cone; contact forces are T' times the multipliers.
+    """Rows T that put local relative velocities u into the flow rule's cone as T u.
 
-    Frictionless points need only u_n >= 0; where sliding is excluded (Heyman), u_t = 0 and u_n >= 0; in the plane the cone is
-    two inequalities u_n -+ mu u_t >= 0; else one second-order cone. Rows are scaled to unit length, which leaves cones as they are.
+    Contact forces are T' times the multipliers. A frictionless point needs only u_n >= 0. Where sliding is excluded
+    (Heyman 1966), u_t = 0 and u_n >= 0. In the plane the cone is two inequalities, u_n -+ mu u_t >= 0; in space it is
+    one second-order cone. Rows are scaled to unit length, which does not change the cones.
     """
     friction, count = assembly.points.friction, len(assembly.points)
     width = 2 if assembly.effects.plane else 3
@@ -115,7 +191,10 @@ def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix
 
 
 def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
-    """Rows, offset and cones with every unknown limited to -1..1 and the supports at rest; the limits stand after the equalities."""
+    """Rows, offset and cones of the problem with the supports at rest and every unknown between -1 and 1.
+
+    The rows of these limits follow the equalities.
+    """
     size, split = len(problem.power), problem.cones.equalities
     limits = sparse.vstack([sparse.identity(size), -sparse.identity(size)])
     rows = sparse.vstack([problem.rows[:split], limits, problem.rows[split:]]).tocsr()

@@ -1,4 +1,4 @@
-"""Force sums over sections: what two methods can share although single contact forces are not unique."""
+"""Sums of contact forces over sections: two methods can agree on them although single forces are not unique."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from la_core.limit.conic import ProgrammeOutcome, optimum
 from la_core.limit.problem import scaled_problem
 from la_core.model import Assembly, columns
 
-LEVELS = (0.25, 0.5, 0.75)  # of the structure's height: where it is cut
+LEVELS = (0.25, 0.5, 0.75)  # of the height of the structure: horizontal cuts
 
 
 def support_force(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
@@ -19,11 +19,22 @@ def support_force(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
 
 
 def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: float, tolerance: float) -> tuple[float, float]:
-    """Least and greatest component of the support's force along `direction` (3,) that equilibrium and friction allow, N.
+    """Least and greatest component of the support's force along a direction that equilibrium and friction allow, N.
 
-    The reaction (N or N m) is held within `tolerance`. An end is infinite where nothing limits it, NaN where no state exists.
-    The dual unknowns are the twists of the free blocks, as in `la_core.limit`, a motion of the support along its own direction
-    (two of one sign, the multipliers of the reaction's two limits) and a unit dislocation along `direction`.
+    An end is infinite where nothing limits it, and NaN where no state of equilibrium exists. The unknowns of the
+    kinematic programme are the twists of the free blocks and two motions of the support along its own direction, at
+    least 0: the multipliers of the two limits on the reaction. A unit dislocation along `direction` drives it.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure on a moving support.
+    direction : (3,) array
+        Unit direction of the force component.
+    reaction : float
+        Reaction of the support, N or N m.
+    tolerance : float
+        Largest deviation from that reaction, N or N m.
     """
     problem = scaled_problem(assembly)
     speed = assembly.support_speed
@@ -45,18 +56,18 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     for sign in (1.0, -1.0):
         offset = np.concatenate([sign * apart[:split], [0.0, 0.0], sign * apart[split:]])
         answer = optimum(power, rows, offset, cones)
-        bound = {ProgrammeOutcome.OPTIMUM: float(power @ answer.x) * assembly.weight, ProgrammeOutcome.EMPTY: -np.inf}.get(
-            answer.outcome, np.nan
-        )
+        optimum_value = float(power @ answer.x) * assembly.weight
+        bound = {ProgrammeOutcome.OPTIMUM: optimum_value, ProgrammeOutcome.EMPTY: -np.inf}.get(answer.outcome, np.nan)
         ends.append(sign * bound)
-    # The dislocation moves the support, so the sums above are of the force on the support: turn them.
+    # The dislocation moves the support, so these bound the force on it; the signs turn it into that on the structure.
     return -ends[1], -ends[0]
 
 
 def level_sums(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
-    """Force (levels, 3) in N that the part above each level receives from below and from held blocks, for forces (C, 3).
+    """Force (levels, 3), N, on the blocks above each level from the blocks below it and from held blocks.
 
-    Levels cut the free blocks at LEVELS of their height against gravity.
+    forces (C, 3): contact forces, N. A free block is above a level if its centroid is. LEVELS are shares of the
+    height of the free blocks' centroids, against gravity.
     """
     up = -assembly.dead_load[:, :3].sum(axis=0)
     height = assembly.blocks.centroid @ (up / np.linalg.norm(up))

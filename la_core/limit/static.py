@@ -1,11 +1,14 @@
 """Static form of limit analysis under any friction limits |t| <= intercept + slope n: contact forces are the unknowns.
 
-The kinematic form of `la_core.limit` is smaller and serves Coulomb's cone; the limits here may change with every solve and need
-be no cone. With f the forces, r the work of f on the support's unit motion, w the weights and l the live load,
+The kinematic form of `la_core.limit` is smaller, but only for Coulomb's cone. Here the limits need not be cones, and
+they may change from solve to solve. With f the contact forces, r . f their work on the support's unit motion, w the
+weights and l the live load,
     settlement:  least (support yields) or greatest (support pushes back) r . f   subject to   equilibrium(f) + w = 0
-    live load:   greatest lambda                                                  subject to   equilibrium(f) + w + lambda l = 0
-and n >= 0, |t| <= intercept + slope n at every contact point (Portioli & Cascini 2016, doi 10.1016/j.engstruct.2016.02.002).
-The multipliers of equilibrium are the twists of the mechanism; its flow is normal to the limits that were given.
+    live load:   greatest lambda                                                  subject to   equilibrium(f) + w +
+    lambda l = 0
+and n >= 0, |t| <= intercept + slope n at every contact point (Portioli & Cascini 2016, doi
+10.1016/j.engstruct.2016.02.002). The multipliers of equilibrium are the twists of the mechanism; its flow is normal
+to the given limits.
 """
 
 from dataclasses import dataclass
@@ -19,7 +22,7 @@ from la_core.limit.problem import ACCEPTED, SMOOTH, Drive
 from la_core.measures import block_speeds, contact_speeds, residuals
 from la_core.model import Assembly, columns, global_forces, scaled_load, support_motion, twists_of
 
-USABLE = 1e-3  # an answer with a larger residual is no answer: the solver broke off, as it may where hardly any equilibrium exists
+USABLE = 1e-3  # largest residual of a usable answer; a solver may break off where hardly any equilibrium exists
 _WITHOUT_VALUE = {ProgrammeOutcome.EMPTY: Status.INFEASIBLE, ProgrammeOutcome.RAY: Status.UNBOUNDED}
 
 
@@ -27,10 +30,29 @@ _WITHOUT_VALUE = {ProgrammeOutcome.EMPTY: Status.INFEASIBLE, ProgrammeOutcome.RA
 class StaticSolution:
     """Answer of one static programme with its recomputed residuals. Undefined numbers are NaN.
 
-    value: reaction in N (N m for a rotation) or multiplier. forces (C, 3): contact forces on b in N, global axes.
-    twists (B, 6): mechanism for the support's unit motion, or for unit power of the unit live load.
-    equilibrium_residual, limit_violation (tension, or |t| beyond its limit) and duality_gap (between the value and the bound that
-    the mechanism gives) are relative to the mean free-block weight, flow_violation to the fastest block. seconds: in the solver.
+    Attributes
+    ----------
+    status : Status
+        SOLVED where all residuals are within ACCEPTED.
+    value : float
+        Reaction (N; N m for a rotation) or multiplier.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    twists : (B, 6) array
+        Mechanism for the support's unit motion, or for unit power of the unit live load.
+    equilibrium_residual : float
+        Largest unbalanced force on a free block over the mean free-block weight.
+    limit_violation : float
+        Largest tension or excess of |t| over its limit, over the mean free-block weight.
+    flow_violation : float
+        Largest violation of the flow rule over the speed of the fastest block.
+    duality_gap : float
+        Difference between the value and the mechanism's bound of it, over the mean free-block weight (a multiplier:
+        as it is).
+    seconds : float
+        Time in the solver.
+    iterations : int
+        Iterations of the solver.
     """
 
     status: Status
@@ -46,9 +68,23 @@ class StaticSolution:
 
 
 def solve_static(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope: np.ndarray) -> StaticSolution:
-    """Least or greatest reaction, or greatest multiplier, under |t| <= intercept (C,) in N + slope (C,) n.
+    """Find the least or greatest reaction, or the greatest multiplier, under the limits |t| <= intercept + slope n.
 
-    An infinite intercept limits no tangential force. INFEASIBLE: no equilibrium within these limits.
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its weights, and its support motion or live load.
+    drive : Drive
+        Bound to compute.
+    intercept : (C,) array
+        Tangential strength of each contact point at n = 0, N; infinite for a point that cannot slide.
+    slope : (C,) array
+        Increase of that strength with the normal force; negative for a limit that falls.
+
+    Returns
+    -------
+    StaticSolution
+        INFEASIBLE where no equilibrium lies within the limits.
     """
     kinematics = assembly.kinematic_matrix(assembly.length)
     speed, driven = support_motion(assembly, drive.value)
@@ -71,12 +107,12 @@ def solve_static(assembly: Assembly, drive: Drive, intercept: np.ndarray, slope:
         return _without_value(assembly, Status.FAILED, answer)
     forces = global_forces(assembly, unit * answer.x[: len(unit)])
     twists = (twists_of(assembly, -answer.multipliers[:count]) + driven) * speed
-    with np.errstate(over="ignore", invalid="ignore"):  # where the solver broke off, numbers may be anything
+    with np.errstate(over="ignore", invalid="ignore"):  # a solver that broke off may return any numbers
         return _with_evidence(assembly, drive, forces, twists, (intercept, slope), answer)
 
 
 def coulomb_limits(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
-    """Intercept and slope (C,) of Coulomb's cone; nothing limits t where sliding is excluded."""
+    """Intercept (C,), N, and slope (C,) of Coulomb's cone at each contact point; infinite where sliding is excluded."""
     count = len(assembly.points)
     if assembly.effects.sliding_excluded:
         return np.full(count, np.inf), np.zeros(count)
@@ -86,7 +122,8 @@ def coulomb_limits(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
 def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> StaticSolution:
     """Least reaction with |t| <= mu N for given normal forces N (C,) in N, such as those of a discrete-element run.
 
-    Friction of fixed strength obeys normality without dilating, so a quasi-static run whose joints slide as Coulomb says meets it.
+    With a fixed strength the associated flow rule has no dilatancy. A quasi-static run in which joints slide by
+    Coulomb's law therefore has this reaction.
     """
     no_sliding, _ = coulomb_limits(assembly)
     strength = assembly.points.friction * np.maximum(normal_forces, 0.0)
@@ -94,13 +131,13 @@ def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> Static
 
 
 def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:
-    """Rows that sum local contact forces on each free block, and its weight; forces over the weight, moments also over the length."""
+    """Rows that sum scaled local contact forces on each free block, and the scaled weights of the free blocks."""
     freedoms = kinematics.shape[1] // len(assembly.blocks)
     return kinematics[:, np.repeat(assembly.blocks.free, freedoms)].T.tocsr(), scaled_load(assembly, assembly.dead_load)
 
 
 def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:
-    """Rows and offset of the limits on local forces: t = 0 where friction is none, n >= 0, then |t| <= intercept + slope n."""
+    """Rows and offset of the limits on local forces: t = 0 without friction, n >= 0, |t| <= intercept + slope n."""
     width = 2 if assembly.effects.plane else 3
     pick = sparse.identity(len(assembly.points) * width, format="csr")
     normal = np.arange(len(assembly.points)) * width
@@ -124,7 +161,7 @@ def _limits(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> tup
 
 
 def _units(assembly: Assembly, intercept: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Units (n,) of the local forces: friction that only a small slope limits is counted in shares of its limit."""
+    """Units (n,) of the local forces; a friction force with a small slope and no intercept is in shares of its limit."""
     units = np.ones((len(assembly.points), 2 if assembly.effects.plane else 3))
     small = (intercept == 0.0) & (slope > SMOOTH)
     units[small, 1:] = np.minimum(slope[small], 1.0)[:, None]
@@ -145,7 +182,7 @@ def _with_evidence(
     limits: tuple[np.ndarray, np.ndarray],
     answer: ProgrammeAnswer,
 ) -> StaticSolution:
-    """Solution with residuals recomputed from its forces and twists; one above ACCEPTED makes it inaccurate, above USABLE failed."""
+    """Solution with residuals recomputed from forces and twists: INACCURATE above ACCEPTED, FAILED above USABLE."""
     live = drive is Drive.LIVE
     value = residuals.multiplier(assembly, forces) if live else residuals.reaction(assembly, forces)
     unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
@@ -170,9 +207,9 @@ def _limit_violation(assembly: Assembly, forces: np.ndarray, limits: tuple[np.nd
 
 
 def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
-    """Largest violation of u_n >= slope |u_t|, over the fastest block's speed, where the limits allow any pressure.
+    """Largest violation of u_n >= slope |u_t| over the speed of the fastest block.
 
-    Where they fall with n they bound the pressure, and any motion is admissible at a price.
+    Limits that fall with n bound the normal force. Every motion is then admissible, and resists with a finite power.
     """
     parting, sliding = contact_speeds(assembly, twists)
     unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
@@ -185,9 +222,10 @@ def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.nda
 def _value_of_mechanism(
     assembly: Assembly, drive: Drive, forces: np.ndarray, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]
 ) -> float:
-    """Bound of the value by virtual power: of the weights and of the forces within the limits that resist the mechanism least.
+    """Bound of the value by virtual power: of the weights, and of the forces within the limits that resist the mechanism least.
 
-    Those are n = 0, |t| = intercept, or where the limit falls with n also the largest n, but no larger than any in the state.
+    At these forces n = 0 and |t| = intercept. Where the limit falls with n, the largest n may resist less; it is
+    taken no larger than the largest force of the state.
     """
     parting, sliding = contact_speeds(assembly, twists)
     intercept, slope = np.where(np.isinf(limits[0]), 0.0, limits[0]), limits[1]

@@ -1,7 +1,7 @@
-"""Measures of a mechanism: what every contact point does, where friction dissipates, and how widely.
+"""Measures of a mechanism: the state of every contact point, the dissipation of friction, and its distribution.
 
-A mechanism's twists are per unit motion of its drive, and so is every power here: N m/s per m/s, that is N, where the support
-moves straight, N m where it turns, and a pure number per unit power of a live load.
+The twists of a mechanism are per unit motion of its drive, and so is every power here. Its unit is N for a
+translation of the support, N m for a rotation, and 1 for a live load (per unit power of the load).
 """
 
 import enum
@@ -12,15 +12,16 @@ import numpy as np
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
-THRESHOLD = 0.03  # of the fastest block: elastic joints leave strain rates of a per cent or less of the support's motion. What
-# slides slower is lost; a mechanism of rigid blocks has no such noise, and a much lower threshold counts all it dissipates.
+# Least speed of a moving contact point, of the fastest block's. Strain rates of elastic joints are a per cent or less of the
+# support's motion. Slower sliding is lost; a mechanism of rigid blocks has no such noise and allows a much lower threshold.
+THRESHOLD = 0.03
 LOADED = 1e-4  # of the mean block weight: least compression that counts; residuals of accepted forces are far below it
 
 
 class ContactState(enum.IntEnum):
-    """What a contact point does in a mechanism."""
+    """State of a contact point in a mechanism."""
 
-    UNKNOWN = -1  # no mechanism is known
+    UNKNOWN = -1  # the mechanism is undefined
     STICKING = 0  # at rest and compressed
     IDLE = 1  # at rest without force
     SLIDING = 2
@@ -29,12 +30,24 @@ class ContactState(enum.IntEnum):
 
 @dataclass(frozen=True)
 class MechanismMeasures:
-    """Measures of one mechanism; numbers that are undefined are NaN, also the counts where no mechanism is known.
+    """Measures of one mechanism. Undefined numbers are NaN, also the counts where the mechanism is undefined.
 
-    states (C,): ContactState of each contact point; opening, sliding, sticking, idle: how many points do so.
-    dissipation_per_interface (I,) and dissipated_power, their sum: power of friction per unit motion of the drive.
-    dissipated_share: dissipated_power over the work of the weights that settle.
-    participation_index: of the interfaces in the dissipation, see `participation_index`. moving_mass_share: of the free blocks.
+    Attributes
+    ----------
+    states : (C,) array of int
+        ContactState of each contact point.
+    opening, sliding, sticking, idle : float
+        Number of contact points in each state.
+    dissipation_per_interface : (I,) array
+        Power of friction in each interface per unit motion of the drive.
+    dissipated_power : float
+        Sum of these powers.
+    dissipated_share : float
+        Dissipated power over the power of the sinking weights.
+    participation_index : float
+        Distribution of the dissipation over the interfaces, see `participation_index`.
+    moving_mass_share : float
+        Mass of the moving blocks over that of all free blocks.
     """
 
     states: np.ndarray
@@ -50,7 +63,19 @@ class MechanismMeasures:
 
 
 def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshold: float = THRESHOLD) -> MechanismMeasures:
-    """Measure a mechanism with twists (B, 6) and contact forces (C, 3) on b; speeds up to `threshold` of the fastest block's are rest."""
+    """Measure a mechanism.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    twists : (B, 6) array
+        Twists of the blocks per unit motion of the drive; NaN where undefined.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    threshold : float
+        Contact points are at rest up to this share of the fastest block's speed.
+    """
     known = bool(np.isfinite(twists).all() and np.isfinite(forces).all())
     states = contact_states(assembly, twists, forces, threshold)
     dissipation = interface_dissipation(assembly, twists, forces, states)
@@ -74,10 +99,21 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
 
 
 def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
-    """State (C,) of each contact point for twists (B, 6) and contact forces (C, 3); all UNKNOWN where one of them is NaN.
+    """State (C,) of each contact point; all UNKNOWN where a twist or a force is NaN.
 
-    A point opens when it parts without force. Parting alone is no proof: a point that slides by the associated flow rule parts
-    at mu |u_t| and stays compressed; only what parts faster than that opens whatever force it is said to carry.
+    A point opens when it parts without force. A compressed point that slides by the associated flow rule parts, too,
+    at mu |u_t|; it opens only if it parts faster than that.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    twists : (B, 6) array
+        Twists of the blocks per unit motion of the drive.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    threshold : float
+        Contact points are at rest up to this share of the fastest block's speed.
     """
     if not (np.isfinite(twists).all() and np.isfinite(forces).all()):
         return np.full(len(assembly.points), int(ContactState.UNKNOWN))
@@ -92,13 +128,25 @@ def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, t
 
 
 def loaded_compression(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
-    """Normal force (C,) in N of the contact points that carry force, else 0: what a solver leaves on idle points is no load."""
+    """Normal force (C,), N, of the loaded contact points; 0 where the force is only a residual of the solver."""
     compression, _ = assembly.split(forces)
     return np.where(compression > LOADED * assembly.mean_weight, compression, 0.0)
 
 
 def interface_dissipation(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Power (I,) of friction in each interface, sum of mu n |u_t| over its points that slide under load; NaN where states are unknown."""
+    """Power (I,) of friction in each interface, sum of mu n |u_t| over its loaded sliding points; NaN if states are UNKNOWN.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    twists : (B, 6) array
+        Twists of the blocks per unit motion of the drive.
+    forces : (C, 3) array
+        Contact forces on block b, N, global axes.
+    states : (C,) array of int
+        ContactState of each contact point.
+    """
     if np.any(states == ContactState.UNKNOWN):
         return np.full(len(assembly.interfaces), np.nan)
     _, slip = mechanism.contact_speeds(assembly, twists)
@@ -108,16 +156,16 @@ def interface_dissipation(assembly: Assembly, twists: np.ndarray, forces: np.nda
 
 
 def settling_power(assembly: Assembly, twists: np.ndarray) -> float:
-    """Power of the weights that settle, sum of max(w . v, 0) over the blocks; weights that are lifted do not count."""
+    """Power of the sinking weights, sum of max(w . v, 0) over the blocks; lifted weights do not count."""
     return float(np.maximum(np.sum(assembly.dead_load * twists, axis=1), 0.0).sum())
 
 
 def participation_index(dissipation: np.ndarray) -> float:
-    """How evenly J interfaces share a dissipation p (J,): (sum p)^2 / (J sum p^2), from 1/J (one alone) to 1 (all alike).
+    """Evenness of a dissipation p (J,) over J interfaces: (sum p)^2 / (J sum p^2), 1/J for one alone, 1 for equal ones.
 
-    Portioli & Cascini (2016), doi 10.1016/j.engstruct.2016.02.002, speak of "a distribution index of the energy dissipated in
-    the failure mechanism". Its formula is not at hand: this one, a participation ratio, is this project's own definition, and
-    its values are not comparable with theirs. NaN where nothing dissipates.
+    Portioli & Cascini (2016), doi 10.1016/j.engstruct.2016.02.002, speak of "a distribution index of the energy
+    dissipated in the failure mechanism". Its formula is not at hand: this one, a participation ratio, is this
+    project's own definition, and its values are not comparable with theirs. NaN where nothing dissipates.
     """
     largest = float(dissipation.max(initial=0.0))
     if not largest > 0.0:

@@ -1,4 +1,4 @@
-"""Measures of a mechanism: which blocks move, where joints slide, how alike two mechanisms are."""
+"""Measures of a mechanism: moving blocks, sliding joints, and the similarity of two mechanisms."""
 
 import numpy as np
 
@@ -9,12 +9,24 @@ MOVING_SHARE = 0.05  # of the fastest block's speed: blocks below this stand sti
 
 
 def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """Velocity (N, 3) of the material points at `position` (N, 3) of the blocks `block` (N,), for twists (B, 6)."""
+    """Velocity (N, 3) of material points of blocks.
+
+    Parameters
+    ----------
+    blocks : Blocks
+        B blocks.
+    twists : (B, 6) array
+        Their twists about the centroids.
+    position : (N, 3) array
+        Positions of the points, m.
+    block : (N,) array of int
+        Block of each point.
+    """
     return twists[block, :3] + np.cross(twists[block, 3:], position - blocks.centroid[block])
 
 
 def contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Parting speed (C,), positive where a joint opens, and sliding speed (C,) at each contact point."""
+    """Parting speed (C,), positive where a joint opens, and sliding speed (C,) at the contact points for twists (B, 6)."""
     parting, sliding = assembly.split(assembly.relative_velocity(twists))
     return parting, np.linalg.norm(sliding, axis=1)
 
@@ -27,7 +39,7 @@ def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
 
 
 def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
-    """Mask (B,) of the free blocks that take part in a mechanism."""
+    """Mask (B,) of the free blocks that move in a mechanism with twists (B, 6)."""
     speed = np.where(blocks.free, block_speeds(blocks, twists), 0.0)
     return blocks.free & (speed > MOVING_SHARE * speed.max())
 
@@ -38,9 +50,22 @@ def moving_mass_share(assembly: Assembly, twists: np.ndarray) -> float:
 
 
 def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
-    """Mass-weighted assurance (a'Mb)^2 / ((a'Ma)(b'Mb)) of two mechanisms (B, 6), M = diag(m, m, m, I), free blocks only.
+    """Similarity of two mechanisms: the mass-weighted modal assurance criterion (a'Mb)^2 / ((a'Ma)(b'Mb)).
 
-    1 for mechanisms that differ by a factor, 0 for orthogonal ones, NaN when one of them is at rest.
+    a and b are the twists of the free blocks, and M = diag(m, m, m, I) holds their masses and inertias. The result is
+    1 for mechanisms that differ by a factor, 0 for orthogonal ones, and NaN where one of them is at rest.
+
+    Parameters
+    ----------
+    blocks : Blocks
+        B blocks with mass and inertia.
+    first, second : (B, 6) arrays
+        Twists of the two mechanisms.
+
+    References
+    ----------
+    R. J. Allemang, D. L. Brown, A correlation coefficient for modal vector analysis, Proc. 1st International Modal
+    Analysis Conference, 1982, 110-116.
     """
     free = blocks.free
     mass, inertia = blocks.mass[free], blocks.inertia[free]
@@ -55,9 +80,10 @@ def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
 
 
 def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power sum of mu n |u_t| over the contact points, relative to the power the weights exchange, sum of |w . v|.
+    """Power of friction, sum of mu n |u_t|, over the power that the weights exchange, sum of |w . v|.
 
-    Zero when no loaded joint slides: then the flow rule's dilatancy plays no part and the associated answer is Coulomb's too.
+    It is 0 where no loaded joint slides. Dilatancy then has no effect, and the associated answer is also Coulomb's.
+    twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
     _, sliding = contact_speeds(assembly, twists)
     compression = np.maximum(assembly.split(forces)[0], 0.0)

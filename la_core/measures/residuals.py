@@ -1,4 +1,4 @@
-"""What a pair of contact forces and mechanism proves: every residual recomputed from the answer, never the solver's word."""
+"""Residuals of contact forces and mechanisms, recomputed from the answer and independent of the solver."""
 
 import numpy as np
 
@@ -7,12 +7,12 @@ from la_core.model import PLANE_FREEDOMS, Assembly, per_length
 
 
 def reaction(assembly: Assembly, forces: np.ndarray) -> float:
-    """Reaction (N or N m): minus unit support motion times the wrench of the support on the structure."""
+    """Reaction (N or N m) of forces (C, 3): minus the support's unit motion times its wrench on the structure."""
     return float(np.sum(assembly.support_twist * assembly.contact_wrenches(forces)))
 
 
 def multiplier(assembly: Assembly, forces: np.ndarray) -> float:
-    """Multiplier that balances contact forces and dead load best, in the least-squares sense."""
+    """Multiplier of the live load that balances contact forces (C, 3), N, and dead load best by least squares."""
     free = assembly.blocks.free
     unbalanced = (assembly.contact_wrenches(forces) + assembly.dead_load)[free]
     live = assembly.live_load[free]
@@ -20,7 +20,10 @@ def multiplier(assembly: Assembly, forces: np.ndarray) -> float:
 
 
 def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: float = 0.0) -> float:
-    """Largest unbalanced force, or moment over the mean block size, on a free block over the mean free-block weight."""
+    """Largest unbalanced force, or moment over the mean block size, on a free block, over the mean free-block weight.
+
+    forces (C, 3): contact forces, N. multiplier: of the live load.
+    """
     wrenches = assembly.contact_wrenches(forces) + assembly.dead_load + multiplier * assembly.live_load
     unbalanced = per_length(wrenches[assembly.blocks.free], assembly.length)
     kept = unbalanced[:, PLANE_FREEDOMS] if assembly.effects.plane else unbalanced
@@ -28,7 +31,10 @@ def equilibrium_residual(assembly: Assembly, forces: np.ndarray, multiplier: flo
 
 
 def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
-    """Largest tension or excess of |t| over mu n, over the mean free-block weight; sliding limits no force where it is excluded."""
+    """Largest tension or excess of |t| over mu n of contact forces (C, 3), over the mean free-block weight.
+
+    Where sliding is excluded, only tension counts.
+    """
     normal, friction = assembly.split(forces)
     excess = np.zeros(1) if assembly.effects.sliding_excluded else np.linalg.norm(friction, axis=1) - assembly.points.friction * normal
     return float(max(0.0, -normal.min(), excess.max()) / assembly.mean_weight)
@@ -37,18 +43,18 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
 def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over the largest speed of a block.
 
-    Not over the largest relative velocity: that is zero where blocks ride along with their support.
+    The largest relative velocity is no measure, because it is zero where blocks move along with their support.
     """
     (normal, tangential), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
     if assembly.effects.sliding_excluded:
         violation = np.maximum(tangential, -normal)
     else:
         excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
-        violation = np.maximum(excess, -normal)  # a large mu must not hide that blocks penetrate
+        violation = np.maximum(excess, -normal)  # a large mu must not hide penetration
     return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
 
 
 def penetration(assembly: Assembly, twists: np.ndarray) -> float:
-    """Largest speed at which blocks of a mechanism penetrate each other over the largest speed of a block."""
+    """Largest speed at which blocks penetrate each other, over the largest speed of a block, for twists (B, 6)."""
     (normal, _), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
     return float(max(0.0, -normal.min()) / fastest) if fastest > 0.0 else 0.0

@@ -15,17 +15,38 @@ PLANE_FREEDOMS = (0, 2, 4)  # vx, vz, wy of a block that moves in the xz plane
 
 
 def per_length(wrenches: np.ndarray, length: float) -> np.ndarray:
-    """Wrenches (N, 6) with moments divided by `length` (m), so that all six are forces; likewise rotations to radians."""
+    """Wrenches (N, 6) with moments divided by `length` (m), so that all six components are forces.
+
+    It also turns twists (N, 6) whose rotations are measured as length times radians into twists with radians.
+    """
     return wrenches / np.array([1.0, 1.0, 1.0, length, length, length])
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """Blocks, interfaces and contact points of a scene, its dead load and its driving motion or load.
+    """Mechanical model of a scene: blocks, interfaces, contact points, dead load, and the driving motion or load.
 
-    inset: of the contact points, m. dead_load, live_load (B, 6): wrenches about the centroids, N and N m; live_load is per unit
-    multiplier and zero for a settlement. support_twist (B, 6): unit motion of each support block about its centroid, else zero.
-    aside (B,): free blocks of the scene that are held at rest here, out of the motion's reach (`la_core.analysis.reach`).
+    Attributes
+    ----------
+    blocks : Blocks
+        B blocks.
+    interfaces : Interfaces
+        I interfaces between them.
+    points : ContactPoints
+        C contact points on the interfaces.
+    effects : Effects
+        Modelled effects, with reasons.
+    inset : float
+        Distance of the contact points from the edges of their interface, m.
+    dead_load : (B, 6) array
+        Weight of each free block as a wrench about its centroid, N and N m.
+    live_load : (B, 6) array
+        Live load per unit multiplier as wrenches about the centroids, N and N m; zero for a settlement.
+    support_twist : (B, 6) array
+        Unit motion of each support block about its centroid; zero for all other blocks.
+    aside : (B,) array of bool
+        Free blocks of the scene that are held at rest here because the motion does not reach them
+        (`la_core.analysis.reach`).
     """
 
     blocks: Blocks
@@ -45,22 +66,22 @@ class Assembly:
 
     @property
     def mean_weight(self) -> float:
-        """Mean weight of a free block, N: what residuals are relative to."""
+        """Mean weight of a free block, N; residuals are relative to it."""
         return self.weight / int(self.blocks.free.sum())
 
     @property
     def length(self) -> float:
-        """Mean size of a free block, m: what moments are scaled by."""
+        """Mean size of a free block, m; moments are scaled by it."""
         return float(np.linalg.norm(self.blocks.high - self.blocks.low, axis=1)[self.blocks.free].mean() / np.sqrt(3.0))
 
     @property
     def movable_mass(self) -> float:
-        """Mass of all free blocks of the scene, kg, also of those set aside: what shares of the mass are relative to."""
+        """Mass of all free blocks of the scene, also those set aside, kg; shares of the mass are relative to it."""
         return float(self.blocks.mass[self.blocks.free | self.aside].sum())
 
     @property
     def has_live_load(self) -> bool:
-        """Whether the assembly is driven by a live load instead of a support."""
+        """Whether a live load drives the assembly instead of a support."""
         return bool(np.any(self.live_load))
 
     @property
@@ -81,7 +102,7 @@ class Assembly:
 
     @property
     def support_speed(self) -> float:
-        """Largest speed of a contact point of the support per unit of its motion: 1 for a translation or a live load, m for a rotation."""
+        """Largest speed of a support's contact point per unit motion; 1 for a translation or a live load, m for a rotation."""
         if self.has_live_load:
             return 1.0
         return float(np.linalg.norm(self.relative_velocity(self.support_twist), axis=1).max())
@@ -92,7 +113,7 @@ class Assembly:
         return normal, vectors - normal[..., None] * self.normal
 
     def relative_velocity(self, twists: np.ndarray) -> np.ndarray:
-        """Velocity (C, 3) of block b relative to a at each contact point, global axes, for block twists (B, 6)."""
+        """Velocity (C, 3) of block b relative to block a at each contact point, global axes, for twists (B, 6)."""
         velocity = np.zeros_like(self.points.position)
         for block, sign in zip(self.contact_blocks, (-1.0, 1.0), strict=True):
             arm = self.points.position - self.blocks.centroid[block]
@@ -100,7 +121,7 @@ class Assembly:
         return velocity
 
     def contact_wrenches(self, forces: np.ndarray) -> np.ndarray:
-        """Sum (B, 6) of contact forces (C, 3; on b, global axes) on each block, moments about its centroid."""
+        """Wrench (B, 6) of contact forces (C, 3; on block b, global axes) on each block, moments about its centroid."""
         wrenches = np.zeros((len(self.blocks), 6))
         for block, sign in zip(self.contact_blocks, (-1.0, 1.0), strict=True):
             arm = self.points.position - self.blocks.centroid[block]
@@ -110,7 +131,8 @@ class Assembly:
     def kinematic_matrix(self, length: float) -> sparse.csr_matrix:
         """Matrix from twists of all blocks to local relative velocities; rotations are measured as `length` times radians.
 
-        Rows: per contact point normal and tangents (2 rows in a plane scene, 3 else). Columns: per block vx, vz, wy or six.
+        Rows: normal and tangents of each contact point (2 in a plane model, 3 in space). Columns: vx, vz, wy of each
+        block in a plane model, all six components in space. length: m.
         """
         plane = self.effects.plane
         freedoms = np.array(PLANE_FREEDOMS if plane else range(6))
@@ -135,8 +157,18 @@ class Assembly:
 def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
     """Build the mechanical model of a scene, contact points at the scene's inset.
 
-    interfaces: of the scene's blocks, where they are known; the search for them is most of the work. Raises SceneError, with the scene's
-    path, for blocks that overlap or touch nothing, and for effects that the scene does not allow.
+    Parameters
+    ----------
+    scene : Scene
+        Scene to model.
+    interfaces : Interfaces, optional
+        Interfaces of the scene's blocks, if they are known; their search is most of the work.
+
+    Raises
+    ------
+    SceneError
+        Blocks overlap or touch nothing, or the scene requests an effect that it does not allow. The message begins
+        with the scene's path.
     """
     try:
         return _assemble(scene, interfaces)

@@ -1,4 +1,4 @@
-"""More contact points than the corners of an interface: what they add to an answer, and to its cost."""
+"""More contact points than the corners of an interface, to measure their effect on an answer and on its cost."""
 
 from dataclasses import replace
 
@@ -7,14 +7,14 @@ import numpy as np
 from la_core.geometry import ContactPoints
 from la_core.model.assembly import Assembly
 
-CORNERS = 4  # of an interface that a grid can be laid on
+CORNERS = 4  # an interface with this number of corners can carry a grid
 
 
 def with_grid(assembly: Assembly, per_side: int) -> Assembly:
-    """The assembly with `per_side` (2 and more) points along each side of its interfaces: in 3D a grid of their square.
+    """The assembly with `per_side` (at least 2) contact points along each side of its interfaces.
 
-    Points are spread evenly between the contact points at the corners, which stay. In 3D an interface with other than four corners keeps
-    those alone.
+    The points lie evenly between those at the corners: on a line in the plane, on a grid in 3D. In 3D an interface
+    with more or fewer than four corners keeps its points.
     """
     points, share = assembly.points, np.linspace(0.0, 1.0, per_side)
     count = np.bincount(points.interface, minlength=len(assembly.interfaces))

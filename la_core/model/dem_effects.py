@@ -1,4 +1,4 @@
-"""Effects of the run in YADE, decided where the contact points and the support's travel are known: displacement and recording."""
+"""Effects of the run in YADE, displacement and recording. Contact points and the support's travel must be known."""
 
 from dataclasses import replace
 
@@ -11,18 +11,19 @@ from la_core.model.assembly import Assembly
 from la_core.model.joints import JointStiffness
 from la_core.scene import Scene
 
-GAP_OVER_TRAVEL = 10.0  # a block may move five times as far as the support before two meet across such a gap; the run is checked
-NO_GAP = 1e-6  # of the search distance: round-off where two blocks meet in an edge
-LARGE_RECORD = 200.0  # MB of stored states, above which only those that are judged are kept
+GAP_OVER_TRAVEL = 10.0  # two blocks meet across such a gap only if each moves five times the travel; every run is checked
+NO_GAP = 1e-6  # of the search distance: a smaller gap is round-off where two blocks meet in an edge
+LARGE_RECORD = 200.0  # MB of stored states; above it only the states that are judged are stored
 _NOT_RUN = "YADE does not run a live load"
 _LISTED = "contacts are then those of the joints alone"
 
 
 def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[Assembly, float]:
-    """The assembly with displacement and recording decided, and the least gap (m) between blocks without a joint.
+    """Decide displacement and recording of the run in YADE.
 
-    The gap is NaN where nobody looked, and gaps beyond the search distance count as that distance. Raises SceneError for small
-    displacements asked for where two blocks without a joint can meet.
+    Returns the assembly with them, and the least gap (m) between blocks without a joint. The gap is NaN where it was
+    not computed; a gap beyond the search distance counts as that distance. Raises SceneError where the scene requests
+    small displacements although two blocks without a joint can meet.
     """
     if scene.live is None:
         displacement, why, gap = _displacement(scene, assembly, stiffness)
@@ -35,28 +36,29 @@ def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffne
 
 def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -> tuple[str, str, float]:
     """The choice, its reason, and the least gap (m)."""
-    asked = scene.effects.displacement
-    if asked == "finite":
-        return asked, "asked for in the scene", float("nan")
+    request = scene.effects.displacement
+    if request == "finite":
+        return request, "requested in the scene", float("nan")
     travel = stiffness.travel * assembly.support_speed
     distance = GAP_OVER_TRAVEL * travel
     gap, pair = least_gap(assembly, distance)
     if pair is None:
         why = f"blocks without a joint between them are at least {gap:.3g} m apart, and the support moves {travel:.3g} m: {_LISTED}"
-        return "small", f"asked for in the scene, and {why}" if asked == "small" else why, gap
+        return "small", f"requested in the scene, and {why}" if request == "small" else why, gap
     names = f'blocks "{assembly.blocks.names[pair[0]]}" and "{assembly.blocks.names[pair[1]]}"'
     near = f"{names} are {gap:.3g} m apart without a joint"
-    if asked == "small":
+    if request == "small":
         rule = f"{near}, and may meet where the support moves {travel:.3g} m: less than {distance:.3g} m is too near"
-        raise SceneError(f"{scene.path}: effects.displacement", rule, value=asked, hint='take "finite", or leave it out')
+        raise SceneError(f"{scene.path}: effects.displacement", rule, value=request, hint='take "finite", or leave it out')
     return "finite", f"{near}, and the support moves {travel:.3g} m", gap
 
 
 def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, int] | None]:
-    """Lower bound (m) of the least gap between blocks without a joint, at most `distance` (m), and the pair nearer than that, if any.
+    """Lower bound (m) of the least gap between blocks without a joint, and the pair of blocks with that gap.
 
-    Two held blocks do not count. A gap is bounded by that of the bounding boxes and by every face of either block that has the
-    other one outside.
+    Beyond `distance` (m) the bound is `distance` and the pair is None. Pairs of two held blocks do not count. The gap
+    between the bounding boxes is a bound of the gap, and so is the distance of one block from a face plane of the
+    other.
     """
     blocks, interfaces = assembly.blocks, assembly.interfaces
     pairs = near_pairs(blocks, np.full(len(blocks), 0.5 * distance))
@@ -80,9 +82,9 @@ def _key(pairs: np.ndarray, blocks: Blocks) -> np.ndarray:
 
 def _recording(scene: Scene, assembly: Assembly) -> tuple[str, str]:
     """The choice and its reason."""
-    asked = scene.effects.recording
-    if asked != "auto":
-        return asked, "asked for in the scene"
+    request = scene.effects.recording
+    if request != "auto":
+        return request, "requested in the scene"
     states = int(scene.yade.get("poses", POSES)) + 1
     numbers = states * (6 * len(assembly.blocks) + 3 * len(assembly.points))  # displacements and rotations; contact forces
     size = 8e-6 * numbers

@@ -1,4 +1,4 @@
-"""Which effects a scene calls for, each with its reason."""
+"""The effects that a scene needs, each with its reason."""
 
 from dataclasses import dataclass, replace
 
@@ -12,13 +12,29 @@ FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in t
 
 @dataclass(frozen=True)
 class Effects:
-    """What is modelled, and why: reasons by effect.
+    """Modelled effects with their reasons.
 
-    plane: motion in the xz plane only. friction: "coulomb", "associated" or "none-slides"; sliding_excluded: by Heyman's law, asked for,
-    and not only absent from the answer. elasticity: of the joints in limit analysis, "none", "plateau" (in steps to the plateau) or
-    "path" (the whole curve). reach: only the blocks that the support's motion can touch. displacement: of YADE's contacts, "small"
-    (those listed) or "finite" (new ones are looked for). recording: of YADE's states, "plateau" (at rest and on the plateau) or
-    "states" (all along). called_back: effects that were left out, and turned back on after a run in YADE.
+    Attributes
+    ----------
+    plane : bool
+        Motion in the xz plane only.
+    friction : str
+        "coulomb", "associated" or "none-slides".
+    elasticity : str
+        Strain of the joints in limit analysis: "none", "plateau" (in a few steps to the plateau) or "path" (the whole
+        curve).
+    reach : bool
+        Only the blocks that the support's motion can affect.
+    displacement : str
+        Contacts in YADE: "small" (those of the case) or "finite" (YADE searches for new ones).
+    recording : str
+        States that YADE stores: "plateau" (at rest and on the plateau) or "states" (all the way).
+    reasons : dict of str
+        Reason for each effect, by its name.
+    sliding_excluded : bool
+        Sliding is excluded by Heyman's law at the scene's request, not only absent from the answer.
+    called_back : tuple of str
+        Effects that were first left out and turned on again after a run in YADE.
     """
 
     plane: bool
@@ -32,14 +48,15 @@ class Effects:
     called_back: tuple[str, ...] = ()
 
     def with_effect(self, effect: str, choice: bool | str, reason: str) -> "Effects":
-        """The same with one effect decided otherwise, for a reason."""
+        """The same effects with another choice for one of them, and its reason."""
         return replace(self, **{effect: choice, "reasons": self.reasons | {effect: reason}})  # type: ignore[arg-type]
 
 
 def decide(scene: Scene) -> Effects:
-    """Decide what the scene alone decides; friction "auto" counts as Coulomb's until `la_core.coulomb` has looked for a sliding joint.
+    """Decide the effects that depend on the scene alone.
 
-    Raises SceneError for what a scene asks for and does not allow.
+    Friction "auto" is Coulomb's until `la_core.coulomb` has searched for sliding joints. Raises SceneError for a
+    requested effect that the scene does not allow.
     """
     plane, why_plane = _decide_plane(scene)
     if scene.effects.reach is True and scene.live is not None:
@@ -49,17 +66,17 @@ def decide(scene: Scene) -> Effects:
         elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
     elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
         raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
-    asked = "asked for in the scene"
+    by_request = "requested in the scene"
     reasons = {
         "plane": why_plane,
-        "friction": asked if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
-        "elasticity": asked if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
+        "friction": by_request if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
+        "elasticity": by_request if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
     }
     return Effects(
         plane,
         "coulomb" if friction == "auto" else friction,
         elasticity,
-        reach=False,  # until its answer is proven, see `la_core.analysis.reach`
+        reach=False,  # until the reduced answer is proven, see `la_core.analysis.reach`
         displacement="finite",
         recording="states",
         reasons=reasons,
@@ -71,24 +88,24 @@ _DEFAULT = "joints may slide, and real friction does not dilate"
 _WHY_ELASTIC = {
     "none": "bounds do not depend on the joints' strain",
     "plateau": "friction without dilatancy follows the joints' strain from rest to the plateau",
-    "path": "a [path] is asked for",
+    "path": "a [path] is requested",
 }
 
 
 def _decide_plane(scene: Scene) -> tuple[bool, str]:
     """Whether the model is plane, and why."""
     obstacle = _obstacle_to_plane(scene)
-    asked = scene.effects.plane
-    if asked is True and obstacle:
+    request = scene.effects.plane
+    if request is True and obstacle:
         raise SceneError("effects.plane", obstacle, value=True, hint='leave it out or say "auto"')
-    plane = not obstacle if asked == "auto" else bool(asked)
+    plane = not obstacle if request == "auto" else bool(request)
     low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
-    return plane, obstacle or (fits if plane else f"asked for in the scene, although {fits}")
+    return plane, obstacle or (fits if plane else f"requested in the scene, although {fits}")
 
 
 def _obstacle_to_elasticity(scene: Scene) -> str | None:
-    """Why the elasticity asked for does not go with the friction asked for, None where it does."""
+    """Why the requested elasticity does not go with the requested friction, or None where it does."""
     friction, elasticity = scene.effects.friction, scene.effects.elasticity
     if elasticity == "none" and friction == "coulomb":
         return "friction without dilatancy follows the joints' strain, and without strain its answer is not unique"
@@ -100,7 +117,7 @@ def _obstacle_to_elasticity(scene: Scene) -> str | None:
 
 
 def _obstacle_to_plane(scene: Scene) -> str:
-    """Why the scene is not plane, or "" when it is."""
+    """Why the scene is not plane, or "" where it is."""
     blocks = scene.blocks
     low, high = blocks.low[:, 1], blocks.high[:, 1]
     depth = high.max() - low.min()

@@ -1,6 +1,6 @@
-"""Elastic joints: how stiff a contact point is and how far the support travels, for limit analysis and YADE alike.
+"""Elastic joints: stiffness of a contact point and travel of the support, the same for limit analysis and YADE.
 
-Both follow from size, weight and inset, so that blocks of any size and weight behave alike.
+Both scale with size, weight and inset, so that structures of any size and weight behave alike.
 """
 
 import math
@@ -20,18 +20,27 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 TRAVEL_OVER_SIZE = 1.0 / 400.0  # largest support travel over block size: small displacements
 TRAVEL_OVER_INSET = 0.8  # a contact sphere that slips by its inset leaves the face
 ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass for a mechanism
-PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that sinks in deeper touches at another place than its contact point
-SOLVER_TOLERANCE = 1e-3  # only a scale is wanted
+PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that penetrates deeper touches away from its contact point
+SOLVER_TOLERANCE = 1e-3  # of a scale, not of an answer
 
 _ASKED = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")
 
 
 @dataclass(frozen=True)
 class JointStiffness:
-    """Stiffness of one contact point along its normal and across it (N/m), and what it was chosen by.
+    """Stiffness of every contact point, with the travel and the sag that it was chosen by.
 
-    travel: largest motion of the support, m or rad (no support: largest displacement of a block). sag: largest displacement of a
-    centroid (m) under the weights with joints glued, as stiff across as along the normal; NaN where nothing holds the structure.
+    Attributes
+    ----------
+    normal : float
+        Stiffness along the normal, N/m.
+    shear : float
+        Stiffness across the normal, N/m.
+    travel : float
+        Largest motion of the support, m or rad; for a live load the largest displacement of a block, m.
+    sag : float
+        Largest displacement of a centroid under the weights, m, with glued joints that have the normal stiffness in
+        all directions; NaN where nothing holds the structure.
     """
 
     normal: float
@@ -41,25 +50,38 @@ class JointStiffness:
 
 
 def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any]) -> JointStiffness:
-    """Stiffness for an assembly with contact points at `inset` (m), what `settings` (a scene's [yade]) asks for put first.
+    """Choose the stiffness of the joints and the travel of the support.
 
-    The rules about contact spheres hold where YADE can lay them: at an inset above 0, under a support that moves.
-    Raises SceneError for an impossible value.
+    The rules for contact spheres apply where YADE can place them: at an inset above 0 and with a moving support.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure with its weights and its driving motion or load.
+    inset : float
+        Distance of the contact points from the edges of their interface, m.
+    settings : mapping
+        The scene's [yade] table; its values replace the derived ones.
+
+    Raises
+    ------
+    SceneError
+        A setting has an impossible value.
     """
     _refuse_impossible(settings, inset)
-    asked = {name: float(settings[name]) for name in _ASKED if name in settings}
+    requested = {name: float(settings[name]) for name in _ASKED if name in settings}
     has_spheres = inset > 0.0 and not assembly.has_live_load
     speed = assembly.support_speed
     longest = TRAVEL_OVER_SIZE * _block_size(assembly)
     if has_spheres:
         longest = min(longest, TRAVEL_OVER_INSET * inset)
-    travel = asked.get("max_travel", longest / speed)
+    travel = requested.get("max_travel", longest / speed)
     sag, force = _glued(assembly)
     least = sag / (ELASTIC_SHARE * travel * speed)
     if has_spheres:
-        least = max(least, force / (PENETRATION_OVER_RADIUS * asked.get("sphere_radius", RADIUS_OVER_INSET * inset)))
-    normal = asked.get("normal_stiffness", least)
-    return JointStiffness(normal, asked.get("shear_stiffness", normal), travel, sag / normal)
+        least = max(least, force / (PENETRATION_OVER_RADIUS * requested.get("sphere_radius", RADIUS_OVER_INSET * inset)))
+    normal = requested.get("normal_stiffness", least)
+    return JointStiffness(normal, requested.get("shear_stiffness", normal), travel, sag / normal)
 
 
 def _refuse_impossible(settings: Mapping[str, Any], inset: float) -> None:
@@ -70,7 +92,7 @@ def _refuse_impossible(settings: Mapping[str, Any], inset: float) -> None:
 
 
 def _broken_rule(name: str, value: Any, inset: float) -> str:
-    """What the value of a setting must be and is not; "" when all is well."""
+    """The rule that the value of a setting breaks, or "" where it breaks none."""
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return "a finite number"
     if value < 0.0 or (value == 0.0 and name != "shear_stiffness"):  # without shear stiffness joints are smooth, not gone
@@ -103,8 +125,9 @@ def _glued(assembly: Assembly) -> tuple[float, float]:
 
 
 def _standing(assembly: Assembly) -> np.ndarray:
-    """Mask (B,) of the free blocks that joints connect to a held one: the others would fall for ever, however stiff the glue."""
+    """Mask (B,) of the free blocks that joints connect to a held block; all others fall, however stiff the joints are."""
     free, size = assembly.blocks.free, len(assembly.blocks)
     a, b = assembly.interfaces.block_a, assembly.interfaces.block_b
-    _, part = connected_components(sparse.coo_matrix((np.ones(len(a)), (a, b)), shape=(size, size)), directed=False)
-    return free & np.isin(part, part[~free])
+    joined = sparse.coo_matrix((np.ones(len(a)), (a, b)), shape=(size, size))
+    _, component = connected_components(joined, directed=False)
+    return free & np.isin(component, component[~free])

@@ -1,4 +1,7 @@
-"""Between the model in SI units and programmes in numbers of order one: lengths over the mean block size, forces over the weight."""
+"""Scaling between the model in SI units and programmes with numbers of order one.
+
+Lengths are over the mean block size and forces are over the weight of the free blocks.
+"""
 
 import numpy as np
 
@@ -6,9 +9,9 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, per_length
 
 
 def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
-    """Speed of the fastest support point per unit motion (1, or m for a turning support), and the supports' twists (B, 6) over it.
+    """Speed of the fastest support point per unit motion (1; m for a rotation), and the support twists (B, 6) over it.
 
-    sign: 1 where the support yields, -1 where it pushes back, 0 where it rests.
+    sign: 1 for a support that moves with the settlement, -1 for one that moves against it, 0 for one at rest.
     """
     if sign == 0.0:
         return 1.0, np.zeros((len(assembly.blocks), 6))
@@ -17,19 +20,25 @@ def support_motion(assembly: Assembly, sign: float) -> tuple[float, np.ndarray]:
 
 
 def columns(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
-    """Twists (B, 6) as the vector that the scaled kinematic matrix acts on: rotations times the length, plane freedoms picked."""
+    """Twists (B, 6) as the vector that the scaled kinematic matrix acts on.
+
+    Rotations are multiplied by the length; a plane model keeps vx, vz and wy only.
+    """
     scaled = twists * np.array([1.0, 1.0, 1.0, *[assembly.length] * 3])
     return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
 
 
 def scaled_load(assembly: Assembly, wrenches: np.ndarray) -> np.ndarray:
-    """Wrenches (B, 6) of the free blocks as powers per scaled column: forces over the weight, moments over weight and length."""
+    """Wrenches (B, 6) of the free blocks as the vector of powers per scaled unknown.
+
+    Forces are over the weight, moments over the weight and the length.
+    """
     scaled = per_length(wrenches[assembly.blocks.free], assembly.length) / assembly.weight
     return scaled[:, PLANE_FREEDOMS].ravel() if assembly.effects.plane else scaled.ravel()
 
 
 def twists_of(assembly: Assembly, x: np.ndarray) -> np.ndarray:
-    """Twists (B, 6) from the scaled columns of the free blocks; the others rest."""
+    """Twists (B, 6) from the scaled unknowns x (n,) of the free blocks; all other blocks rest."""
     count = int(assembly.blocks.free.sum())
     free, twists = np.zeros((count, 6)), np.zeros((len(assembly.blocks), 6))
     free[:, PLANE_FREEDOMS if assembly.effects.plane else slice(None)] = x.reshape(count, -1)

@@ -1,4 +1,4 @@
-"""Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first of an array."""
+"""Dotted paths into a scene's TOML, such as joint.friction or wall[0].opening[1].from[0]; [0] is the first entry."""
 
 import re
 from itertools import pairwise
@@ -10,20 +10,20 @@ _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_-]*)((?:\[\d{1,6}\])*)")
 
 
 def steps(key: str) -> list[str | int]:
-    """The names and indices that a key leads along; raises SceneError for a text that is no such path."""
+    """Names and indices along a dotted path; raises SceneError for an invalid path."""
     if not isinstance(key, str):
-        raise SceneError(repr(key), "a key is a text")
-    found: list[str | int] = []
-    for part in key.split("."):
-        step = _STEP.fullmatch(part)
+        raise SceneError(repr(key), "a key must be a text")
+    names_and_indices: list[str | int] = []
+    for name in key.split("."):
+        step = _STEP.fullmatch(name)
         if step is None:
             raise SceneError(f'"{key}"', "must be a dotted path into a scene, such as joint.friction or wall[0].courses")
-        found += [step[1], *(int(index) for index in re.findall(r"\d+", step[2]))]
-    return found
+        names_and_indices += [step[1], *(int(index) for index in re.findall(r"\d+", step[2]))]
+    return names_and_indices
 
 
 def get(data: Any, key: str) -> Any:
-    """Value at a key of a scene's data, None where there is none."""
+    """Value at a key of a scene's data, or None where the key does not exist."""
     for step in steps(key):
         try:
             data = data[step]
@@ -33,9 +33,9 @@ def get(data: Any, key: str) -> Any:
 
 
 def put(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a key of a scene's data, in tables that are made where they are missing, or take it away where the value is None.
+    """Set a key of a scene's data, in place; a value of None removes the key.
 
-    Raises SceneError where the path leads nowhere.
+    Missing tables on the way are created. Raises SceneError for a path that the data cannot have.
     """
     *way, last = steps(key)
     place: Any = data
@@ -44,7 +44,7 @@ def put(data: dict[str, Any], key: str, value: Any) -> None:
         _require(place, step, walked, key)
         if isinstance(step, str) and step not in place:
             if isinstance(following, int):
-                raise SceneError(f'"{key}"', f"the scene has no {_joined(walked, step)}, and an array grows as a whole only")
+                raise SceneError(f'"{key}"', f"the scene has no {_joined(walked, step)}; set that array as a whole")
             place[step] = {}
         place, walked = place[step], _joined(walked, step)
     _require(place, last, walked, key)
@@ -59,13 +59,13 @@ def _joined(walked: str, step: str | int) -> str:
 
 
 def _require(place: Any, step: str | int, walked: str, key: str) -> None:
-    """That a place in a scene's data can be gone on from by a step."""
+    """Raise SceneError where a step does not fit its place in a scene's data."""
     if isinstance(step, int):
         if not isinstance(place, list):
-            raise SceneError(f'"{key}"', f"{walked} is no array")
+            raise SceneError(f'"{key}"', f"{walked} is not an array")
         if step >= len(place):
-            raise SceneError(f'"{key}"', f"{walked} has {len(place)} entries, of which [0] is the first")
+            raise SceneError(f'"{key}"', f"{walked} has {len(place)} entries; [0] is the first")
     elif isinstance(place, list):
-        raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"say which of its entries: {walked}[0].{step}")
+        raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"select one of its entries: {walked}[0].{step}")
     elif not isinstance(place, dict):
         raise SceneError(f'"{key}"', f"{walked} is a value, not a table", value=place)

@@ -1,4 +1,4 @@
-"""From a TOML file to a `Scene`: every complaint about a scene is made here, before anything is solved."""
+"""From a TOML file to a `Scene`, with every check that needs no solver."""
 
 import tomllib
 from collections import Counter
@@ -82,18 +82,18 @@ class Scene(Tabled):
 
 
 def load_scene(path: Path, name: str = "") -> Scene:
-    """Read, validate and expand a scene file; raises SceneError for anything a user must mend.
+    """Read, validate and expand a scene file; raises SceneError for every fault of it.
 
-    `name` replaces the file's stem as the scene's name, for copies.
+    name: name of the scene instead of the file's stem, for copies.
     """
     return scene_of_text(_read(path), path, name or path.stem)
 
 
 def scene_of_text(text: str, path: Path, name: str) -> Scene:
-    """The same from a scene's text; its meshes are looked for beside `path`, which errors name."""
+    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name."""
     try:
         data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # a ValueError besides TOML's own is Python's for a number of too many digits
+    except (ValueError, RecursionError) as error:  # Python raises ValueError for a number of too many digits
         raise SceneError(str(path), f"not valid TOML: {error}") from error
     try:
         return _build(path, name, text, _validate(data))
@@ -104,7 +104,7 @@ def scene_of_text(text: str, path: Path, name: str) -> Scene:
 def _read(path: Path) -> str:
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):
-            raise SceneError(str(path), "neither a file nor a folder, so it might never end")
+            raise SceneError(str(path), "neither a file nor a folder, so reading it might never end")
         if path.stat().st_size > LARGEST_FILE:
             raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
         return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
@@ -123,12 +123,13 @@ def _validate(data: dict[str, Any]) -> scene_file.SceneFile:
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scene:
     if not name.isprintable():
-        raise SceneError(f'the name "{visible(name)}"', "must be printable text, for a folder of results has it", hint="rename the file")
+        rule = "must be printable text, because it names a folder of results"
+        raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
     imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
     every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
     named = list(islice(every, MOST_BLOCKS + 1))
     if len(named) > MOST_BLOCKS:
-        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="take larger ones or fewer")
+        raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     _require_sense(named, file)
     shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
     blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
@@ -148,7 +149,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
-        meshes=tuple(one for _, files in imported for one in files),
+        meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
         accuracy=file.accuracy,
     )
 
@@ -205,7 +206,7 @@ def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
 
 
 def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float]:
-    """Density of every block; a held block may do without (NaN), a free one may not."""
+    """Density of every block; NaN for a held block without one. Raises SceneError for a free block without one."""
     stone = file.stone.density if file.stone else None
     densities = [n.density if n.density is not None else stone for n in named]
     for n, density in zip(named, densities, strict=True):
@@ -215,7 +216,7 @@ def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[floa
 
 
 def _unit(vector: Vector) -> np.ndarray:
-    """Unit vector; scaled by the largest entry first, so that tiny and huge entries do not under- or overflow."""
+    """Unit vector, first scaled by the largest entry so that tiny and huge entries neither underflow nor overflow."""
     scaled = np.array(vector) / np.abs(vector).max()
     return scaled / np.linalg.norm(scaled)
 

@@ -1,4 +1,4 @@
-"""The scenes that come with the program."""
+"""The scenes that are part of the program."""
 
 from pathlib import Path
 

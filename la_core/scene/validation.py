@@ -1,4 +1,4 @@
-"""What pydantic found wrong, as a sentence that a user can act on."""
+"""Errors of pydantic as sentences with the key, the value and the rule."""
 
 from typing import Any
 
@@ -8,7 +8,17 @@ from la_core.errors import SceneError, nearest
 
 
 def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
-    """The first thing wrong in a table's `data` as a sentence: key path (with the block's name), value, rule, nearest key."""
+    """Turn the first error in a table's data into a SceneError with key path, value, rule and nearest key.
+
+    Parameters
+    ----------
+    refused : ValidationError
+        Error of pydantic.
+    data : dict
+        Table as read from TOML.
+    table : class
+        Schema of the table.
+    """
     error: Any = min(refused.errors(), key=_says_least)
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
@@ -25,11 +35,11 @@ def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], tabl
 
 
 def _says_least(error: Any) -> tuple[bool, bool]:
-    """Rank of an error, the first the best: a misspelt key is also a missing one; a number of any kind need not be a whole one."""
+    """Rank of an error, lowest first: an unknown key explains a missing one, and an integer is one of two allowed types."""
     return error["type"] != "extra_forbidden", error["loc"][-1:] == ("constrained-int",)
 
 
-_RULES = {  # in place of pydantic's words, which are about Python
+_RULES = {  # instead of pydantic's messages, which speak of Python
     "bool_type": "must be true or false",
     "dict_type": "must be a table",
     "finite_number": "must be a finite number",
@@ -44,23 +54,23 @@ _RULES = {  # in place of pydantic's words, which are about Python
 
 
 def _key_path(location: tuple[Any, ...], data: Any) -> str:
-    parts: list[str] = []
+    names: list[str] = []
     for step in location:
         try:
             data = data[step]
         except (KeyError, IndexError, TypeError):
             data = None
         if not isinstance(step, int):
-            parts.append(str(step))
+            names.append(str(step))
         elif isinstance(data, dict) and isinstance(data.get("name"), str):
-            parts[-1] += f' "{data["name"]}"'
+            names[-1] += f' "{data["name"]}"'
         else:
-            parts[-1] += f"[{step + 1}]"
-    return ".".join(part for part in parts if not part.startswith(("constrained-", "literal[", "tuple[", "bool")))
+            names[-1] += f"[{step + 1}]"
+    return ".".join(name for name in names if not name.startswith(("constrained-", "literal[", "tuple[", "bool")))
 
 
 def _valid_keys(model: type[pydantic.BaseModel], parents: list[Any]) -> list[str]:
-    """Keys of the table that `parents` lead to from `model`, by walking the schema."""
+    """Keys of the table at the path `parents` below the table `model`."""
     for step in parents:
         if isinstance(step, int):
             continue
@@ -73,4 +83,5 @@ def _table_of(annotation: Any) -> Any:
     """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`."""
     if isinstance(annotation, type) and issubclass(annotation, pydantic.BaseModel):
         return annotation
-    return next(found for part in annotation.__args__ if part is not type(None) and (found := _table_of(part)))
+    members = (member for member in annotation.__args__ if member is not type(None))
+    return next(table for member in members if (table := _table_of(member)))

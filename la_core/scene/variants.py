@@ -1,6 +1,7 @@
 """Scenes made in code: from tables with the keys of a scene file, or from another scene with some of its keys changed.
 
-Both write the scene as TOML and read it like a file, so that one schema speaks about all scenes and results can be stored and cached.
+Both write the scene as TOML and read it like a file, so that one schema checks all scenes and their results can be
+stored.
 """
 
 import copy
@@ -20,8 +21,8 @@ from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.scene.validation import as_scene_error
 
-KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # what of a scene may change without its expected value
-LONGEST_NAME = 80  # characters of a name made from changes: it becomes a folder's
+KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # may change without a new expected value
+LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 LONGEST_TITLE = 120  # characters of a title made so
 EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}
 FULL_SUFFIX = "_full"
@@ -64,9 +65,9 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
 
 
 def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene:
-    """The scene with other keys that leave its structure as it is, so that its title and its expected value stay.
+    """The scene with changed keys that do not affect its structure; its title and its expected value stay.
 
-    changes, name: as in `variant`. Raises SceneError as `variant` does.
+    Parameters and errors are those of `variant`, but `name` is required.
     """
     tables = tomllib.loads(scene.text)
     for key, value in changes.items():
@@ -75,16 +76,26 @@ def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene
 
 
 def full_model(scene: Scene) -> Scene:
-    """The scene with every effect modelled, under its name with FULL_SUFFIX; another law of friction that it asks for stays."""
+    """The scene with every effect modelled, named with FULL_SUFFIX; a requested associated or no-sliding law stays."""
     law = scene.effects.friction
     effects = EVERY_EFFECT | ({"friction": law} if law in ("associated", "none-slides") else {})
     return same_structure(scene, {"effects": effects}, f"{scene.name}{FULL_SUFFIX}")
 
 
 def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:
-    """Set several keys of a scene's tables, which lie at `path`; returns all tables with the schema's defaults.
+    """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    What the scene is known to yield does not hold for another structure, so [expected] goes with it unless it changes, too.
+    The expected value does not hold for another structure: [expected] is removed where the structure changes, unless
+    it changes too.
+
+    Parameters
+    ----------
+    tables : dict
+        Tables as read from TOML.
+    changes : mapping
+        New value by dotted key; None removes the key.
+    path : Path
+        Scene file that messages name.
     """
     before = _whole(tables, path)
     for key, value in changes.items():
@@ -105,12 +116,12 @@ def _whole(tables: dict[str, Any], path: Path) -> dict[str, Any]:
 
 
 def _name_of(key: str, value: Any) -> str:
-    """A change in one word that can be part of a folder's name."""
+    """A change as text that can be part of a folder's name."""
     return re.sub(r"[^\w.+=-]", "", f"{key}={value}")
 
 
 def _plain(value: Any, key: str) -> Any:
-    """A value in the types of TOML; raises SceneError for one that has none."""
+    """A value in the types of TOML; raises SceneError for a value that TOML cannot express."""
     if isinstance(value, np.ndarray | np.generic):
         return _plain(value.tolist(), key)
     if isinstance(value, Mapping):

@@ -214,7 +214,7 @@ def test_joints_of_a_flat_arch_meet_in_one_point() -> None:
     ("extra", "entries", "complaint"),
     [
         (opening("south", (3.5, 0.4), (4.2, 0.8)), {}, "must lie within the wall's length"),
-        (opening("south", (0.4, 0.4), (1.0, 0.8)), {}, "reaches into the wall that meets this one from 0 to 0.2 m"),
+        (opening("south", (0.4, 0.4), (1.0, 0.8)), {}, "overlaps the wall that meets this one from 0 to 0.2 m"),
         (opening("south", (1.0, 0.4), (1.6, 0.8)) + "\n" + opening("south", (1.4, 0.4), (2.0, 0.8)), {}, "overlap"),
         (opening("south", (1.0, 0.4), (1.6, 1.2)), {}, "must leave a course for the lintel"),
         (opening("south", (1.0, 0.3), (1.6, 0.8)), {}, "must lie on course lines"),
@@ -223,7 +223,7 @@ def test_joints_of_a_flat_arch_meet_in_one_point() -> None:
         (scenes.table("[building.floor]", course=7, mass=1.0), {}, "but there are 6 `courses`"),
         ("", {"size": (0.6, 3.0)}, "at least two lengths"),
         ("", {"block": (0.2, 0.2, 0.2)}, "longer than thick"),
-        ("", {"foundation": {"height": 0.2, "settling": {"from": (20.0, 0.0), "to": (21.0, 1.0)}}}, "holds no part of a foundation"),
+        ("", {"foundation": {"height": 0.2, "settling": {"from": (20.0, 0.0), "to": (21.0, 1.0)}}}, "contains no part of a foundation"),
         ("", {"foundation": {"height": 0.2, "settling": {"from": (1.0, 0.1), "to": (2.0, 1.0)}}}, "over its whole breadth, 0 to 0.2 m"),
     ],
 )

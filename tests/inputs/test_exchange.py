@@ -150,10 +150,10 @@ def test_missing_file(tmp_path) -> None:
 
 
 def test_folder_in_the_place_of_a_file(tmp_path) -> None:
-    assert "not a file; take it away" in refusal(tmp_path)
+    assert "not a file; delete or rename it" in refusal(tmp_path)
 
 
-FOREIGN = "not a whole file that version"
+FOREIGN = "not a whole file of version"
 
 
 def test_foreign_file(tmp_path) -> None:
@@ -171,7 +171,7 @@ def test_hdf5_of_another_program(tmp_path) -> None:
 
 def test_sealed_text_is_no_hdf5(tmp_path) -> None:
     write_sealed(tmp_path / "file.h5", b"title = 'not HDF5'\n" * 100)
-    assert "not HDF5 as this program writes it" in refusal(tmp_path / "file.h5")
+    assert "not an HDF5 file of this program" in refusal(tmp_path / "file.h5")
 
 
 @pytest.mark.parametrize("seed", range(50))

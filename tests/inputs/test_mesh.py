@@ -322,8 +322,13 @@ GOOD = obj({name: vertices for name, (vertices, _) in wall().items()})
 HUGE_PROMISE = ply(CUBE).replace("vertex 8", "vertex 99999999999").replace("ascii", "binary_little_endian")
 FILES = {
     "empty group": ("x.obj", GOOD + "o nothing\n", {}, 'body "nothing": is empty: it has no faces'),
-    "no body": ("x.obj", "v 0 0 0\n", {}, 'mesh "x.obj": holds no body with faces'),
-    "a corner too high": ("x.obj", "o a\nv 0 0 0\nf 1 2 3\n", {}, "line 3, `f 1 2 3`, cannot be read: a corner is none of the 1 vertices"),
+    "no body": ("x.obj", "v 0 0 0\n", {}, 'mesh "x.obj": contains no body with faces'),
+    "a corner too high": (
+        "x.obj",
+        "o a\nv 0 0 0\nf 1 2 3\n",
+        {},
+        "line 3, `f 1 2 3`, cannot be read: the face refers to vertex 2, but only 1 are defined above it",
+    ),
     "a face with two corners": ("x.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", {}, "a face has at least three corners"),
     "words for numbers": ("x.obj", "v 0 zero 0\n", {}, "line 1, `v 0 zero 0`, cannot be read"),
     "not JSON": ("x.json", "{", {}, "not an assembly as COMPAS writes it"),
@@ -337,8 +342,13 @@ FILES = {
         {},
         "not a whole PLY file",
     ),
-    "a pattern without body": ("x.obj", GOOD, {"fixed": ["grond"]}, "fixed = 'grond': no body's name fits; did you mean \"ground\"?"),
-    "two roles": ("x.obj", GOOD, {"fixed": ["ground"], "support": ["*"]}, 'body "ground": fits a pattern of `fixed` and one of `support`'),
+    "a pattern without body": ("x.obj", GOOD, {"fixed": ["grond"]}, "fixed = 'grond': no name of a body matches; did you mean \"ground\"?"),
+    "two roles": (
+        "x.obj",
+        GOOD,
+        {"fixed": ["ground"], "support": ["*"]},
+        'body "ground": matches a pattern of `fixed` and one of `support`',
+    ),
     "a control character": ("x.obj", GOOD.replace("o pad", "o p\x07d"), {"fixed": ["ground"]}, "must be printable text"),
     "another format": ("x.3ds", GOOD, {}, "`file` must end in .obj, .ply, .stl, .json, or be a folder of .ply or .stl files"),
     "no scale": ("x.obj", GOOD, {"scale": 0.0}, "mesh[1].scale = 0.0: must be greater than 0"),
@@ -357,7 +367,7 @@ def test_a_truncated_file_is_refused(write: Callable[[Path], Path], share: float
     scene = write(tmp_path)
     cut = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != scene)[0]
     cut.write_bytes(cut.read_bytes()[: int(share * cut.stat().st_size)])
-    assert cut.name in refusal(scene) or "no body's name fits" in refusal(scene)
+    assert cut.name in refusal(scene) or "no name of a body matches" in refusal(scene)
 
 
 @pytest.mark.parametrize("write", [as_obj, as_ply_folder, as_stl_folder, as_compas, as_old_compas])
@@ -422,7 +432,7 @@ def test_a_link_out_of_the_scene_s_folder_is_refused(tmp_path: Path) -> None:
 def test_size_and_number_of_bodies_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = as_obj(tmp_path)
     monkeypatch.setattr(mesh, "MOST_BLOCKS", 3)
-    assert f"holds {len(wall())} bodies; at most 3 are taken" in refusal(path)
+    assert f"contains {len(wall())} bodies; at most 3 are allowed" in refusal(path)
     monkeypatch.setattr(mesh, "LARGEST_FILE", 100)
     assert "larger than 100 bytes" in refusal(path)
 

@@ -189,14 +189,14 @@ def test_small_displacements_asked_for_where_blocks_may_meet_are_refused_with_th
 
 def test_small_displacements_asked_for_say_so_and_why_they_may_be() -> None:
     effects, gap = decided(with_effects(TEXTS["arch"], displacement="small"))
-    assert effects.reasons["displacement"].startswith("asked for in the scene, and blocks without a joint")
+    assert effects.reasons["displacement"].startswith("requested in the scene, and blocks without a joint")
     assert f"{gap:.3g} m apart" in effects.reasons["displacement"]
 
 
 def test_finite_displacements_are_always_allowed() -> None:
     for text in (*TEXTS.values(), buffer()):
         effects, gap = decided(with_effects(text, displacement="finite"))
-        assert effects.displacement == "finite" and effects.reasons["displacement"] == "asked for in the scene" and np.isnan(gap)
+        assert effects.displacement == "finite" and effects.reasons["displacement"] == "requested in the scene" and np.isnan(gap)
 
 
 @pytest.mark.parametrize(("share", "choice"), [(0.99, "finite"), (1.01, "small")])

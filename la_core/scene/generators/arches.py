@@ -12,7 +12,7 @@ RadialJoint = tuple[tuple[float, float], tuple[float, float]]  # intrados and ex
 
 
 def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
-    """Voussoirs from the left springing to the right one, then the springers when asked for."""
+    """Voussoirs from the left springing to the right one, then the springers, if the table has them."""
     joints, y = _joints(arch), arch.centre[1]
     for number, (left, right) in enumerate(pairwise(joints), 1):
         yield NamedShape(f"{arch.name} {number}", "free", arch.density, _voussoir(left, right, (y, y + arch.depth)))
@@ -20,7 +20,7 @@ def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
 
 
 def vault_blocks(vault: Vault) -> Iterator[NamedShape]:
-    """Voussoirs course by course from the left springing, along y within a course; then the springers when asked for.
+    """Voussoirs course by course from the left springing, along y within a course; then the springers, if requested.
 
     In running bond the second, fourth, ... course begins and ends with half voussoirs.
     """
@@ -42,7 +42,7 @@ def _joints(ring: Ring) -> list[RadialJoint]:
 
 
 def _joint(ring: Ring, angle: float) -> RadialJoint:
-    """Intrados and extrados (x, z) of the radial joint at `angle` from the crown, positive to the right."""
+    """Intrados and extrados (x, z), m, of the radial joint at `angle` (rad) from the crown, positive to the right."""
     radii = (ring.radius - ring.thickness / 2.0, ring.radius + ring.thickness / 2.0)
     inner, outer = ((ring.centre[0] + r * math.sin(angle), ring.centre[2] + r * math.cos(angle)) for r in radii)
     return inner, outer
@@ -53,7 +53,7 @@ def _voussoir(left: RadialJoint, right: RadialJoint, y: Sequence[float]) -> Shap
 
 
 def _springers(ring: Ring, name: str, joints: list[RadialJoint], depth: float) -> Iterator[NamedShape]:
-    """One held block behind each springing joint, over the whole depth and as deep as the ring is thick."""
+    """One held block behind each springing joint: as long as `depth` (m) along y and as thick as the ring."""
     if ring.springers is None:
         return
     half = math.radians(ring.embrace) / 2.0

@@ -15,7 +15,19 @@ from la_core.scene.schema.masonry import SIDES, Building
 
 @dataclass(frozen=True)
 class Line:
-    """One wall in plan: the axis it runs along (0 for x, 1 for y), its low and high corner (m), and where other walls cross it."""
+    """One wall in plan.
+
+    Attributes
+    ----------
+    side : str
+        Name of the wall in its plan.
+    axis : int
+        Axis along the wall: 0 for x, 1 for y.
+    low, high : tuple of float
+        Corners with the least and the greatest x and y, m.
+    nodes : tuple of Span
+        Stretches along the wall, from its start, in which other walls cross it, m.
+    """
 
     side: str
     axis: int
@@ -25,14 +37,15 @@ class Line:
 
     @property
     def span(self) -> Span:
-        """From where to where it runs, m in plan."""
+        """Start and end of the wall along its axis, m."""
         return self.low[self.axis], self.high[self.axis]
 
 
 def building_blocks(building: Building) -> Iterator[NamedShape]:
     """Blocks wall by wall, course by course; then the strips of the foundation.
 
-    Raises SceneError for openings that do not fit and for a settling region that cuts a strip lengthwise or holds none.
+    Raises SceneError for openings that do not fit, and for a settling region that cuts a strip lengthwise or contains
+    no strip.
     """
     length, thickness, height = building.block
     lines = _lines(building)
@@ -52,7 +65,7 @@ def building_blocks(building: Building) -> Iterator[NamedShape]:
 
 
 def _lines(building: Building) -> list[Line]:
-    """The walls of a plan, each with the stretches (along itself, m) where walls of the other direction cross it."""
+    """The walls of a plan, each with the stretches in which the walls of the other direction cross it."""
     x, y = building.size
     t = building.block[1]
     middle_x, middle_y = (x - t) / 2.0, (y - t) / 2.0
@@ -72,7 +85,7 @@ def _lines(building: Building) -> list[Line]:
 
 
 def _placed(building: Building, line: Line, piece: Piece, course: int) -> Shape:
-    """A piece of a course in space; walls along y are those along x turned by a quarter about z."""
+    """A piece of a course in space; a wall along y is one along x after a quarter turn about z."""
     thickness, height = building.block[1:]
     flat = piece_shape(piece, 0.0, (0.0, thickness), (course * height, (course + 1) * height))
     across, along, up = flat.vertices[:, 1], flat.vertices[:, 0], flat.vertices[:, 2]
@@ -82,7 +95,7 @@ def _placed(building: Building, line: Line, piece: Piece, course: int) -> Shape:
 
 def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
     """Strips under the walls: those along x run through, those along y lie between them."""
-    assert building.foundation is not None  # the caller asks only where there is one
+    assert building.foundation is not None  # the caller checks it
     settles = False
     for line in lines:
         start, total = line.span[0], line.span[1] - line.span[0]
@@ -91,17 +104,17 @@ def _foundation(building: Building, lines: list[Line]) -> Iterator[NamedShape]:
         for low, high in itertools.pairwise(cuts):
             if (low, high) in taken or high - low <= ON_LINE * building.block[0]:
                 continue
-            for number, (part, role) in enumerate(_parts(building, line, (start + low, start + high)), 1):
+            for number, (span, role) in enumerate(_spans_with_roles(building, line, (start + low, start + high)), 1):
                 settles |= role == "support"
-                yield NamedShape(f"{building.name} foundation {line.side} {low:g}.{number}", role, None, _strip(building, line, part))
+                yield NamedShape(f"{building.name} foundation {line.side} {low:g}.{number}", role, None, _strip(building, line, span))
     if not settles:
         region = building.foundation.settling
         where = f'building "{building.name}": foundation.settling'
-        raise SceneError(where, "holds no part of a foundation, so nothing settles", value=(region.from_, region.to))
+        raise SceneError(where, "contains no part of a foundation, so nothing settles", value=(region.from_, region.to))
 
 
-def _parts(building: Building, line: Line, stretch: Span) -> list[tuple[Span, str]]:
-    """A stretch of a strip cut where the settling region begins and ends."""
+def _spans_with_roles(building: Building, line: Line, stretch: Span) -> list[tuple[Span, str]]:
+    """Spans of a stretch of a strip, cut at the ends of the settling region, each with its role."""
     assert building.foundation is not None
     region, across = building.foundation.settling, 1 - line.axis
     near = ON_LINE * building.block[0]
@@ -111,7 +124,8 @@ def _parts(building: Building, line: Line, stretch: Span) -> list[tuple[Span, st
         return [(stretch, "fixed")]
     if region.from_[across] > line.low[across] + near or region.to[across] < line.high[across] - near:
         where = f'building "{building.name}": foundation.settling'
-        rule = f"must hold the strip under the {line.side} wall over its whole breadth, {line.low[across]:g} to {line.high[across]:g} m"
+        breadth = f"{line.low[across]:g} to {line.high[across]:g} m"
+        rule = f"must contain the strip under the {line.side} wall over its whole breadth, {breadth}"
         raise SceneError(where, rule, value=(region.from_, region.to))
     edges = [stretch[0], *(edge for edge in (low, high) if stretch[0] + near < edge < stretch[1] - near), stretch[1]]
     middles = [(a + b) / 2.0 for a, b in itertools.pairwise(edges)]
@@ -119,9 +133,10 @@ def _parts(building: Building, line: Line, stretch: Span) -> list[tuple[Span, st
     return list(zip(itertools.pairwise(edges), roles, strict=True))
 
 
-def _strip(building: Building, line: Line, part: Span) -> Shape:
+def _strip(building: Building, line: Line, span: Span) -> Shape:
+    """Solid of a span of the strip under a wall."""
     assert building.foundation is not None
     low, high = list(line.low), list(line.high)
-    low[line.axis], high[line.axis] = part
+    low[line.axis], high[line.axis] = span
     corners = np.array([[*low, -building.foundation.height], [*high, 0.0]]) + building.origin
     return box(*corners.tolist())

@@ -1,10 +1,11 @@
 """Domes: voussoirs between meridian planes and planes through the centre.
 
-A corner lies at r u(theta, phi): r on the intrados or the extrados, theta about the vertical from the x axis, phi from the crown. Of
-the six faces of a voussoir two lie on meridian planes, two (its beds) on planes through the centre and the chords of a parallel,
-and two are the isosceles trapezoids of four corners of equal r: all are exactly plane, and the voussoir, a frustum of a pyramid
-about the centre, is convex. Meridian joints run through from crown to springing: bed planes turn with every lune, so a voussoir
-shifted along its course by half a lune would have no common plane with the ones it lies on.
+A corner lies at r u(theta, phi), with r on the intrados or the extrados, theta about the vertical from the x axis,
+and phi from the crown. A voussoir has six faces. Two lie on meridian planes. Two, its beds, lie on planes through the
+centre and the chords of a parallel. Two are isosceles trapezoids with four corners of equal r. All faces are exactly
+plane, and the voussoir is convex, because it is a frustum of a pyramid about the centre. Meridian joints are
+continuous from crown to springing: the bed planes turn with every lune, so a voussoir shifted by half a lune would
+share no plane with the voussoirs below it.
 """
 
 from collections.abc import Iterator
@@ -18,7 +19,7 @@ from la_core.scene.schema.curved import Dome
 
 
 def dome_blocks(dome: Dome) -> Iterator[NamedShape]:
-    """Keystone where the crown is closed, voussoirs course by course from the crown, springers, then abutments of the sides."""
+    """Keystone of a closed crown, voussoirs course by course from the crown, springers, then abutments of the sides."""
     beds = _beds(dome)
     for course, (above, below) in enumerate(pairwise(beds), 1):
         if course == 1 and dome.oculus == 0.0:
@@ -36,9 +37,9 @@ def dome_blocks(dome: Dome) -> Iterator[NamedShape]:
 
 
 def _beds(dome: Dome) -> np.ndarray:
-    """Corners (courses + 1, lunes + 1, 2, 3) on the bed joints: by bed from the crown, meridian, intrados and extrados.
+    """Corners (courses + 1, lunes + 1, 2, 3) of the bed joints, m: bed from the crown, meridian, intrados or extrados.
 
-    The keystone's faces are flat, so where it closes the crown its axis stands for the first bed.
+    A keystone has flat faces; where it closes the crown, the first bed is a point on its axis.
     """
     radii = dome.radius + dome.thickness * np.array([-0.5, 0.5])
     phi = np.radians(np.linspace(dome.oculus, dome.embrace, dome.courses + 1))[:, None]
@@ -55,7 +56,7 @@ def _bed(bed: np.ndarray, lune: int) -> np.ndarray:
 
 
 def _keystone(dome: Dome, axis: np.ndarray, bed: np.ndarray) -> Shape:
-    """The polygonal keystone of a whole dome, or the part of it in a sector."""
+    """The polygonal keystone of a whole dome, or its part in a sector."""
     corners = bed[: dome.lunes] if dome.sector == 360.0 else bed
     if dome.sector < 180.0:
         corners = np.concatenate([corners, axis[:1]])
@@ -63,13 +64,13 @@ def _keystone(dome: Dome, axis: np.ndarray, bed: np.ndarray) -> Shape:
 
 
 def _behind(face: np.ndarray, depth: float) -> Shape:
-    """Block of some depth (m) behind a face (n, 3) that is counter-clockwise seen from the joint."""
+    """Block of the given depth (m) behind a face (n, 3), m, that is counter-clockwise seen from the joint."""
     normal = np.cross(face[1] - face[0], face[2] - face[0])
     return loft(face, face - depth * normal / np.linalg.norm(normal))
 
 
 def _abutments(dome: Dome, beds: np.ndarray) -> Iterator[NamedShape]:
-    """Fixed blocks behind the end meridians of a sector, one to each course."""
+    """Fixed blocks behind the end meridians of a sector, one for each course."""
     for course, (above, below) in enumerate(pairwise(beds), 1):
         for side, meridian, turn in (("start", 0, 1), ("end", -1, -1)):
             face = np.array([above[meridian, 0], above[meridian, 1], below[meridian, 1], below[meridian, 0]])[::turn]

@@ -21,7 +21,17 @@ INSTALL = 'install the extra "mesh": pip install --editable ".[mesh]" in the pro
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A file that a scene was built from: its path relative to the scene's folder, its content, whether it is one of a folder's."""
+    """A mesh file of a scene.
+
+    Attributes
+    ----------
+    path : PurePosixPath
+        Path relative to the scene's folder.
+    content : bytes
+        Content of the file.
+    of_folder : bool
+        Whether it is one of several files in a folder with one body each.
+    """
 
     path: PurePosixPath
     content: bytes
@@ -29,9 +39,10 @@ class MeshFile:
 
 
 def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
-    """The file of a mesh table, or all files of its folder in the order of their names; `folder` is the scene's.
+    """Read the file of a mesh table, or all files of its folder in the order of their names; `folder` is the scene's.
 
-    Raises SceneError for what is missing, cannot be read, is too large, or leads out of the scene's folder by a link.
+    Raises SceneError for a file that is missing, unreadable or too large, and for a link that leads out of the
+    scene's folder.
     """
     root = folder.resolve()
     path = root / mesh.file
@@ -46,12 +57,12 @@ def read_files(mesh: Mesh, folder: Path) -> list[MeshFile]:
         if not members:
             raise SceneError(_where(mesh), f"a folder without {' or '.join(FOLDER_FORMATS)} files")
         if any(not (member.is_file() and member.resolve().is_relative_to(root)) for member in members):
-            raise SceneError(_where(mesh), "holds something that is no file, or a link that leads out of the scene's folder")
+            raise SceneError(_where(mesh), "contains an entry that is not a file, or a link that leads out of the scene's folder")
         left, files = LARGEST_FILE, []
         for member in members:
             files.append(MeshFile(PurePosixPath(mesh.file) / member.name, _content(mesh, member, left), of_folder=True))
             left -= len(files[-1].content)
-    except (OSError, ValueError) as error:  # a ValueError is Python's for a name that no file can have
+    except (OSError, ValueError) as error:  # Python raises ValueError for an impossible file name
         reason = getattr(error, "strerror", None) or error
         raise SceneError(_where(mesh), f"cannot be read: {reason}", hint="the path is relative to the scene file") from error
     return files
@@ -61,19 +72,18 @@ def _content(mesh: Mesh, path: Path, largest: int) -> bytes:
     with path.open("rb") as file:
         content = file.read(largest + 1)
     if len(content) > largest:
-        raise SceneError(
-            _where(mesh), f"larger than {LARGEST_FILE} bytes in all", hint="write fewer bodies, or coarser ones, or binary files"
-        )
+        rule = f"larger than {LARGEST_FILE} bytes in all"
+        raise SceneError(_where(mesh), rule, hint="write fewer or coarser bodies, or binary files")
     return content
 
 
 def mesh_blocks(mesh: Mesh, files: list[MeshFile]) -> list[NamedShape]:
-    """Blocks of a mesh table from its files' contents, in their order; raises SceneError naming file, body and defect."""
+    """Blocks of a mesh table from the contents of its files, in order; a SceneError names file, body and defect."""
     bodies = [(file, surface) for file in files for surface in _surfaces(mesh, file)]
     if not bodies:
-        raise SceneError(_where(mesh), "holds no body with faces")
+        raise SceneError(_where(mesh), "contains no body with faces")
     if len(bodies) > MOST_BLOCKS:
-        raise SceneError(_where(mesh), f"holds {len(bodies)} bodies; at most {MOST_BLOCKS} are taken")
+        raise SceneError(_where(mesh), f"contains {len(bodies)} bodies; at most {MOST_BLOCKS} are allowed")
     roles = _roles(mesh, [surface for _, surface in bodies])
     return list(_shapes(mesh, bodies, roles))
 
@@ -102,13 +112,13 @@ def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]
 
 
 def _rotation(mesh: Mesh) -> np.ndarray:
-    assert mesh.turn is not None  # the caller sees to it
+    assert mesh.turn is not None  # the caller checks it
     axis = np.array(mesh.turn.axis) / np.abs(mesh.turn.axis).max()
     return Rotation.from_rotvec(mesh.turn.degrees * axis / np.linalg.norm(axis), degrees=True).as_matrix()
 
 
 def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:
-    """Role of every body by the patterns; a body that the file itself calls held is fixed unless it is to be a support."""
+    """Role of every body by the patterns; a body that its file marks as held is fixed, unless a pattern makes it a support."""
     names = [body.name for body in bodies]
     matched = {"fixed": [False] * len(names), "support": [False] * len(names)}
     for role, patterns in (("fixed", mesh.fixed), ("support", mesh.support)):
@@ -116,12 +126,12 @@ def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:
             hits = [fnmatchcase(name, pattern) for name in names]
             if not any(hits):
                 raise SceneError(
-                    f"{_where(mesh)}: {role}", "no body's name fits", value=pattern, hint=nearest(pattern, names[:20], "names")
+                    f"{_where(mesh)}: {role}", "no name of a body matches", value=pattern, hint=nearest(pattern, names[:20], "names")
                 )
             matched[role] = [old or hit for old, hit in zip(matched[role], hits, strict=True)]
     both = [name for name, *hits in zip(names, *matched.values(), strict=True) if all(hits)]
     if both:
-        raise SceneError(f'{_where(mesh)}: body "{both[0]}"', "fits a pattern of `fixed` and one of `support`; it can have one role")
+        raise SceneError(f'{_where(mesh)}: body "{both[0]}"', "matches a pattern of `fixed` and one of `support`; a body has one role")
     rows = zip(bodies, matched["fixed"], matched["support"], strict=True)
     return ["support" if support else "fixed" if fixed or body.held else "free" for body, fixed, support in rows]
 

@@ -1,4 +1,7 @@
-"""Bodies from the content of mesh files: OBJ, PLY, STL and COMPAS assemblies. Content is data; nothing it names is opened or run."""
+"""Bodies from the content of mesh files: OBJ, PLY, STL and COMPAS assemblies.
+
+The content is data: no other file that it names is opened or run.
+"""
 
 import io
 import json
@@ -9,13 +12,13 @@ import numpy as np
 
 from la_core.scene.generators.mesh_surface import Surface, surface
 
-DEFAULT_GROUP = "default"  # what the format calls the group before any `g`; some programs write it out, and empty
+DEFAULT_GROUP = "default"  # name of the group before any `g`; some programs write it although it is empty
 
 
 def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
-    """All bodies in a file's content; `stem` names a body that has no name of its own.
+    """All bodies in the content of a file with this suffix; `stem` is the name of a body without one.
 
-    Raises ValueError saying what is wrong with the content, ImportError where PLY or STL lack their reader.
+    Raises ValueError with the fault of the content, and ImportError where the reader of PLY and STL is missing.
     """
     if suffix == ".obj":
         return _obj_surfaces(content.decode("utf-8", errors="replace"), stem)
@@ -25,22 +28,22 @@ def surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
 
 
 def _obj_surfaces(text: str, stem: str) -> list[Surface]:
-    """Bodies of a Wavefront OBJ: one per `o`, or one per `g` where there is at most one `o`. Materials are not looked at."""
+    """Bodies of a Wavefront OBJ: one per `o`, or one per `g` where there is at most one `o`. Materials are ignored."""
     lines = [line.split(maxsplit=1) for line in text.replace("\\\r\n", " ").replace("\\\n", " ").splitlines()]
-    declared = Counter(words[0] for words in lines if words)
-    part = "g" if declared["g"] and declared["o"] <= 1 else "o"
+    declared = Counter(fields[0] for fields in lines if fields)
+    body_key = "g" if declared["g"] and declared["o"] <= 1 else "o"
     vertices: list[list[float]] = []
     bodies: dict[str, list[tuple[int, ...]]] = {}
     name = stem
-    for number, words in enumerate(lines, 1):
-        key, rest = (*words, "", "")[:2]
+    for number, fields in enumerate(lines, 1):
+        key, rest = (*fields, "", "")[:2]
         try:
             if key == "v":
                 x, y, z, *_ = map(float, rest.split("#")[0].split())
                 vertices.append([x, y, z])
             elif key == "f":
                 bodies.setdefault(name, []).append(_obj_face(rest.split("#")[0], len(vertices)))
-            elif key == part:
+            elif key == body_key:
                 name = rest.strip() or stem
                 bodies.setdefault(name, [])
         except ValueError as error:
@@ -53,31 +56,32 @@ def _obj_surfaces(text: str, stem: str) -> list[Surface]:
 
 def _obj_face(text: str, count: int) -> tuple[int, ...]:
     """Vertex indices of one `f` line: the first number of each corner, from 1, or from the end where negative."""
-    given = [int(corner.split("/")[0]) for corner in text.split()]
-    face = tuple(index - 1 if index > 0 else count + index for index in given)
+    numbers = [int(corner.split("/")[0]) for corner in text.split()]
+    face = tuple(number - 1 if number > 0 else count + number for number in numbers)
     if len(face) < 3:
         raise ValueError("a face has at least three corners")
-    if any(index == 0 for index in given) or any(not 0 <= index < count for index in face):
-        raise ValueError(f"a corner is none of the {count} vertices so far")
+    for number, index in zip(numbers, face, strict=True):
+        if number == 0 or not 0 <= index < count:
+            raise ValueError(f"the face refers to vertex {number}, but only {count} are defined above it")
     return face
 
 
 def _triangle_surfaces(suffix: str, content: bytes, stem: str) -> list[Surface]:
-    """Bodies of a PLY or STL file by trimesh: no resolver, so that no texture is followed, and nothing mended."""
+    """Bodies of a PLY or STL file by trimesh, without a resolver that would open textures, and without repairs."""
     import trimesh  # noqa: PLC0415 - an optional extra
 
     try:
         loaded = trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], process=False, skip_materials=True, resolver=None)
-        found = {str(name): (np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)) for name, mesh in loaded.geometry.items()}
-    except Exception as error:  # whatever a reader of foreign bytes stumbles over
+        bodies = {str(name): (np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)) for name, mesh in loaded.geometry.items()}
+    except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"not a whole {suffix[1:].upper()} file: {error or type(error).__name__}") from error
-    if any(faces.size and not 0 <= faces.min() <= faces.max() < len(vertices) for vertices, faces in found.values()):
-        raise ValueError("a face has a corner that is none of the vertices")
-    return [surface(stem if len(found) == 1 else name, vertices, faces.tolist()) for name, (vertices, faces) in found.items()]
+    if any(faces.size and not 0 <= faces.min() <= faces.max() < len(vertices) for vertices, faces in bodies.values()):
+        raise ValueError("a face refers to a vertex that does not exist")
+    return [surface(stem if len(bodies) == 1 else name, vertices, faces.tolist()) for name, (vertices, faces) in bodies.items()]
 
 
 def _compas_surfaces(content: bytes) -> list[Surface]:
-    """Blocks of an assembly as `compas_assembly` writes it: nodes with a block each (0.4 and later), or a table of blocks (before)."""
+    """Blocks of an assembly from `compas_assembly`: one block per node (version 0.4 and later), or a table of blocks."""
     try:
         data = _unwrapped(json.loads(content))
         if "blocks" in data:
@@ -96,14 +100,14 @@ def _compas_surfaces(content: bytes) -> list[Surface]:
 
 
 def _unwrapped(value: dict[str, Any]) -> dict[str, Any]:
-    """COMPAS wraps an object as {"dtype": ..., "data": ...}; version 1 called the second key "value"."""
+    """The data of an object that COMPAS wraps as {"dtype": ..., "data": ...}; version 1 names the second key "value"."""
     if "dtype" not in value:
         return value
     return dict(value["data"] if "data" in value else value["value"])
 
 
 def _compas_mesh(block: dict[str, Any]) -> tuple[str, np.ndarray, list[list[int]]]:
-    """Name (or nothing), vertices and faces of a mesh; keys of vertices are texts that a face may give as numbers."""
+    """Name (or ""), vertices and faces of a mesh; the keys of vertices are texts, which a face may give as numbers."""
     mesh = _unwrapped(block)
     place = {str(key): number for number, key in enumerate(mesh["vertex"])}
     default = mesh.get("default_vertex_attributes") or mesh.get("dva") or {}

@@ -1,4 +1,4 @@
-"""A closed surface as read from a file, and whether it bounds one convex body."""
+"""A surface from a file, and the check that it encloses one convex body."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +13,25 @@ from la_core.geometry import FACE_FLATNESS, Shape, polyhedron
 from la_core.scene.schema.types import LARGEST
 
 WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
-MOST_CORNERS = 1000  # of one body: beyond this a scan or an ornament, not a block with plane joints
-FOLDED = 1e-2  # of the hull's volume: what a surface that lies on its hull may lack of it
+MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
+FOLDED = 1e-2  # of the hull's volume: largest difference of the volume of a surface that lies on its hull
 
 
 @dataclass(frozen=True)
 class Surface:
-    """One body of a file: its name there, vertices (n, 3) in the file's unit, faces as loops, whether the file says it is held."""
+    """Surface of one body of a file.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body in the file.
+    vertices : (n, 3) array
+        Vertices, in the file's unit.
+    faces : tuple of tuples of int
+        Loop of vertices of each face.
+    held : bool
+        Whether the file marks the body as held.
+    """
 
     name: str
     vertices: np.ndarray
@@ -28,7 +40,19 @@ class Surface:
 
 
 def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], held: bool = False) -> Surface:
-    """The surface that `faces` make of the vertices (n, 3) they use."""
+    """Make a surface of faces and of those vertices that they use.
+
+    Parameters
+    ----------
+    name : str
+        Name of the body.
+    vertices : (m, 3) array
+        Vertices of the file.
+    faces : sequence of sequences of int
+        Loop of vertices of each face.
+    held : bool
+        Whether the file marks the body as held.
+    """
     if not faces:
         return Surface(name, np.zeros((0, 3)), (), held)
     used, numbers = np.unique(np.concatenate([np.array(face, dtype=int) for face in faces]), return_inverse=True)
@@ -37,7 +61,7 @@ def surface(name: str, vertices: np.ndarray, faces: Sequence[Sequence[int]], hel
 
 
 def convex_shape(body: Surface) -> Shape:
-    """The surface as a convex shape with plane faces.
+    """Turn a surface into a convex shape with plane faces.
 
     Raises ValueError with the defect: no faces, open, inconsistent normals, several shells, not convex, no volume.
     """
@@ -73,13 +97,17 @@ def _welded(body: Surface) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
 
 
 def _groups(pairs: np.ndarray, count: int) -> np.ndarray:
-    """Group (count,) of things that hang together by pairs (P, 2)."""
+    """Connected component (count,) of each of `count` nodes that pairs (P, 2) connect."""
     graph = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
-    """A closed oriented surface passes along every edge twice, once each way; one shell hangs together by its edges."""
+    """Raise ValueError for a surface that is open, inconsistently oriented, or of several shells.
+
+    A closed oriented surface runs along every edge twice, once in each direction. The edges connect the faces of one
+    shell.
+    """
     owner = np.repeat(np.arange(len(faces)), [len(face) for face in faces])
     ends = np.stack([np.concatenate(faces), np.concatenate([np.roll(face, -1) for face in faces])], axis=1)
     _, edge, uses = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
@@ -98,7 +126,10 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
 
 
 def _refuse_dents(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.ndarray]) -> None:
-    """On a convex surface all vertices, edges and triangles lie on the convex hull, and it encloses the hull's volume."""
+    """Raise ValueError for a closed surface that is not convex.
+
+    The vertices, edges and triangles of a convex surface lie on its convex hull, and it encloses the hull's volume.
+    """
     centre, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
     points = (vertices - centre) / size
     hull = scipy.spatial.ConvexHull(points)

@@ -1,4 +1,4 @@
-"""Generators: a `[[wall]]` table becomes the same blocks a user could have typed; others live in `building`, `vault` and `dome`."""
+"""Blocks of a `[[wall]]` table, the same as a user could have typed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,7 +10,21 @@ from la_core.scene.schema.masonry import Wall
 
 @dataclass(frozen=True)
 class NamedShape:
-    """A block before its mass is known: `density` None means the scene's stone; `added_density` (kg/m3) is what it bears on top."""
+    """A block before its mass is known.
+
+    Attributes
+    ----------
+    name : str
+        Unique name.
+    role : str
+        "free", "fixed" or "support".
+    density : float or None
+        Density, kg/m3; None for the density of the scene's stone.
+    shape : Shape
+        Convex shape.
+    added_density : float
+        Carried mass, such as a floor's, over the volume of the block, kg/m3.
+    """
 
     name: str
     role: str
@@ -35,7 +49,7 @@ def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
 
 
 def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, int], list[Piece]]]:
-    """What a course consists of across the wall: leaves from, to, and their pieces; heads of openings are one for all leaves."""
+    """Layers of a course across the wall: first and last leaf, and their pieces; a head of an opening spans all leaves."""
     starts_half = wall.bond == "running" and (course % 2 == 1) != (wall.first == "half")
     stretchers = face.pieces(course, wall.block[0] / 2.0 if starts_half else 0.0, (), wall.opening)
     spanning = [piece for piece in stretchers if _is_head(face, wall, course, piece)] if wall.leaves > 1 else []
@@ -61,7 +75,19 @@ def _is_head(face: Face, wall: Wall, course: int, piece: Piece) -> bool:
 
 
 def piece_shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float, float]) -> Shape:
-    """The solid of a piece of a wall along x that starts at x0, from y[0] to y[1] across and z[0] to z[1] up, m."""
+    """Solid of a piece of a wall along x.
+
+    Parameters
+    ----------
+    piece : Piece
+        Foot and head along the wall, m.
+    x0 : float
+        Start of the wall, m.
+    y : tuple of float
+        Front and back, m.
+    z : tuple of float
+        Bottom and top, m.
+    """
     (left, right), (top_left, top_right) = piece.foot, piece.head
     if piece.foot == piece.head:
         return box((x0 + left, y[0], z[0]), (x0 + right, y[1], z[1]))

@@ -100,7 +100,7 @@ class Dome(Table):
         if self.thickness >= 2.0 * self.radius:
             raise ValueError("`thickness` must be less than twice `radius`")
         if self.oculus >= self.embrace:
-            raise ValueError("`oculus` must be less than `embrace`, else nothing is left of the dome")
+            raise ValueError("`oculus` must be less than `embrace`; otherwise the dome has no courses")
         if self.oculus == 0.0 and self.courses == 1:
             raise ValueError("`courses` must be at least 2 where a keystone closes the dome: it is the first of them")
         if self.courses * self.lunes > MOST_BLOCKS:
@@ -114,7 +114,9 @@ class Dome(Table):
         if self.oculus == 0.0 and 180.0 < self.sector < 360.0:
             raise ValueError("the keystone of a `sector` between 180 and 360 degrees is not convex; give it an `oculus`")
         if (self.sides is None) != (self.sector == 360.0):
-            raise ValueError('`sides = "fixed"` or `"free"` belongs to a `sector` of less than 360 degrees, and to no whole dome')
+            raise ValueError(
+                '`sides = "fixed"` or `"free"` is needed for a `sector` of less than 360 degrees, and not allowed for a whole dome'
+            )
         if self.support is not None and not self.support[0] <= self.support[1] <= self.lunes_built:
-            raise ValueError(f"`support` must be the first and the last of some lunes, which are numbered 1 to {self.lunes_built}")
+            raise ValueError(f"`support` must be a first and a last lune, in this order, with numbers from 1 to {self.lunes_built}")
         return self

@@ -24,7 +24,7 @@ from la_core.scene.schema.types import (
     described,
 )
 
-LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # what is finer than a joint's strain, or coarser than a drawing, is not for sale
+LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # neither finer than the strain of a joint nor coarser than a drawing
 
 
 def _auto_or_bool(value: object) -> object:

@@ -1,4 +1,4 @@
-"""What the entries of a scene file are made of: numbers within sense, vectors, names, and tables that refuse unknown keys."""
+"""Types of the entries of a scene file: numbers within limits, vectors, names, and tables that refuse unknown keys."""
 
 from typing import Annotated, Any, Literal
 
@@ -6,7 +6,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
 from la_core.errors import CONTROL
 
-LARGEST, SMALLEST = 1e12, 1e-12  # of any number in SI units: beyond these a slip of the pen, and round-off, not a structure
+LARGEST, SMALLEST = 1e12, 1e-12  # limits of numbers in SI units: typing errors lie above, round-off below
 Real = Annotated[float, Strict(), Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 
 
@@ -24,15 +24,15 @@ Vector = tuple[Real, Real, Real]
 
 
 def _is_harmless(text: str) -> str:
-    if found := CONTROL.search(text):
-        raise ValueError(f"must not hold control characters, such as the one numbered {ord(found[0])}")
+    if control := CONTROL.search(text):
+        raise ValueError(f"must not contain control characters, such as the one numbered {ord(control[0])}")
     return text
 
 
 Text = Annotated[str, Strict(), Field(max_length=10_000), AfterValidator(_is_harmless)]
 LONGEST_NAME = 200  # characters
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
-MOST_BLOCKS = 50_000  # of one generator, and of a scene: a slip of the pen must not fill the memory, nor take more than seconds
+MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long
 LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
 
