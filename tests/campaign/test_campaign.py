@@ -31,7 +31,7 @@ from comparison.studies.sensitivity import study
 from comparison.workflow.one_scene import read_results
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.exchange.fields import ExchangeError
+from la_core.exchange.checksummed_file import ExchangeError
 from la_core.limit.classic_iteration import ClassicParameters
 from la_core.model.assembly import assemble
 from la_core.scene.scene import load_scene

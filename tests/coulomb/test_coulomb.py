@@ -9,7 +9,7 @@ import scenes
 
 from la_core.coulomb import fixed_point, interval, plateau
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.equilibrium_path import Path, follow_path
+from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.plateau import CoulombSolution, follow, predict
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -469,7 +469,7 @@ def test_any_friction_is_answered_or_called_inaccurate(mu) -> None:
 # --- the path ---------------------------------------------------------------------------------------------------------------
 
 
-def path_of(scene: Scene, increments: int) -> tuple[Assembly, CoulombSolution, Path]:
+def path_of(scene: Scene, increments: int) -> tuple[Assembly, CoulombSolution, EquilibriumPath]:
     assembly, solution = answer(scene)
     stiffness = problem(scene)[1]
     return assembly, solution, follow_path(assembly, stiffness, stiffness.travel, increments)
