@@ -18,10 +18,33 @@ NAN = float("nan")
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Answer(Tabled):
-    """What limit analysis says of a scene, in N (N m for a support that turns), at the scene's inset, and `_sharp` for sharp arrises.
+    """Results of limit analysis for one scene.
 
-    A number that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`; a notebook shows it by itself.
-    scene: what was solved. analysis: everything that was found: assembly, forces, mechanisms, residuals.
+    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A value
+    that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
+
+    Attributes
+    ----------
+    scene : Scene
+        Scene that was solved.
+    analysis : LimitAnalysis
+        Complete results: assembly, contact forces, mechanisms and residuals.
+
+    Notes
+    -----
+    Reactions are in N, or in N m for a support that rotates. A reaction is the force of the support on the structure,
+    against the direction of settlement; it is positive where the support holds the structure.
+
+    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978; Portioli
+    and Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without dilatancy.
+
+    Examples
+    --------
+    >>> import la_core
+    >>> pads = la_core.load("two_pads")
+    >>> answer = la_core.solve(pads)
+    >>> str(answer.status), round(answer.least_sharp / pads.weight, 6)
+    ('solved', 0.166667)
     """
 
     scene: Scene
@@ -29,55 +52,55 @@ class Answer(Tabled):
 
     @property
     def status(self) -> Status:
-        """Solved, or why there is no value."""
+        """Outcome of the associated problem; only `Status.SOLVED` comes with a value."""
         return self.analysis.printed.bounds[self.analysis.main].status
 
     @property
     def least(self) -> float:
-        """Least reaction of the associated problem: no friction law within Coulomb's cone carries less."""
+        """Least reaction of the associated problem (N, N m): no equilibrium within Coulomb's cone has a smaller one."""
         return self._bound(Drive.YIELDING, sharp=False)
 
     @property
     def greatest(self) -> float:
-        """Greatest reaction of the associated problem: the support is pushed into the structure."""
+        """Greatest reaction of the associated problem (N, N m): the support is pushed into the structure."""
         return self._bound(Drive.PUSHING, sharp=False)
 
     @property
     def multiplier(self) -> float:
-        """Collapse multiplier of a live load by the associated flow rule, NaN for a settlement."""
+        """Collapse multiplier of a live load by the associated flow rule; NaN for a settlement."""
         return self._bound(Drive.LIVE, sharp=False)
 
     @property
     def coulomb(self) -> float:
-        """The prediction, reaction or multiplier, with friction that does not dilate; NaN where the scene asks for bounds alone."""
+        """Predicted reaction (N, N m) or multiplier, with friction without dilatancy; NaN if only bounds are requested."""
         coulomb = self.analysis.printed.coulomb
         return NAN if coulomb is None else coulomb.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Least and greatest value that the prediction's mechanism allows, whatever friction's history was."""
+        """Least and greatest value of the prediction's mechanism, over all histories of friction (N, N m or multiplier)."""
         coulomb = self.analysis.printed.coulomb
         return (NAN, NAN) if coulomb is None else coulomb.interval
 
     @property
     def least_sharp(self) -> float:
-        """The same as `least` for sharp arrises."""
+        """`least` for sharp arrises."""
         return self._bound(Drive.YIELDING, sharp=True)
 
     @property
     def greatest_sharp(self) -> float:
-        """The same as `greatest` for sharp arrises."""
+        """`greatest` for sharp arrises."""
         return self._bound(Drive.PUSHING, sharp=True)
 
     @property
     def coulomb_sharp(self) -> float:
-        """The same as `coulomb` for sharp arrises."""
+        """`coulomb` for sharp arrises."""
         coulomb = self.analysis.sharp.coulomb
         return NAN if coulomb is None else coulomb.value
 
     @property
     def values(self) -> dict[str, Any]:
-        """Everything that is printed and stored, by the names of `crosscheck solve --json`: associated, coulomb, path."""
+        """All printed and stored values: "associated", "coulomb" and "path", as in `crosscheck solve --json`."""
         return answer_values(self.analysis)
 
     def _bound(self, drive: Drive, sharp: bool) -> float:
@@ -89,10 +112,27 @@ class Answer(Tabled):
 
 
 def solve(scene: Scene, path: bool = False) -> Answer:
-    """Limit analysis of a scene: bounds, and the prediction where it asks for one; raises SceneError for what it does not allow.
+    """Solve a scene by limit analysis: the bounds, and the prediction unless the scene requests bounds alone.
 
-    path: also follow the reaction from rest to the plateau, into `analysis.path`.
+    Parameters
+    ----------
+    scene : Scene
+        Scene from `load`, `build` or `variant`.
+    path : bool
+        Whether to follow the reaction from rest to the plateau, too. The curve is `answer.analysis.path`.
 
+    Returns
+    -------
+    Answer
+        Bounds and prediction. A structure that cannot stand is an answer with `Status.INFEASIBLE`, not an error.
+
+    Raises
+    ------
+    SceneError
+        The scene requests an effect that it does not allow, or `path` is requested with another friction law.
+
+    Examples
+    --------
     >>> import la_core
     >>> pads = la_core.load("two_pads")
     >>> round(la_core.solve(pads).least_sharp / pads.weight, 6)
