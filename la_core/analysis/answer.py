@@ -1,4 +1,4 @@
-"""Limit analysis of a scene as a program or a notebook works with it: the answer, its numbers by name, and its table of texts."""
+"""Limit analysis from Python: solve a scene, read its values by name, show them as a table."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -139,12 +139,13 @@ def solve(scene: Scene, path: bool = False) -> Answer:
     0.166667
     """
     if path and scene.effects.friction not in ("auto", "coulomb"):
-        raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
+        rule = "a path needs friction without dilatancy"
+        raise SceneError(f"{scene.path}: effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"')
     return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path)))
 
 
 def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Every number that is printed and stored, by the names of `crosscheck solve --json`; NaN or None where one does not exist."""
+    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None where one does not exist."""
     return {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
 
 
@@ -153,7 +154,11 @@ EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "du
 
 
 def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """The associated answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    """Return the values of the associated problem by their JSON keys.
+
+    They hold at the scene's inset, those with `_sharp` for sharp arrises. "shared_inset" holds the values at the inset of
+    both methods where the scene's inset is 0. Residuals are relative to the mean block weight, see `Solution`.
+    """
     scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds
     solution = printed[main]
     values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
@@ -174,7 +179,7 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
 
 
 def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """The Coulomb answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    """Return the values of the prediction by their JSON keys, insets as in `associated_values`; None without a prediction."""
     scene, name = analysis.scene, analysis.scene.quantity
     rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
     if rounded is None or sharp is None or printed is None:
@@ -192,7 +197,7 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
 
 
 def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """The curve from rest to the plateau, point by point."""
+    """Return the curve from rest to the plateau as lists by their JSON keys; None without a path."""
     path = analysis.path
     if path is None:
         return None
@@ -206,22 +211,22 @@ _NAMES = {Drive.YIELDING: "reaction", Drive.PUSHING: "reaction_max", Drive.LIVE:
 
 
 def _worst(residuals: Iterable[float]) -> float:
-    """The largest residual of the solutions that have one, NaN where none has."""
+    """Return the largest finite residual; NaN without a finite one."""
     return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
 
 
 def _distinct(analysis: LimitAnalysis) -> list[Solution]:
-    """Every solution that was computed, once."""
+    """Return every computed solution once: equal insets and unstable structures share solutions."""
     return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())
 
 
 def answer_headings(scene: Scene) -> tuple[str, str, str]:
-    """Headings of the three columns."""
+    """Return the headings of the three columns of `answer_rows`."""
     return "limit analysis", scene.unit or "value", "over W" if scene.live is None else ""
 
 
 def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Name, value in its unit and value over the weight of every printed quantity; `values` are those of `answer_values`."""
+    """Yield the rows of the table: name, value in its unit, and value over the weight; `values` come from `answer_values`."""
     answer = values["associated"]
     yield "status", answer["status"], ""
     for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
@@ -236,7 +241,7 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
 
 
 def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """The Coulomb answer: value, interval, value for sharp arrises, evidence, and what it took."""
+    """Yield the rows of the prediction: value, interval, sharp value, residuals and cost."""
     yield "Coulomb: status", answer["status"], ""
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
