@@ -1,4 +1,4 @@
-"""Both methods on a scene from Python: run or read, look at the verdict, draw, report. What a program or a notebook works with."""
+"""Both methods from Python: run a scene or read stored results, look at the verdict, draw and report."""
 
 import base64
 import html
@@ -56,7 +56,7 @@ class Picture:
             The path has another ending.
         """
         if Path(path).suffix not in FIGURE_FORMATS:
-            raise SceneError(str(path), f"a figure's name ends in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
+            raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
         structure.save(self.figure, Path(path))
         return self
 
@@ -146,7 +146,7 @@ class Result(Tabled):
             The results lie in different folders.
         """
         if {other.folder.parent for other in others} - {self.folder.parent}:
-            raise ValueError("results of one report lie in one folder; run them with the same `folder`")
+            raise ValueError("all results of a report must lie in one folder; run them with the same `folder`")
         return write_report(self.folder.parent, [result.summary for result in (self, *others)], describe())
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
@@ -159,8 +159,10 @@ class Result(Tabled):
 
     def _repr_html_(self) -> str:
         figure = self.folder / "mechanisms.png"
-        shown = base64.b64encode(figure.read_bytes()).decode() if figure.is_file() else ""
-        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{shown}">' if shown else ""
+        image = ""
+        if figure.is_file():
+            encoded = base64.b64encode(figure.read_bytes()).decode()
+            image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">'
         return f"{super()._repr_html_()}\n<p>{html.escape(self.reason)}</p>\n{image}"
 
 
@@ -172,6 +174,9 @@ def run(
     quiet: bool = False,
 ) -> Result:
     """Run both methods on a scene and compare them, as `crosscheck run` does.
+
+    Stored results whose inputs did not change are read and not computed again. A missing or failed YADE is no error: the
+    verdict is then `Verdict.INCONCLUSIVE`, with a reason.
 
     Parameters
     ----------
@@ -198,11 +203,6 @@ def run(
     comparison.errors.FolderInUseError
         Another process works in the scene's folder.
 
-    Notes
-    -----
-    Stored results whose inputs did not change are read and not computed again. Where YADE is missing or fails, no error is
-    raised: the verdict is then `Verdict.INCONCLUSIVE`, with a reason.
-
     Examples
     --------
     >>> import comparison
@@ -213,11 +213,11 @@ def run(
         raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
     chosen = scene if isinstance(scene, Scene) else load(scene)
     refuse_name(chosen)
-    own = Path(folder) / chosen.name
+    scene_folder = Path(folder) / chosen.name
     with _narration(quiet) as narration:
         model = structural_model(chosen)
-        summary = run_scene(model, own, narration, yade, time_limit)
-    return _result(own, summary, model.assembly.interfaces)
+        summary = run_scene(model, scene_folder, narration, yade, time_limit)
+    return _result(scene_folder, summary, model.assembly.interfaces)
 
 
 def read(folder: Path | str) -> Result:
@@ -286,7 +286,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     drawings = scene_figures(Results(what.analysis, run))
     chosen = name or "mechanisms"
     if chosen not in drawings:
-        raise SceneError(f'unknown figure "{chosen}"', "not among those of this answer", hint=nearest(chosen, drawings, "figures"))
+        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
     return Picture(drawings[chosen]())
 
 
