@@ -100,7 +100,8 @@ def _call(function: Any) -> Iterator[str]:
     for argument in (*arguments.args, *filter(None, [arguments.vararg])):
         argument.annotation = None
     arguments.args = [argument for argument in arguments.args if argument.arg != "self"]
-    yield f"```python\n{tree.name}({ast.unparse(arguments)})\n```\n"
+    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # as ruff writes code in Markdown
+    yield f"```python\n{call}\n```\n"
 
 
 def _source(function: Any) -> ast.FunctionDef:
