@@ -1,7 +1,9 @@
-"""The README is true: its commands run, its outputs and numbers are those of today."""
+"""Every page is true: links lead somewhere, commands run, scenes are scenes, generated tables and numbers are those of today."""
 
+import argparse
 import csv
 import dataclasses
+import doctest
 import json
 import math
 import re
@@ -11,18 +13,24 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
+import program_keys
 import pytest
+import scene_keys
 from conftest import CrossChecked, every_shipped_scene
 from growth_report import fit
 from scenes import load
 
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.definition import load_campaign as load_campaign
+from comparison.campaign.definition import load_campaign
+from comparison.cli.arguments import parser
 from comparison.cli.commands import COMMANDS, main
-from comparison.cli.study_verbs.campaign import find_campaign as find_campaign
+from comparison.cli.exit_codes import EXIT_OF_VERDICT, INTERRUPTED, TOOL, USAGE
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
+from comparison.judge.verdict_table import verdict_cells
 from la_core import text_table
+from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.classic_iteration import ClassicParameters, solve_sequentially
@@ -34,14 +42,24 @@ from la_core.scene.variants import full_model
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+FOLDERS = ("la_core", "yade_scripts", "comparison", "tests")
+PAGES = [*ROOT.glob("*.md"), *(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.md"))]
+PAGES = sorted(path for path in PAGES if path.name != "CHANGELOG.md")  # which tells of what was
+EXPENSIVE = {"make demo": "test_the_demo_ends_as_the_readme_says checks its table on the suite's own runs"}
+CHECKS = ROOT / "comparison" / "README.md"
+CAMPAIGNS = ROOT / "comparison" / "campaign" / "README.md"
+COMMAND_LINE = ROOT / "comparison" / "cli" / "README.md"
 RESULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
 ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
 HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
 OTHER_MACHINE = 3.0  # stated uncertainties by which YADE's reaction may differ under another compiler or processor
 
 
-def _blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+def _blocks(language: str, page: str = README) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+
+
+every_page = pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 
 
 def _table(head: str) -> dict[str, list[str]]:
@@ -54,14 +72,49 @@ def _results() -> dict[str, list[str]]:
     return _table("| scene | R_min/W |")
 
 
-def test_every_command_of_the_line_shows_what_the_readme_shows(capsys: pytest.CaptureFixture[str]) -> None:
-    shown = [block for block in _blocks("console") if "crosscheck" in block]
-    assert shown
-    for block in shown:
-        command, *expected = block.splitlines()
-        assert main(command.removeprefix("$ .venv/bin/crosscheck ").split()) == 0
-        printed = capsys.readouterr().out.splitlines()
-        assert _steady(expected) == _steady(printed)
+def test_the_readme_and_the_page_for_contributors_are_short() -> None:
+    assert len(README.splitlines()) <= 200
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 45
+
+
+@every_page
+def test_every_link_and_figure_of_a_page_exists(path: Path) -> None:
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", _without_code(path.read_text(encoding="utf-8"))):
+        if "://" in target:
+            continue
+        linked = path.parent / target if target else path
+        assert linked.exists(), target
+        if anchor:
+            assert linked.suffix == ".md" and anchor in _anchors(linked.read_text(encoding="utf-8")), f"{target}#{anchor}"
+
+
+def _without_code(page: str) -> str:
+    return re.sub(r"```.*?```", "", page, flags=re.DOTALL)
+
+
+def _anchors(page: str) -> set[str]:
+    """Anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.+)$", _without_code(page), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@every_page
+def test_every_file_that_a_page_names_exists(path: Path) -> None:
+    """Paths that begin with a folder of the repository; an asterisk stands for any name."""
+    for name in re.findall(rf"(?<![\w/.-])(?:{'|'.join(FOLDERS)})/[\w./*-]*[\w*]", path.read_text(encoding="utf-8")):
+        assert any(ROOT.glob(name)), name
+
+
+@every_page
+def test_every_command_of_the_line_shows_what_a_page_shows(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for block in _blocks("console", path.read_text(encoding="utf-8")):
+        line, *expected = block.splitlines()
+        command, _, sieve = line.removeprefix("$ ").partition(" | grep ")
+        if "crosscheck" not in command or line.removeprefix("$ ") in EXPENSIVE:
+            continue
+        assert main(command.removeprefix(".venv/bin/crosscheck ").split()) == 0
+        printed = [line for line in capsys.readouterr().out.splitlines() if sieve in line]
+        assert _steady(expected) == _steady(printed) != []
 
 
 def _steady(lines: list[str]) -> list[str]:
@@ -70,47 +123,94 @@ def _steady(lines: list[str]) -> list[str]:
     return [line.rstrip() for line in lines if line.strip() and not any(word in line for word in noise)]
 
 
-def test_make_targets_of_the_readme_exist() -> None:
+@every_page
+def test_every_command_that_a_page_names_exists(path: Path) -> None:
+    """Commands in backticks and in scripts: a verb that exists, with options that it has."""
+    page = path.read_text(encoding="utf-8")
+    scripts = "\n".join(block for language in ("sh", "bash", "console") for block in _blocks(language, page))
+    lines = re.findall(r"`(crosscheck [^`]+)`", _without_code(page)) + re.findall(r"(?:^|/|\s)(crosscheck [^\n|>]+)", scripts)
+    (words,) = [action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)]
+    for line in lines:
+        verb, *rest = line.removeprefix("crosscheck ").split()
+        if verb in ("COMMAND", "--version"):
+            continue
+        assert verb in COMMANDS, line
+        options = {word.strip("[]").partition("=")[0] for word in rest if word.strip("[]").startswith("-")}
+        assert options <= set(words.choices[verb]._option_string_actions), line
+
+
+@every_page
+def test_make_targets_of_a_page_exist(path: Path) -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    targets = re.findall(r"`?make ([\w-]+)`?", README)
-    assert {"demo", "test", "lint"} <= set(targets)
-    assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in targets)
+    targets = re.findall(r"(?:`|^\$ )make ([\w-]+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in targets), targets
+    if path.name == "README.md" and path.parent == ROOT:
+        assert {"demo", "test", "lint"} <= set(targets)
 
 
-def test_every_command_of_the_table_exists(capsys: pytest.CaptureFixture[str]) -> None:
-    commands = re.findall(r"^\| `crosscheck (\w+)", README, re.MULTILINE)
-    assert len(commands) == len(set(commands)) and set(commands) == set(COMMANDS)
-    for command in commands:
-        with pytest.raises(SystemExit) as stop:
-            main([command, "--help"])
-        assert stop.value.code == 0
-        capsys.readouterr()
+@every_page
+def test_every_scene_of_a_page_is_a_scene_and_every_campaign_a_campaign(path: Path, tmp_path: Path) -> None:
+    for number, text in enumerate(_blocks("toml", path.read_text(encoding="utf-8"))):
+        if "sweep" in tomllib.loads(text):
+            file = tmp_path / f"campaign{number}.toml"
+            file.write_text(text, encoding="utf-8")
+            assert expand(definition.load_campaign(file))
+            continue
+        scene = load(text)
+        if scene.expected is not None and scene.expected.reaction_over_weight is not None:
+            sharp = analyse(scene).sharp.bounds[Drive.YIELDING].value / scene.weight
+            assert sharp == pytest.approx(scene.expected.reaction_over_weight, abs=scene.expected.tolerance)
 
 
-def test_the_scene_of_the_readme_is_a_scene_with_its_expected_value() -> None:
-    text, _ = _blocks("toml")
-    assert tomllib.loads(text)
-    scene = load(text)
-    expected = scene.expected
-    assert expected is not None and expected.reaction_over_weight is not None
-    sharp = analyse(scene).sharp.bounds[Drive.YIELDING].value / scene.weight
-    assert sharp == pytest.approx(expected.reaction_over_weight, abs=expected.tolerance)
+@every_page
+def test_the_python_of_a_page_is_python(path: Path) -> None:
+    """What the README and the docstrings show is run by the tests of the Python interface; scripts of other pages run here."""
+    for block in _blocks("python", path.read_text(encoding="utf-8")):
+        examples = doctest.DocTestParser().get_examples(block)
+        code = compile("".join(example.source for example in examples) or block, str(path), "exec")
+        if not examples and path.parent != ROOT:
+            exec(code, {})
 
 
-def test_the_campaign_of_the_readme_is_one(tmp_path: Path) -> None:
-    path = tmp_path / "campaign.toml"
-    path.write_text(_blocks("toml")[1], encoding="utf-8")
-    cases = expand(definition.load_campaign(path))
-    assert len(cases) == 3 * 2 * 2 and cases[1].name == "wall_third_mu=0.4_courses=8_to0=1.2"
-    assert f"At most {definition.MOST_CASES:,} cases" in README
-    parameters = re.findall(r"`classic\.(\w+)`", README)
+def test_every_command_has_a_row_in_the_readme_and_on_its_own_page() -> None:
+    for page in (README, COMMAND_LINE.read_text(encoding="utf-8")):
+        rows = "\n".join(re.findall(r"^\| `crosscheck .*?\|", page, re.MULTILINE))
+        commands = re.findall(r"`crosscheck (\w+)", rows)
+        assert len(commands) == len(set(commands)) and set(commands) == set(COMMANDS)
+
+
+def test_every_exit_code_has_a_row() -> None:
+    codes = re.findall(r"^\| (\d+) \|", COMMAND_LINE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert [int(code) for code in codes] == [*sorted({*EXIT_OF_VERDICT.values(), USAGE, TOOL}), INTERRUPTED]
+
+
+def test_the_page_of_scenes_has_the_keys_of_the_schema() -> None:
+    page = scene_keys.PAGE.read_text(encoding="utf-8")
+    assert page == scene_keys.with_part(page, scene_keys.MARK, scene_keys.page_part())
+
+
+@pytest.mark.parametrize("name", program_keys.PARTS)
+def test_the_generated_tables_of_pages_are_those_of_today(name: str) -> None:
+    path, text = program_keys.rewritten(name)
+    assert path.read_text(encoding="utf-8") == text
+
+
+def test_the_campaign_of_its_page_has_the_cases_that_the_page_counts() -> None:
+    page = CAMPAIGNS.read_text(encoding="utf-8")
+    (text,) = _blocks("toml", page)
+    (sweep,) = definition.CampaignFile.model_validate(tomllib.loads(text)).sweep
+    assert "3 x 2 x 2 cases" in page and sweep.count() == 3 * 2 * 2
+    assert f"At most {definition.MOST_CASES:,} cases" in page
+    parameters = re.findall(r"`classic\.(\w+)`", page)
     assert set(parameters) == {field.name for field in dataclasses.fields(ClassicParameters)}
 
 
-def test_every_file_and_figure_of_the_readme_exists() -> None:
-    linked = re.findall(r"\]\(([^)#:]+)\)", README)
-    assert linked
-    assert all((ROOT / path).exists() for path in linked)
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "two_blocks"])
+def test_every_check_of_a_run_has_a_row(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
+    table = CHECKS.read_text(encoding="utf-8")
+    for check in cross_checked(name).summary["checks"]:
+        name = re.split(" along [xyz(]", check["name"])[0]  # the direction depends on the scene
+        assert re.search(rf"^\| [^|]*{re.escape(name)}", table, re.MULTILINE), name
 
 
 def test_the_results_table_lists_every_shipped_scene() -> None:
@@ -225,9 +325,28 @@ def test_the_demo_ends_as_the_readme_says(cross_checked: Callable[[str], CrossCh
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     (names,) = re.findall(r"^demo:.*\n.*crosscheck run (.*)", makefile, re.MULTILINE)
     for name in names.split():
-        (row,) = [line for line in demo.splitlines() if line.strip().startswith(f"{name} ")]
-        assert found_verdict(row) == cross_checked(name).summary["verdict"]
-        assert _results()[name][0] in row
+        (row,) = [line.split() for line in demo.splitlines() if line.strip().startswith(f"{name} ")]
+        summary = cross_checked(name).summary
+        assert found_verdict(" ".join(row)) == summary["verdict"]
+        _, least, predicted, greatest, *_ = verdict_cells(summary)
+        assert (row[1], row[3]) == (least, greatest)
+        assert float(row[2]) == pytest.approx(float(predicted), rel=ROUND_OFF)
+
+
+def test_the_results_of_the_readme_are_those_of_today(cross_checked: Callable[[str], CrossChecked]) -> None:
+    rows = _table("| scene | Coulomb | its interval |")
+    assert 3 <= len(rows) <= 6
+    for name, (predicted, interval, yade, verdict) in rows.items():
+        found = cross_checked(name)
+        coulomb = found.analysis.coulomb
+        assert coulomb is not None and verdict == found.summary["verdict"]
+        assert float(predicted) == pytest.approx(coulomb.value / found.scene.weight, rel=ROUND_OFF)
+        ends = [float(predicted)] * 2 if interval == "one point" else [float(end) for end in interval.split(" to ")]
+        assert ends == pytest.approx([end / found.scene.weight for end in coulomb.interval], rel=ROUND_OFF)
+        value, uncertainty = (float(part) for part in yade.split(" ± "))
+        reaction, own = (found.run.result[key] / found.scene.weight for key in ("reaction", "uncertainty"))
+        last_digit = 10.0 ** -len(yade.split(" ± ")[0].split(".")[1])
+        assert abs(value - reaction) <= OTHER_MACHINE * max(uncertainty, own) + last_digit
 
 
 def found_verdict(row: str) -> str:

@@ -1,9 +1,9 @@
 """Limit analysis to a requested accuracy.
 
 A calibrated model chooses the cheapest settings, the answer itself yields an estimate of its error, and finer settings
-follow where the error is too large. Errors are relative to the reaction, or to the multiplier, for sharp arrises. Settings
-that cost almost nothing stay at their best: looser residuals of the cone programmes save less than a tenth of their time
-(`crosscheck cost`).
+follow where the error is too large. Errors are relative to the reaction, or to the multiplier, for sharp arrises.
+Settings that cost almost nothing stay at their best: looser residuals of the cone programmes save less than a tenth of
+their time (`crosscheck cost`).
 """
 
 import math
@@ -75,7 +75,7 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
 
 
 def scale(analysis: LimitAnalysis) -> float:
-    """Return the scale of relative errors: the size of the answer, at least LEAST_SCALE of the weight (N, N m or multiplier)."""
+    """Return the scale of relative errors (N, N m, multiplier): the answer's size, at least LEAST_SCALE of the weight."""
     return max(abs(analysis.sharp.sharpest.value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
 
 
@@ -101,8 +101,8 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
 def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
     """Estimate the relative error of an analysis; NaN without a solution.
 
-    steps: steps of the prediction. before: sharp answer of the attempt with half the steps (N, N m or multiplier), NaN for
-    the first attempt. start: time at which the attempt began, s, by `time.perf_counter`.
+    steps: steps of the prediction. before: sharp answer of the attempt with half the steps (N, N m or multiplier), NaN
+    for the first attempt. start: time at which the attempt began, s, by `time.perf_counter`.
     """
     settings: dict[str, float] = {"inset": analysis.assembly.inset}
     rounded, sharp = analysis.at_inset.sharpest, analysis.sharp.sharpest
@@ -128,7 +128,7 @@ def _first_steps(accuracy: float) -> int:
 
 
 def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float) -> tuple[float, int] | None:
-    """Return inset (m) and steps of the next attempt; None where finer settings do not help or the structure has no answer."""
+    """Return inset (m) and steps of the next attempt; None where finer ones do not help or there is no answer."""
     if analysis.bounds[analysis.main].status is not Status.SOLVED:
         return None
     inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))

@@ -20,8 +20,8 @@ NAN = float("nan")
 class Answer(Tabled):
     """Results of limit analysis for one scene.
 
-    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A value
-    that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
+    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
+    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
 
     Attributes
     ----------
@@ -35,8 +35,9 @@ class Answer(Tabled):
     Reactions are in N, or in N m for a support that rotates. A reaction is the force of the support on the structure,
     against the direction of settlement; it is positive where the support holds the structure.
 
-    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978; Portioli
-    and Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without dilatancy.
+    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978;
+    Portioli and Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without
+    dilatancy.
 
     Examples
     --------
@@ -72,13 +73,13 @@ class Answer(Tabled):
 
     @property
     def coulomb(self) -> float:
-        """Predicted reaction (N, N m) or multiplier, with friction without dilatancy; NaN if only bounds are requested."""
+        """Predicted reaction (N, N m) or multiplier, for friction without dilatancy; NaN if only bounds are computed."""
         coulomb = self.analysis.printed.coulomb
         return NAN if coulomb is None else coulomb.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Least and greatest value of the prediction's mechanism, over all histories of friction (N, N m or multiplier)."""
+        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, over all histories of friction."""
         coulomb = self.analysis.printed.coulomb
         return (NAN, NAN) if coulomb is None else coulomb.interval
 
@@ -145,8 +146,12 @@ def solve(scene: Scene, path: bool = False) -> Answer:
 
 
 def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None where one does not exist."""
-    return {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
+    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None if undefined."""
+    return {
+        "associated": associated_values(analysis),
+        "coulomb": coulomb_values(analysis),
+        "path": path_values(analysis),
+    }
 
 
 COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "equilibrium_residual", "cone_violation")
@@ -179,7 +184,7 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
 
 
 def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """Return the values of the prediction by their JSON keys, insets as in `associated_values`; None without a prediction."""
+    """Return the prediction's values by their JSON keys, insets as in `associated_values`; None without a prediction."""
     scene, name = analysis.scene, analysis.scene.quantity
     rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
     if rounded is None or sharp is None or printed is None:
@@ -226,7 +231,7 @@ def answer_headings(scene: Scene) -> tuple[str, str, str]:
 
 
 def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Yield the rows of the table: name, value in its unit, and value over the weight; `values` come from `answer_values`."""
+    """Yield the rows of the table: name, value in its unit, value over the weight; `values` come from `answer_values`."""
     answer = values["associated"]
     yield "status", answer["status"], ""
     for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):

@@ -179,7 +179,7 @@ def _coulomb(data: dict[str, Any], group: str) -> CoulombSolution:
 
 
 def scene_digest(scene: Scene) -> str:
-    """Return the digest of all inputs of `case.h5`: name, text and meshes of the scene, this package's code, and the solver."""
+    """Return the digest of all inputs of `case.h5`: the scene's name, text and meshes, this package, and the solver."""
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
     text = "\n".join([scene.name, code_digest(PACKAGE), version("clarabel"), *meshes, scene.text])
     return hashlib.sha256(text.encode()).hexdigest()

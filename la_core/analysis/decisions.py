@@ -1,4 +1,4 @@
-"""Decide the effects that need a solution: friction, because joints may slide, and the region that the support's motion affects."""
+"""Decide the effects that need a solution: friction where joints slide, and the region that the motion affects."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -124,7 +124,7 @@ def _search_sliding(model: StructuralModel, settings: AnalysisSettings, bound: C
 
 
 def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> Effects:
-    """Return the effects with friction and elasticity decided by the search; SceneError where the scene forbids elastic joints."""
+    """Return the effects with friction and elasticity decided by a search; raises SceneError as `decide_effects` does."""
     if not search.found:
         effects = effects.with_effect("friction", search.law, search.reason)
         return effects.with_effect("elasticity", "none", "no joint dilates, so the strain of joints has no effect")

@@ -39,15 +39,15 @@ class StructuralModel:
     least_gap: float
 
     def with_scene(self, scene: Scene) -> "StructuralModel":
-        """Model a scene with the same blocks and another inset or other effects; the known interfaces are used again."""
+        """Model a scene with the same blocks and another inset or other effects; its interfaces are known."""
         return structural_model(scene, self.assembly.interfaces)
 
 
 def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> StructuralModel:
     """Assemble a scene at both insets and decide the effects that need no solution.
 
-    interfaces: interfaces of its blocks, if they are known; None searches them. Raises SceneError where the scene requests
-    an effect that it does not allow; `decide_effects` checks the effects that need a solution.
+    interfaces: interfaces of its blocks, if they are known; None searches them. Raises SceneError where the scene
+    requests an effect that it does not allow; `decide_effects` checks the effects that need a solution.
     """
     assembly = assemble(scene, interfaces)
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)

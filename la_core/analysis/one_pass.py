@@ -41,7 +41,7 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 
 
 def _solve_every_drive(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
-    """Yield every drive with its solution; a structure that cannot stand is infeasible for all drives, so one solve is enough."""
+    """Yield every drive with its solution; one solve is enough for a structure that cannot stand."""
     problem = scaled_problem(assembly)
     for drive in drives(scene):
         solution = solve_associated(assembly, drive, problem)

@@ -111,7 +111,7 @@ def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, se
 
 
 def _with_whole_at_rest(model: StructuralModel, answers: Pair) -> Pair:
-    """Replace the region's reactions at rest by the whole structure's: beside held blocks the region sags differently."""
+    """Replace the region's reactions at rest by the whole structure's: the region sags differently beside held blocks."""
     at_inset, sharp = answers
     if at_inset.coulomb is None or sharp.coulomb is None or at_inset.assembly.effects.friction != "coulomb":
         return answers

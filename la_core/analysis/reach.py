@@ -1,14 +1,14 @@
-"""Reach: model only the region that the support's motion affects; all other free blocks are set aside, which means held at rest.
+"""Reach: model only the region that the support's motion affects; hold all other free blocks at rest ("set aside").
 
-The bounds always belong to the whole structure. Joints that dilate by the associated flow rule push all their neighbours, up
-to the far end of a wall, and a bound costs one programme only. The region saves work in the prediction, which needs many
-programmes, and in YADE. An answer of the region holds for the whole structure under two conditions:
-    1. The blocks set aside stand under their own weight and the forces of the region, with the same friction. Both parts
-       together are then a state of force of the whole structure, in equilibrium and within the friction law.
-    2. Layers of blocks at rest lie between the blocks set aside and all blocks that move or rest on the support. The history
-       of friction there is then that of free neighbours.
-The first condition is not enough for friction without dilatancy, because its states of force are not unique: a wall may hang
-between rigid flanks.
+The bounds always belong to the whole structure. Joints that dilate by the associated flow rule push all their
+neighbours, up to the far end of a wall, and a bound costs one programme only. The region saves work in the prediction,
+which needs many programmes, and in YADE. An answer of the region holds for the whole structure under two conditions:
+    1. The blocks set aside stand under their own weight and the forces of the region, with the same friction. Both
+       parts together are then a state of force of the whole structure, in equilibrium and within the friction law.
+    2. Layers of blocks at rest lie between the blocks set aside and all blocks that move or rest on the support. The
+       history of friction there is then that of free neighbours.
+The first condition is not enough for friction without dilatancy, because its states of force are not unique: a wall may
+hang between rigid flanks.
 """
 
 from dataclasses import replace
@@ -17,7 +17,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
-from la_core.coulomb import ACCEPTED
+from la_core.coulomb import ACCEPTED_RESIDUAL
 from la_core.exchange import FIXED, SUPPORT
 from la_core.geometry import Interfaces
 from la_core.limit import box_limits, maximise, scaled_problem
@@ -29,16 +29,16 @@ from la_core.scene import Scene
 # prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %. Where the
 # history of friction matters more, shorter steps change the whole structure's answer by more than that, towards the region's.
 LAYERS = (4, 8)  # of neighbours around all that rests on the support, one attempt each
-MARGIN = 3  # layers of blocks at rest between a mechanism and what is set aside
+MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set aside
 LEAST_SHARE, LEAST_BLOCKS = 0.4, 100  # of the free blocks: setting aside less is not worth a proof, measured on the shipped scenes
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
-TOLERANCE = 0.025 * ACCEPTED  # of the solver for the proof's programme, in mean block weights
+TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme, in mean block weights
 
 
 def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
-    """Return masks (B,) of free blocks to set aside, the largest first, and why the whole structure is modelled otherwise.
+    """Return masks (B,) of free blocks to set aside, the largest first, and why to model the whole structure otherwise.
 
-    scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: of the whole structure.
+    scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: the whole structure's.
     """
     request, free = scene.effects.reach, assembly.blocks.free
     if scene.support_twist is None:
@@ -114,7 +114,7 @@ def kept_points(assembly: Assembly, aside: np.ndarray) -> np.ndarray:
     return np.asarray(free[a] | free[b])
 
 
-def why_not_valid(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED) -> str:
+def why_not_valid(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED_RESIDUAL) -> str:
     """Return why the reduced answer does not hold for the whole structure, or "".
 
     Parameters
@@ -139,7 +139,8 @@ def why_not_valid(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces
         return "the region has no answer"
     near = _grown(whole, reduced.aside, MARGIN)
     if (on_support := near & region(whole, 0)).any():
-        return f'block "{whole.blocks.names[on_support.argmax()]}" rests on the support within {MARGIN} layers of the blocks set aside'
+        name = whole.blocks.names[on_support.argmax()]
+        return f'block "{name}" rests on the support within {MARGIN} layers of the blocks set aside'
     if np.isfinite(twists).all():
         speed = block_speeds(whole.blocks, twists)
         nearest = np.where(near, speed, 0.0)
@@ -174,8 +175,9 @@ def extend_forces(whole: Assembly, reduced: Assembly, forces: np.ndarray) -> tup
 
     Notes
     -----
-    The blocks set aside carry the forces of the region as loads. The programme maximises the power of all their loads over
-    admissible motions of bounded size. Its value is the least sum of unbalanced forces; its multipliers are contact forces.
+    The blocks set aside carry the forces of the region as loads. The programme maximises the power of all their loads
+    over admissible motions of bounded size. Its value is the least sum of unbalanced forces; its multipliers are the
+    contact forces.
     """
     in_region = kept_points(whole, reduced.aside)
     extended = np.zeros((len(whole.points), 3))

@@ -14,8 +14,8 @@ class AnalysisSettings:
     follow_path : bool
         Whether to follow the curve from rest to the plateau, as a [path] table of the scene does.
     sliding_reason : str
-        Reason why joints are known to slide, such as an earlier run of YADE. It keeps friction in the model where "auto"
-        might leave it out. "" where nothing is known.
+        Reason why joints are known to slide, such as an earlier run of YADE. It keeps friction in the model where
+        "auto" might leave it out. "" where nothing is known.
     prediction : PredictionSettings
         Steps to the plateau. A scene that requests an accuracy overrides them.
     """

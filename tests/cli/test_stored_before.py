@@ -35,7 +35,9 @@ def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None)
     before, now = (json.loads((folder / "two_pads" / "comparison.json").read_text(encoding="utf-8")) for folder in (BEFORE, stored))
     for part in ("limit_analysis", "yade", "verdict", "weight", "mechanism_measures"):
         assert now[part] == before[part]
-    assert [(check["name"], check["verdict"]) for check in now["checks"]] == [(check["name"], check["verdict"]) for check in before["checks"]]
+    assert [(check["name"], check["verdict"]) for check in now["checks"]] == [
+        (check["name"], check["verdict"]) for check in before["checks"]
+    ]
 
 
 def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:

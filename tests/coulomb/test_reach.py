@@ -1,6 +1,5 @@
 """Reach: what the support's motion cannot touch may be set aside without any answer changing, and it is noticed where it may not."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Silent
-from runs import made_up_run
+from runs import made_up_run, with_answers
 
 from comparison.judge.check import Verdict
 from comparison.judge.reduced_model import check_reach
@@ -21,7 +20,7 @@ from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.plateau import ACCEPTED, predict
+from la_core.coulomb.plateau import ACCEPTED_RESIDUAL, predict
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -123,8 +122,8 @@ def test_both_parts_together_are_a_state_of_the_whole_structure() -> None:
     assert part.coulomb is not None
     whole = assemble(scene)
     lifted, _ = reach.extend_forces(whole, part.assembly, part.coulomb.forces)
-    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED
-    assert residuals.cone_violation(whole, lifted) <= ACCEPTED
+    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED_RESIDUAL
+    assert residuals.cone_violation(whole, lifted) <= ACCEPTED_RESIDUAL
     assert residuals.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
 
 
@@ -238,7 +237,7 @@ def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> Non
     (check,) = check_reach(Results(analysis, plateau_of(analysis, analysis.coulomb.forces + thrust)))
     assert check.verdict is Verdict.INCONCLUSIVE
     assert "would not stand" in check.reason and "reach = false" in check.reason
-    whole = replace(analysis, assembly=assemble(scene))
+    whole = with_answers(analysis, assembly=assemble(scene))
     assert list(check_reach(Results(whole, plateau_of(analysis, analysis.coulomb.forces)))) == []
 
 
