@@ -1,4 +1,4 @@
-"""Both methods on a scene from Python: run or read, look at the verdict, draw, report. What a program or a notebook works with."""
+"""Both methods from Python: run a scene or read stored results, look at the verdict, draw and report."""
 
 import base64
 import html
@@ -27,17 +27,36 @@ from la_core.text_table import Tabled
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A figure that a notebook shows. figure: matplotlib's, to change before it is saved."""
+    """Figure that a notebook shows as an image.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        Figure of matplotlib; change it as you like before you save it.
+    """
 
     figure: Any
 
     def save(self, path: Path | str) -> "Picture":
-        """Write PNG, SVG or PDF, as the name ends; returns the picture, so that a notebook shows what was saved.
+        """Write the figure to a file.
 
-        Raises SceneError for another ending.
+        Parameters
+        ----------
+        path : Path or str
+            File to write; its ending chooses the format: .png, .svg or .pdf.
+
+        Returns
+        -------
+        Picture
+            This picture, so that a notebook shows the saved figure.
+
+        Raises
+        ------
+        SceneError
+            The path has another ending.
         """
         if Path(path).suffix not in FIGURE_FORMATS:
-            raise SceneError(str(path), f"a figure's name ends in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
+            raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
         structure.save(self.figure, Path(path))
         return self
 
@@ -47,9 +66,20 @@ class Picture:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(Tabled):
-    """Both methods' results of a scene and the verdict on them, as they lie in `folder`; `print(result)` shows the row of `crosscheck run`.
+    """Results of both methods for one scene, and their verdict.
 
-    summary: what comparison.json holds. answer: limit analysis. yade: YADE's record, None where YADE gave none or was not asked.
+    `print(result)` shows the verdict table of `crosscheck run`; a notebook shows it with the figure of the mechanisms.
+
+    Attributes
+    ----------
+    folder : Path
+        Folder of the scene's results.
+    summary : dict of str to Any
+        Content of comparison.json.
+    answer : Answer
+        Results of limit analysis.
+    yade : Run or None
+        YADE's record. None where YADE did not run or recorded nothing.
     """
 
     folder: Path
@@ -59,32 +89,64 @@ class Result(Tabled):
 
     @property
     def scene(self) -> Scene:
-        """The scene, as it was run."""
+        """Scene that was run."""
         return self.answer.scene
 
     @property
     def verdict(self) -> Verdict | None:
-        """Agree, disagree or inconclusive; None where nothing was judged."""
+        """Verdict on the whole comparison; None without any check."""
         return Verdict(self.summary["verdict"]) if self.summary["verdict"] else None
 
     @property
     def reason(self) -> str:
-        """Why, in sentences; empty where both methods agree."""
+        """Reason of the verdict in sentences; "" where both methods agree."""
         return str(self.summary["reason"])
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """Everything that was judged, each with numbers, tolerance and verdict."""
+        """All checks of the comparison, each with its numbers, tolerance and verdict."""
         return tuple(Check(**check | {"verdict": Verdict(check["verdict"])}) for check in self.summary["checks"])
 
     def plot(self, name: str = "mechanisms") -> Picture:
-        """One of the figures of the report: assembly, mechanisms, reaction, dissipation."""
+        """Draw one figure of the report.
+
+        Parameters
+        ----------
+        name : str
+            Name of the figure: "assembly", "mechanisms", "reaction" or "dissipation".
+
+        Returns
+        -------
+        Picture
+            The figure.
+
+        Raises
+        ------
+        SceneError
+            No figure has this name.
+        """
         return draw(self.answer, name, self.yade)
 
     def report(self, *others: "Result") -> Path:
-        """Write report.html, .md and .json of this result, and of others in the same folder, beside their folders; returns the page."""
+        """Write report.html, report.md and report.json about this result and others, beside their folders.
+
+        Parameters
+        ----------
+        *others : Result
+            Further results for the same report; their folders must lie in the same folder.
+
+        Returns
+        -------
+        Path
+            Path of report.html.
+
+        Raises
+        ------
+        ValueError
+            The results lie in different folders.
+        """
         if {other.folder.parent for other in others} - {self.folder.parent}:
-            raise ValueError("results of one report lie in one folder; run them with the same `folder`")
+            raise ValueError("all results of a report must lie in one folder; run them with the same `folder`")
         return write_report(self.folder.parent, [result.summary for result in (self, *others)], describe())
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
@@ -97,8 +159,10 @@ class Result(Tabled):
 
     def _repr_html_(self) -> str:
         figure = self.folder / "mechanisms.png"
-        shown = base64.b64encode(figure.read_bytes()).decode() if figure.is_file() else ""
-        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{shown}">' if shown else ""
+        image = ""
+        if figure.is_file():
+            encoded = base64.b64encode(figure.read_bytes()).decode()
+            image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">'
         return f"{super()._repr_html_()}\n<p>{html.escape(self.reason)}</p>\n{image}"
 
 
@@ -109,12 +173,38 @@ def run(
     time_limit: float | None = None,
     quiet: bool = False,
 ) -> Result:
-    """Take a scene through both methods, as `crosscheck run` does; what is in the folder and did not change is not run again.
+    """Run both methods on a scene and compare them, as `crosscheck run` does.
 
-    scene: or its file, or a shipped scene's name. folder: of all results; the scene's own, by its name, is made in it. yade: False for
-    limit analysis alone. time_limit: wall seconds for YADE. quiet: nothing on stderr. Raises SceneError for what a user must mend; that
-    YADE is missing or fails is a verdict, `inconclusive`.
+    Stored results whose inputs did not change are read and not computed again. A missing or failed YADE is no error:
+    the verdict is then `Verdict.INCONCLUSIVE`, with a reason.
 
+    Parameters
+    ----------
+    scene : Scene, Path or str
+        Scene, path of a scene file, or name of a shipped scene.
+    folder : Path or str
+        Folder for all results; the scene gets a folder of its own name in it.
+    yade : bool
+        Whether to run YADE; False runs limit analysis alone.
+    time_limit : float or None
+        Longest wall time of YADE, s. None takes the scene's setting, or 3600 s.
+    quiet : bool
+        Whether to write no progress to stderr.
+
+    Returns
+    -------
+    Result
+        Results of both methods and the verdict.
+
+    Raises
+    ------
+    SceneError
+        The scene or an argument is invalid.
+    comparison.errors.FolderInUseError
+        Another process works in the scene's folder.
+
+    Examples
+    --------
     >>> import comparison
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
     <Verdict.AGREE: 'agree'>
@@ -123,17 +213,39 @@ def run(
         raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
     chosen = scene if isinstance(scene, Scene) else load(scene)
     refuse_name(chosen)
-    own = Path(folder) / chosen.name
+    scene_folder = Path(folder) / chosen.name
     with _narration(quiet) as narration:
         model = structural_model(chosen)
-        summary = run_scene(model, own, narration, yade, time_limit)
-    return _result(own, summary, model.assembly.interfaces)
+        summary = run_scene(model, scene_folder, narration, yade, time_limit)
+    return _result(scene_folder, summary, model.assembly.interfaces)
 
 
 def read(folder: Path | str) -> Result:
-    """The result that a scene's folder of results holds, judged and drawn again where the program has changed since.
+    """Read the stored results of one scene; judge and draw them again where the program has changed.
 
-    Raises la_core.exchange.ExchangeError where it holds none.
+    Parameters
+    ----------
+    folder : Path or str
+        Folder of the scene's results, such as "crosscheck-results/two_pads".
+
+    Returns
+    -------
+    Result
+        Results of both methods and the verdict.
+
+    Raises
+    ------
+    la_core.exchange.ExchangeError
+        The folder holds no results, or a file in it is damaged.
+    comparison.errors.FolderInUseError
+        Another process works in the folder.
+
+    Examples
+    --------
+    >>> import comparison
+    >>> result = comparison.run("two_pads", "results", yade=False, quiet=True)
+    >>> comparison.read("results/two_pads").verdict == result.verdict
+    True
     """
     with _narration(True) as narration:
         summary = report_again(Path(folder), narration)
@@ -141,16 +253,40 @@ def read(folder: Path | str) -> Result:
 
 
 def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Picture:
-    """A figure of a scene (its assembly), or of an answer: assembly, mechanisms, reaction, dissipation; raises SceneError for another.
+    """Draw a figure of a scene or of an answer.
 
-    name: of the figure. run: YADE's, to be drawn beside the answer.
+    Parameters
+    ----------
+    what : Scene or Answer
+        A scene, for a figure of its assembly, or an answer, for the figure `name`.
+    name : str
+        Figure of an answer: "assembly", "mechanisms" (default), "reaction" or "dissipation". Ignored for a scene.
+    run : Run or None
+        YADE's record, drawn beside the answer. Ignored for a scene.
+
+    Returns
+    -------
+    Picture
+        The figure.
+
+    Raises
+    ------
+    SceneError
+        No figure has this name.
+
+    Examples
+    --------
+    >>> import comparison, la_core
+    >>> picture = comparison.draw(la_core.load("two_pads"))
+    >>> picture.save("two_pads.png") is picture
+    True
     """
     if isinstance(what, Scene):
         return Picture(structure.assembly_figure(what, decided_model(what).assembly))
     drawings = scene_figures(Results(what.analysis, run))
     chosen = name or "mechanisms"
     if chosen not in drawings:
-        raise SceneError(f'unknown figure "{chosen}"', "not among those of this answer", hint=nearest(chosen, drawings, "figures"))
+        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
     return Picture(drawings[chosen]())
 
 

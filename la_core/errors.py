@@ -10,7 +10,21 @@ CONTROL = re.compile(
 
 
 class SceneError(Exception):
-    """A scene that cannot be analysed: says file, key or block, value, rule and what to do next."""
+    """Error in a scene or in an argument, with a message that says where it is, the rule and what to do next.
+
+    The message reads `where = value: rule; hint`.
+
+    Parameters
+    ----------
+    where : str
+        Place of the error: a file, a key, a block or an argument.
+    rule : str
+        Rule that the place breaks.
+    value : object, optional
+        Value that breaks the rule; the message shows at most 80 characters of it. None leaves it out.
+    hint : str, optional
+        Next step for the user; "" leaves it out.
+    """
 
     def __init__(self, where: str, rule: str, *, value: object = None, hint: str = "") -> None:
         shown = "" if value is None else f" = {_short(value)}"

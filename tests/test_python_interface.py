@@ -4,12 +4,14 @@ import ast
 import dataclasses
 import doctest
 import importlib
+import inspect
 import math
 import re
 import sys
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 
 import api_page
 import numpy as np
@@ -50,6 +52,64 @@ def test_a_name_that_is_none_is_told_as_python_tells_it(package) -> None:
 
 def test_the_page_of_names_is_that_of_the_docstrings() -> None:
     assert api_page.PAGE.read_text(encoding="utf-8") == api_page.page()
+
+
+def described(thing: object, heading: str) -> dict[str, str]:
+    """Meaning of every entry of a docstring's section, by name."""
+    return {entry.name.lstrip("*"): entry.meaning for entry in api_page.entries(api_page.sections(thing).get(heading, ""))}
+
+
+def assert_call_is_described(function: Callable[..., object]) -> None:
+    """A docstring lists every parameter with its type and meaning, in order, and what the function returns."""
+    parameters = [name for name in inspect.signature(function).parameters if name != "self"]
+    meanings = described(function, "Parameters")
+    assert list(meanings) == parameters
+    assert all(entry.kind and entry.meaning for entry in api_page.entries(api_page.sections(function).get("Parameters", "")))
+    assert any(described(function, "Returns").values())
+
+
+@both_packages
+def test_every_parameter_and_attribute_of_the_names_is_described(package) -> None:
+    for thing in (getattr(package, name) for name in package.__all__):
+        assert api_page.sections(thing)[""], thing
+        if not inspect.isclass(thing):
+            assert_call_is_described(thing)
+            continue
+        meanings = described(thing, "Attributes")
+        assert list(meanings) == api_page.fields_of(thing)
+        assert all(meanings.values())
+        assert all(inspect.getdoc(member) for member in api_page.members_of(thing, property).values())
+        for method in api_page.members_of(thing, FunctionType).values():
+            assert_call_is_described(method)
+    assert list(described(la_core.SceneError, "Parameters")) == list(inspect.signature(la_core.SceneError).parameters)
+
+
+def test_sections_of_a_docstring_are_read_as_numpydoc_has_them() -> None:
+    def area(width: float, *others: float) -> float:
+        """Return an area.
+
+        Parameters
+        ----------
+        width : float
+            Width of the
+            strip, m.
+        *others : float
+            More widths, m.
+
+        Returns
+        -------
+        float
+            Area, m2.
+        """
+        return width + sum(others)
+
+    assert api_page.sections(area)[""] == "Return an area."
+    (width, others) = api_page.entries(api_page.sections(area)["Parameters"])
+    assert width == ("width", "float", "Width of the strip, m.")
+    assert others == ("*others", "float", "More widths, m.")
+    assert_call_is_described(area)
+    with pytest.raises(AssertionError):
+        assert_call_is_described(test_sections_of_a_docstring_are_read_as_numpydoc_has_them)
 
 
 @both_packages
@@ -240,7 +300,7 @@ def test_a_time_limit_that_is_none_is_refused_before_anything_runs(seconds: floa
 
 
 def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -> None:
-    with pytest.raises(la_core.SceneError, match=r"x\.jpg: a figure's name ends in \.png, \.svg or \.pdf"):
+    with pytest.raises(la_core.SceneError, match=r"x\.jpg: the file name of a figure must end in \.png, \.svg or \.pdf"):
         comparison.draw(la_core.load("two_pads")).save(tmp_path / "x.jpg")
     assert list(tmp_path.iterdir()) == []
 

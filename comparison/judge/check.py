@@ -6,7 +6,17 @@ from dataclasses import dataclass
 
 
 class Verdict(enum.StrEnum):
-    """What a check, or a whole comparison, comes to."""
+    """Verdict of one check or of a whole comparison; a comparison has the gravest verdict of its checks.
+
+    Attributes
+    ----------
+    AGREE
+        Both methods agree within the tolerance.
+    DISAGREE
+        They differ by more than the tolerance.
+    INCONCLUSIVE
+        A number does not exist, or it is too uncertain for a verdict.
+    """
 
     AGREE = "agree"
     DISAGREE = "disagree"
@@ -15,7 +25,27 @@ class Verdict(enum.StrEnum):
 
 @dataclass(frozen=True)
 class Check:
-    """One judgement. Numbers are None where they do not exist; `reason` is a sentence whenever the verdict is not agree."""
+    """One check of a comparison: the compared numbers, their difference, the tolerance and the verdict.
+
+    Attributes
+    ----------
+    name : str
+        Name of the check, such as "reaction within bounds".
+    verdict : Verdict
+        Verdict of this check.
+    limit_analysis : float or None
+        Reference value, in `unit`: from limit analysis, or the exact one. None where it does not exist.
+    yade : float or None
+        Value from YADE, in `unit`. None where it does not exist.
+    difference : float or None
+        YADE's value minus the reference, in `unit`. None where one of them does not exist.
+    tolerance : float or None
+        Largest accepted size of the difference, in `unit`. None where the check has no tolerance.
+    unit : str
+        Unit of the numbers, such as "N" or "of the mass".
+    reason : str
+        Reason in sentences; "" only for AGREE.
+    """
 
     name: str
     verdict: Verdict

@@ -81,10 +81,28 @@ class Poses(_Named):
 
 @dataclass(frozen=True)
 class Run:
-    """YADE's record of a run; names and units are those of `la_core.exchange.RUN_FIELDS`, NaN where undefined.
+    """YADE's record of a run, read from `run.h5`; undefined numbers are NaN.
 
-    result: how it ended, and the plateau. record: series over time. poses: stored states. extra_contacts: block pairs (E, 2) that touched
-    where the case lists no contact point. settings: as used.
+    The arrays have T time samples, P stored states, B blocks and C contact points. `la_core.exchange.RUN_FIELDS` lists
+    all names, shapes and units.
+
+    Attributes
+    ----------
+    result : RunResult
+        End of the run and properties of the plateau.
+    record : RunSeries
+        Series over time, each of shape (T,) or (T, 6).
+    poses : Poses
+        Stored states; the first is at rest under gravity.
+    extra_contacts : ndarray, shape (E, 2)
+        Indices of block pairs that touched where the case lists no contact point.
+    settings : dict of str to Any
+        All settings of the run, by name.
+
+    Notes
+    -----
+    The reaction is the force of the support on the structure, against the direction of settlement; it is positive where
+    the support holds the structure. For a rotation it is a moment.
     """
 
     result: RunResult
@@ -95,21 +113,32 @@ class Run:
 
     @property
     def status(self) -> str:
-        """plateau, no plateau, collapsed, timeout or failed."""
+        """End of the run: "plateau", "no plateau", "collapsed", "timeout" or "failed"."""
         return self.result.status
 
     @property
     def reaction(self) -> float:
-        """Reaction on the plateau, extrapolated to no settlement, N or N m; NaN where there is no plateau."""
+        """Reaction of the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau."""
         return self.result.reaction
 
     @property
     def uncertainty(self) -> float:
-        """Half width of the interval that holds the reaction 19 times in 20, N or N m."""
+        """Half width of the 95 % confidence interval of the reaction, N or N m; NaN without a plateau."""
         return self.result.uncertainty
 
     def settling(self, series: str) -> np.ndarray:
-        """One recorded series during the settlement stage."""
+        """Return one recorded series of the settlement stage.
+
+        Parameters
+        ----------
+        series : str
+            Name of an attribute of `record`, such as "settlement" (m or rad) or "reaction" (N or N m).
+
+        Returns
+        -------
+        ndarray, shape (S,) or (S, 6)
+            Samples of the series in the settlement stage, in the order of time.
+        """
         return getattr(self.record, series)[self.record.stage == 1]
 
     def _on_plateau(self) -> np.ndarray:
@@ -117,7 +146,13 @@ class Run:
         return np.flatnonzero(self.poses.settlement >= self.result.plateau_start)
 
     def scatter(self) -> float:
-        """Standard deviation of the reaction about the plateau's line, over the reaction; NaN where there is no plateau."""
+        """Return the relative scatter of the reaction on the plateau.
+
+        Returns
+        -------
+        float
+            Standard deviation of the reaction about the fitted line, over the reaction; NaN without a plateau.
+        """
         if not len(self.record) or self.status != "plateau" or not self.result.reaction:
             return float("nan")
         settlement, reaction = self.settling("settlement"), self.settling("reaction")
@@ -126,12 +161,29 @@ class Run:
         return float(np.std((reaction - line)[kept]) / abs(self.result.reaction)) if kept.any() else float("nan")
 
     def plateau_forces(self) -> np.ndarray:
-        """Mean contact forces (C, 3) over the plateau, N: a mean of admissible states is one, and inertia averages out of it."""
+        """Return the mean contact forces over the plateau, or those of the last state without a plateau.
+
+        Returns
+        -------
+        ndarray, shape (C, 3)
+            Forces on the second block of each contact, N, global axes.
+
+        Notes
+        -----
+        A mean of admissible states is admissible, because the friction cone is convex. Inertial forces average out.
+        """
         stored = self._on_plateau()
         return self.poses.forces[stored if len(stored) else [-1]].mean(axis=0)
 
     def mechanism(self) -> np.ndarray:
-        """Twists (B, 6) for unit support motion: change of pose over the plateau; NaN when fewer than two poses lie on it."""
+        """Return the mechanism on the plateau: the change of every block's pose per unit of support motion.
+
+        Returns
+        -------
+        ndarray, shape (B, 6)
+            Displacement of the centroid, then rotation vector, of every block per m (or rad) of support motion; NaN
+            where fewer than two stored states lie on the plateau.
+        """
         settlement, on_plateau = self.poses.settlement, self._on_plateau()
         twists = np.full((self.poses.displacement.shape[1], 6), np.nan)
         if len(on_plateau) >= 2:

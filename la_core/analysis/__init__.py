@@ -1,4 +1,4 @@
-"""The limit-analysis stage: bounds, prediction, reach and accuracy of one scene, from its text to `case.h5`."""
+"""The limit-analysis stage: bounds, prediction, reduced region and accuracy of one scene, from its text to `case.h5`."""
 
 from la_core.analysis import case_file, reach
 from la_core.analysis.accuracy import HISTORY, INSET_SHARE, has_history, scale, shared_parts, with_accuracy

@@ -1,8 +1,9 @@
-"""Limit analysis to a requested accuracy: the cheapest settings by a calibrated model, the error estimated from the answer itself, and
-finer settings where it is too large.
+"""Limit analysis to a requested accuracy.
 
-An accuracy is a share of the reaction, or of the multiplier, for sharp arrises. What costs nothing is left at its best: cone programmes
-to looser residuals save less than a tenth of their time (`crosscheck cost`).
+A calibrated model chooses the cheapest settings, the answer itself yields an estimate of its error, and finer settings
+follow where the error is too large. Errors are relative to the reaction, or to the multiplier, for sharp arrises.
+Settings that cost almost nothing stay at their best: looser residuals of the cone programmes save less than a tenth of
+their time (`crosscheck cost`).
 """
 
 import math
@@ -23,25 +24,35 @@ ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's histo
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
-# Of the answer, over the number of steps: what friction's history owes to it. Of 128 walls (tests/benchmarks/benchmark_friction.py)
-# 127 are within 5 % in 2 steps, and 123 within 1 % in 8. Only what a doubling of the steps changed counts as an estimate.
+# Error of friction's history, of the answer, times the number of steps. Of 128 walls (tests/benchmarks/benchmark_friction.py)
+# 127 are within 5 % in 2 steps, and 123 within 1 % in 8. Only the change by twice as many steps counts as an estimate.
 HISTORY_OF_STEPS = 0.08
 FEWEST_STEPS, MOST_STEPS = 2, 64
 # Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
 ELASTIC_SHARE = 0.03
-LEAST_SCALE = 0.01  # of the weight, or as a multiplier: what the error of a smaller answer is relative to
+LEAST_SCALE = 0.01  # of the weight, or a multiplier: errors of smaller answers are relative to this
 MOST_ATTEMPTS = 6
 
 
 def with_accuracy(scene: Scene, accuracy: float) -> Scene:
-    """The scene with a requested accuracy, a share of the answer, in its text as well; its name stays."""
+    """Copy a scene with a requested relative accuracy, in its text, too; its name stays."""
     return same_structure(scene, {"accuracy": accuracy}, scene.name)
 
 
 def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
-    """Analyse a scene that requests an accuracy: the best of the attempts, finer each time, with all of them as its `accuracy`.
+    """Analyse a scene with finer and finer settings until the estimated error is within the accuracy that it requests.
 
-    settings: their prediction's steps are replaced by those of each attempt.
+    Parameters
+    ----------
+    model : StructuralModel
+        Model of a scene with an accuracy.
+    settings : AnalysisSettings
+        Settings of every attempt, apart from the steps of the prediction, which each attempt chooses.
+
+    Returns
+    -------
+    LimitAnalysis
+        The attempt with the smallest estimated error; its `accuracy` records all attempts.
     """
     accuracy = model.scene.accuracy
     assert accuracy is not None
@@ -58,28 +69,28 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
             break
         before = analysis.sharp.sharpest.value
         tried, steps = model.with_scene(replace(model.scene, inset=finer[0])), finer[1]
-    attempts.sort(key=lambda tried: -tried[0].error if math.isfinite(tried[0].error) else -math.inf)  # the best one is the answer
+    attempts.sort(key=lambda pair: -pair[0].error if math.isfinite(pair[0].error) else -math.inf)  # the best one is the answer
     record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
     return replace(attempts[-1][1], scene=model.scene, accuracy=record)
 
 
 def scale(analysis: LimitAnalysis) -> float:
-    """What errors are relative to: the size of the answer, or a share of the weight (N, N m, or as a multiplier) where it is less."""
+    """Return the scale of relative errors (N, N m, multiplier): the answer's size, at least LEAST_SCALE of the weight."""
     return max(abs(analysis.sharp.sharpest.value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
 
 
 def _unit(assembly: Assembly, weight: float) -> float:
-    """A weight in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
+    """Return a weight (N) in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
     return 1.0 if assembly.has_live_load else weight * assembly.support_speed
 
 
 def has_history(analysis: LimitAnalysis) -> bool:
-    """Whether joints slide, so that the answer depends on the way to it."""
+    """Whether joints slide, so that the answer depends on the history of friction."""
     return analysis.assembly.effects.friction == "coulomb"
 
 
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
-    """Parts of the error that both methods have: of rounded arrises, and of the elastic joints."""
+    """Return the relative errors that both methods share, by source: rounded arrises and elastic joints."""
     rounded, sharp, stiffness = analysis.at_inset.sharpest, analysis.sharp.sharpest, analysis.stiffness
     return {
         ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
@@ -88,7 +99,11 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
-    """The error that an analysis estimates itself; undefined without a value. before: the sharp answer of half the steps, NaN for none."""
+    """Estimate the relative error of an analysis; NaN without a solution.
+
+    steps: steps of the prediction. before: sharp answer of the attempt with half the steps (N, N m or multiplier), NaN
+    for the first attempt. start: time at which the attempt began, s, by `time.perf_counter`.
+    """
     settings: dict[str, float] = {"inset": analysis.assembly.inset}
     rounded, sharp = analysis.at_inset.sharpest, analysis.sharp.sharpest
     parts = shared_parts(analysis)
@@ -107,26 +122,26 @@ def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -
 
 
 def _first_steps(accuracy: float) -> int:
-    """Half the steps, a power of two, that the model holds to be enough."""
+    """Return half the number of steps (a power of two) that the calibrated model needs for a relative accuracy."""
     needed = 2 ** math.ceil(math.log2(HISTORY_OF_STEPS / accuracy))
     return max(FEWEST_STEPS, min(needed, MOST_STEPS) // 2)  # its doubling measures what fewer steps change
 
 
 def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float) -> tuple[float, int] | None:
-    """Inset (m) and steps of the next attempt; None where finer ones would not help, or the structure has no answer."""
+    """Return inset (m) and steps of the next attempt; None where finer ones do not help or there is no answer."""
     if analysis.bounds[analysis.main].status is not Status.SOLVED:
         return None
     inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))
     if steps == MOST_STEPS:
         return None
-    least, asked = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy
+    least, goal = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy
     rounded = attempt.parts[ROUNDED]
-    is_own = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
-    finer_inset = max(least, _one_digit(inset * asked / rounded)) if rounded > asked and not is_own else inset
+    is_tied_to_inset = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
+    finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not is_tied_to_inset else inset
     return None if steps == 0 and finer_inset == inset else (finer_inset, 2 * steps)
 
 
 def _one_digit(value: float) -> float:
-    """A positive number rounded down to its first digit."""
+    """Round a positive number down to its first digit."""
     unit = 10.0 ** math.floor(math.log10(value))
     return math.floor(value / unit * (1.0 + 1e-12)) * unit

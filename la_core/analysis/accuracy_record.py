@@ -1,4 +1,4 @@
-"""Record of a requested accuracy: every attempt, its estimated error, and what it cost."""
+"""Record of a requested accuracy: every attempt, its estimated error and its cost."""
 
 import json
 from dataclasses import asdict, dataclass, field
@@ -6,9 +6,18 @@ from dataclasses import asdict, dataclass, field
 
 @dataclass(frozen=True)
 class Attempt:
-    """One run of a method: its settings as used, by name; its answer in N, N m or as a multiplier; its seconds.
+    """One run of one method at given settings.
 
-    parts: relative error by its source, NaN where undefined.
+    Attributes
+    ----------
+    settings : dict of str to float
+        Settings of the run, by name.
+    value : float
+        Answer: a reaction (N, N m) or a multiplier.
+    parts : dict of str to float
+        Estimated relative error by its source; NaN where undefined.
+    seconds : float
+        Wall time, s.
     """
 
     settings: dict[str, float]
@@ -18,19 +27,26 @@ class Attempt:
 
     @property
     def error(self) -> float:
-        """Estimated relative error: its parts may add up."""
+        """Estimated relative error: the sum of its parts, which is the worst case."""
         return sum(self.parts.values())
 
     def is_within(self, accuracy: float) -> bool:
-        """Whether the estimated error is within the accuracy; an undefined one is not."""
+        """Whether the estimated error is at most `accuracy`; False for an undefined error."""
         return bool(self.error <= accuracy)
 
 
 @dataclass(frozen=True)
 class AccuracyRecord:
-    """Attempts of both methods to reach an accuracy, a share of the answer, in order; the accepted one is last.
+    """Attempts of both methods to reach a requested accuracy, in order; the accepted one is last.
 
-    settings: of YADE's run to come, or of the last one, in place of derived ones.
+    Attributes
+    ----------
+    asked : float
+        Requested relative accuracy.
+    limit_analysis, yade : tuple of Attempt
+        Attempts of each method.
+    settings : dict of str to float
+        YADE settings of the next run, or of the last one, that replace the derived ones.
     """
 
     asked: float
@@ -40,14 +56,14 @@ class AccuracyRecord:
 
 
 def to_text(record: AccuracyRecord | None) -> str:
-    """As a JSON object, "null" for none."""
+    """Write a record as a JSON object, None as "null"."""
     return json.dumps(None if record is None else asdict(record), sort_keys=True)
 
 
 def from_text(text: str) -> AccuracyRecord | None:
-    """The record of a text by `to_text`."""
+    """Read a record, or None, from a text that `to_text` wrote."""
     stored = json.loads(text)
     if stored is None:
         return None
-    attempts = {method: tuple(Attempt(**one) for one in stored[method]) for method in ("limit_analysis", "yade")}
+    attempts = {method: tuple(Attempt(**attempt) for attempt in stored[method]) for method in ("limit_analysis", "yade")}
     return AccuracyRecord(stored["asked"], settings=stored["settings"], **attempts)

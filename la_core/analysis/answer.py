@@ -1,4 +1,4 @@
-"""Limit analysis of a scene as a program or a notebook works with it: the answer, its numbers by name, and its table of texts."""
+"""Limit analysis from Python: solve a scene, read its values by name, show them as a table."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -18,10 +18,34 @@ NAN = float("nan")
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Answer(Tabled):
-    """What limit analysis says of a scene, in N (N m for a support that turns), at the scene's inset, and `_sharp` for sharp arrises.
+    """Results of limit analysis for one scene.
 
-    A number that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`; a notebook shows it by itself.
-    scene: what was solved. analysis: everything that was found: assembly, forces, mechanisms, residuals.
+    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
+    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
+
+    Attributes
+    ----------
+    scene : Scene
+        Scene that was solved.
+    analysis : LimitAnalysis
+        Complete results: assembly, contact forces, mechanisms and residuals.
+
+    Notes
+    -----
+    Reactions are in N, or in N m for a support that rotates. A reaction is the force of the support on the structure,
+    against the direction of settlement; it is positive where the support holds the structure.
+
+    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978;
+    Portioli and Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without
+    dilatancy.
+
+    Examples
+    --------
+    >>> import la_core
+    >>> pads = la_core.load("two_pads")
+    >>> answer = la_core.solve(pads)
+    >>> str(answer.status), round(answer.least_sharp / pads.weight, 6)
+    ('solved', 0.166667)
     """
 
     scene: Scene
@@ -29,55 +53,55 @@ class Answer(Tabled):
 
     @property
     def status(self) -> Status:
-        """Solved, or why there is no value."""
+        """Outcome of the associated problem; only `Status.SOLVED` comes with a value."""
         return self.analysis.printed.bounds[self.analysis.main].status
 
     @property
     def least(self) -> float:
-        """Least reaction of the associated problem: no friction law within Coulomb's cone carries less."""
+        """Least reaction of the associated problem (N, N m): no equilibrium within Coulomb's cone has a smaller one."""
         return self._bound(Drive.YIELDING, sharp=False)
 
     @property
     def greatest(self) -> float:
-        """Greatest reaction of the associated problem: the support is pushed into the structure."""
+        """Greatest reaction of the associated problem (N, N m): the support is pushed into the structure."""
         return self._bound(Drive.PUSHING, sharp=False)
 
     @property
     def multiplier(self) -> float:
-        """Collapse multiplier of a live load by the associated flow rule, NaN for a settlement."""
+        """Collapse multiplier of a live load by the associated flow rule; NaN for a settlement."""
         return self._bound(Drive.LIVE, sharp=False)
 
     @property
     def coulomb(self) -> float:
-        """The prediction, reaction or multiplier, with friction that does not dilate; NaN where the scene asks for bounds alone."""
+        """Predicted reaction (N, N m) or multiplier, for friction without dilatancy; NaN if only bounds are computed."""
         coulomb = self.analysis.printed.coulomb
         return NAN if coulomb is None else coulomb.value
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Least and greatest value that the prediction's mechanism allows, whatever friction's history was."""
+        """Least and greatest value (N, N m, multiplier) of the prediction's mechanism, over all histories of friction."""
         coulomb = self.analysis.printed.coulomb
         return (NAN, NAN) if coulomb is None else coulomb.interval
 
     @property
     def least_sharp(self) -> float:
-        """The same as `least` for sharp arrises."""
+        """`least` for sharp arrises."""
         return self._bound(Drive.YIELDING, sharp=True)
 
     @property
     def greatest_sharp(self) -> float:
-        """The same as `greatest` for sharp arrises."""
+        """`greatest` for sharp arrises."""
         return self._bound(Drive.PUSHING, sharp=True)
 
     @property
     def coulomb_sharp(self) -> float:
-        """The same as `coulomb` for sharp arrises."""
+        """`coulomb` for sharp arrises."""
         coulomb = self.analysis.sharp.coulomb
         return NAN if coulomb is None else coulomb.value
 
     @property
     def values(self) -> dict[str, Any]:
-        """Everything that is printed and stored, by the names of `crosscheck solve --json`: associated, coulomb, path."""
+        """All printed and stored values: "associated", "coulomb" and "path", as in `crosscheck solve --json`."""
         return answer_values(self.analysis)
 
     def _bound(self, drive: Drive, sharp: bool) -> float:
@@ -89,23 +113,45 @@ class Answer(Tabled):
 
 
 def solve(scene: Scene, path: bool = False) -> Answer:
-    """Limit analysis of a scene: bounds, and the prediction where it asks for one; raises SceneError for what it does not allow.
+    """Solve a scene by limit analysis: the bounds, and the prediction unless the scene requests bounds alone.
 
-    path: also follow the reaction from rest to the plateau, into `analysis.path`.
+    Parameters
+    ----------
+    scene : Scene
+        Scene from `load`, `build` or `variant`.
+    path : bool
+        Whether to follow the reaction from rest to the plateau, too. The curve is `answer.analysis.path`.
 
+    Returns
+    -------
+    Answer
+        Bounds and prediction. A structure that cannot stand is an answer with `Status.INFEASIBLE`, not an error.
+
+    Raises
+    ------
+    SceneError
+        The scene requests an effect that it does not allow, or `path` is requested with another friction law.
+
+    Examples
+    --------
     >>> import la_core
     >>> pads = la_core.load("two_pads")
     >>> round(la_core.solve(pads).least_sharp / pads.weight, 6)
     0.166667
     """
     if path and scene.effects.friction not in ("auto", "coulomb"):
-        raise SceneError(str(scene.path), "a path is followed with friction that does not dilate", hint='take effects.friction = "coulomb"')
+        rule = "a path needs friction without dilatancy"
+        raise SceneError(f"{scene.path}: effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"')
     return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path)))
 
 
 def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Every number that is printed and stored, by the names of `crosscheck solve --json`; NaN or None where one does not exist."""
-    return {"associated": associated_values(analysis), "coulomb": coulomb_values(analysis), "path": path_values(analysis)}
+    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None if undefined."""
+    return {
+        "associated": associated_values(analysis),
+        "coulomb": coulomb_values(analysis),
+        "path": path_values(analysis),
+    }
 
 
 COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "equilibrium_residual", "cone_violation")
@@ -113,7 +159,11 @@ EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "du
 
 
 def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """The associated answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    """Return the values of the associated problem by their JSON keys.
+
+    They hold at the scene's inset, those with `_sharp` for sharp arrises. "shared_inset" holds the values at the inset of
+    both methods where the scene's inset is 0. Residuals are relative to the mean block weight, see `Solution`.
+    """
     scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds
     solution = printed[main]
     values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
@@ -135,7 +185,7 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
 
 
 def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """The Coulomb answer: with the scene's inset, and sharp; the shared inset's apart where the scene has none."""
+    """Return the prediction's values by their JSON keys, insets as in `associated_values`; None without a prediction."""
     scene, name = analysis.scene, analysis.scene.quantity
     rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
     if rounded is None or sharp is None or printed is None:
@@ -153,7 +203,7 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
 
 
 def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """The curve from rest to the plateau, point by point."""
+    """Return the curve from rest to the plateau as lists by their JSON keys; None without a path."""
     path = analysis.path
     if path is None:
         return None
@@ -164,22 +214,22 @@ def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
 
 
 def _worst(residuals: Iterable[float]) -> float:
-    """The largest residual of the solutions that have one, NaN where none has."""
+    """Return the largest finite residual; NaN without a finite one."""
     return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
 
 
 def _distinct(analysis: LimitAnalysis) -> list[Solution]:
-    """Every solution that was computed, once."""
+    """Return every computed solution once: equal insets and unstable structures share solutions."""
     return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())
 
 
 def answer_headings(scene: Scene) -> tuple[str, str, str]:
-    """Headings of the three columns."""
+    """Return the headings of the three columns of `answer_rows`."""
     return "limit analysis", scene.unit or "value", "over W" if scene.live is None else ""
 
 
 def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """Name, value in its unit and value over the weight of every printed quantity; `values` are those of `answer_values`."""
+    """Yield the rows of the table: name, value in its unit, value over the weight; `values` come from `answer_values`."""
     answer = values["associated"]
     yield "status", answer["status"], ""
     for name in (scene.quantity, "reaction_max", f"{scene.quantity}_sharp", "reaction_max_sharp"):
@@ -194,7 +244,7 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
 
 
 def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """The Coulomb answer: value, interval, value for sharp arrises, evidence, and what it took."""
+    """Yield the rows of the prediction: value, interval, sharp value, residuals and cost."""
     yield "Coulomb: status", answer["status"], ""
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])

@@ -1,4 +1,4 @@
-"""`case.h5`: the assembly and its limit analysis, written for YADE and for the comparison, and read back."""
+"""Write and read `case.h5`: the assembly and its limit analysis, for YADE and for the comparison."""
 
 import hashlib
 import json
@@ -33,12 +33,22 @@ def _fields(scene: Scene, has_coulomb: bool, has_path: bool) -> tuple[exchange.F
 
 
 def _motion(scene: Scene) -> np.ndarray:
-    """The support's unit motion (6,), NaN where no support moves."""
+    """Return the support's unit motion (6,); NaN where no support moves."""
     return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
 
 
 def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
-    """Write `case.h5`; `inputs` is the digest of what made it."""
+    """Write `case.h5`.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    analysis : LimitAnalysis
+        Complete results of limit analysis.
+    inputs : str
+        Digest of everything that the results depend on, see `scene_digest`; a cached stage compares it.
+    """
     scene, assembly, record = analysis.scene, analysis.assembly, analysis.accuracy
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
     values: dict[str, Any] = {
@@ -70,7 +80,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
 
 
 def _below(group: str, solution: Any) -> dict[str, Any]:
-    """Every value of a result by its path in the file; nothing for no result."""
+    """Return every value of a result by its path in the file; nothing for None."""
     return {} if solution is None else {f"{group}/{name}": getattr(solution, name) for name in solution.__dataclass_fields__}
 
 
@@ -79,10 +89,26 @@ _JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_sti
 
 
 def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) -> LimitAnalysis:
-    """Read the solutions of `case.h5` back; the assembly is built again from the scene, and must be the one in the file.
+    """Read the limit analysis of a scene from `case.h5`.
 
-    interfaces: of the scene's blocks, where they are known. Raises exchange.ExchangeError when the file is not whole or belongs to another
-    scene.
+    Parameters
+    ----------
+    path : Path
+        File to read.
+    scene : Scene
+        Scene of the file. The assembly is built from it again and must equal the one in the file.
+    interfaces : Interfaces, optional
+        Interfaces of the scene's blocks, if they are known; None searches them.
+
+    Returns
+    -------
+    LimitAnalysis
+        Complete results of limit analysis.
+
+    Raises
+    ------
+    exchange.ExchangeError
+        The file is missing or damaged, or belongs to another scene.
     """
     has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
     data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
@@ -92,9 +118,9 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
 
 
 def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], has_coulomb: bool) -> LimitAnalysis:
-    """The stored analysis of a whole assembly, which must be that of the file."""
+    """Return the stored analysis; the file must belong to the given assembly of the whole structure."""
     if data["blocks/name"] != list(whole.blocks.names):
-        raise exchange.ExchangeError(f"{path}: blocks/name is not that of {scene.path}; run it again")
+        raise exchange.ExchangeError(f"{path}: blocks/name differs from that of {scene.path}; run it again")
     stored = json.loads(data["scene/effects"])
     effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
     whole = replace(whole.with_inset(scene, float(data["scene/inset"])), effects=effects)
@@ -120,7 +146,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], h
 
 
 def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str, Any]) -> None:
-    """Raise exchange.ExchangeError where the assembly is not that of the file."""
+    """Raise exchange.ExchangeError where the file belongs to another assembly."""
     expected = {
         "contacts/position": assembly.points.position,
         "contacts/friction": assembly.points.friction,
@@ -132,11 +158,11 @@ def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str
     }
     for name, value in expected.items():
         if not np.array_equal(value, data[name], equal_nan=True):
-            raise exchange.ExchangeError(f"{path}: {name} is not that of {scene.path}; run it again")
+            raise exchange.ExchangeError(f"{path}: {name} differs from that of {scene.path}; run it again")
 
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:
-    """The values of one result, scalars as plain numbers."""
+    """Return the values of one result by name, scalars as plain numbers."""
     values = {name: data[f"{group}/{name}"] for name in kind.__dataclass_fields__}
     return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
 
@@ -152,7 +178,7 @@ def _coulomb(data: dict[str, Any], group: str) -> CoulombSolution:
 
 
 def scene_digest(scene: Scene) -> str:
-    """Digest of everything that decides `case.h5`: the scene's name, text and meshes, and this package's code."""
+    """Return the digest of all inputs of `case.h5`: the scene's name, text and meshes, this package, and the solver."""
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
     text = "\n".join([scene.name, code_digest(PACKAGE), version("clarabel"), *meshes, scene.text])
     return hashlib.sha256(text.encode()).hexdigest()

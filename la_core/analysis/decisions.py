@@ -1,4 +1,4 @@
-"""Effects that only an answer can decide: friction where joints slide, and the region that the support's motion can reach."""
+"""Decide the effects that need a solution: friction where joints slide, and the region that the motion affects."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,10 +17,18 @@ from la_core.scene import Scene
 
 @dataclass(frozen=True)
 class Decision:
-    """What is to be modelled.
+    """Decided effects of a scene, and the regions to try.
 
-    effects: of the whole structure. search: the look for sliding joints, None where friction is modelled without one. aside: masks (B,)
-    of blocks that may be set aside if the answer proves it, the boldest first. reason: why the whole structure is modelled otherwise.
+    Attributes
+    ----------
+    effects : Effects
+        Effects of the whole structure.
+    search : Sliding or None
+        Search for sliding joints. None where friction is modelled without a search.
+    aside : list of ndarray, shape (B,)
+        Masks of free blocks to set aside, the largest first; only the answer of the remaining region can prove a mask.
+    reason : str
+        Reason for modelling the whole structure where no mask is proven.
     """
 
     effects: Effects
@@ -30,9 +38,26 @@ class Decision:
 
 
 def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Callable[[Assembly], Solution]) -> Decision:
-    """Decide friction, elasticity and reach. bound: the associated solution, by the main drive, of the model's assembly or its sharp one.
+    """Decide friction, elasticity and reach of a model.
 
-    Raises SceneError where the scene forbids what sliding joints need.
+    Parameters
+    ----------
+    model : StructuralModel
+        Model of the whole structure.
+    settings : AnalysisSettings
+        Settings of the analysis; a known reason for sliding replaces the search.
+    bound : callable
+        Returns the associated solution, for the main drive, of the model's assembly or of its sharp one.
+
+    Returns
+    -------
+    Decision
+        Effects with their reasons, and the regions to try.
+
+    Raises
+    ------
+    SceneError
+        Joints slide, but the scene forbids the elastic joints that friction without dilatancy needs.
     """
     scene, effects, search = model.scene, model.assembly.effects, None
     if effects.friction == "coulomb" and _may_leave_out_friction(scene) and not settings.follow_path:
@@ -40,7 +65,7 @@ def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Ca
         effects = _with_friction_decided(scene, effects, search)
     aside, reason = reach.candidate_masks(scene, replace(model.assembly, effects=effects))
     if settings.follow_path:
-        aside, reason = [], "a path is asked for, and at its start every block sags"
+        aside, reason = [], "a path is requested, and at its start every block sags"
     elif aside and (status := bound(model.assembly).status) is not Status.SOLVED:
         aside, reason = [], f"the whole structure is {status}"
     return Decision(effects, search, aside, reason)
@@ -48,16 +73,24 @@ def decide_effects(model: StructuralModel, settings: AnalysisSettings, bound: Ca
 
 @dataclass(frozen=True)
 class DecidedModel:
-    """A scene's assembly at the shared inset with its effects decided: the whole one, and the region that is modelled."""
+    """Assemblies of a scene at the shared inset with decided effects.
+
+    Attributes
+    ----------
+    whole : Assembly
+        Assembly with every free block.
+    assembly : Assembly
+        Assembly to solve: the whole one, or the region without the blocks that are set aside.
+    """
 
     whole: Assembly
     assembly: Assembly
 
 
 def decided_model(scene: Scene) -> DecidedModel:
-    """Decide the effects of a scene without solving it, at the price of one bound and a few elastic steps.
+    """Decide the effects of a scene without a complete analysis, from one bound and a few elastic steps.
 
-    The region is the one that the analysis will try first; only its answer can prove it.
+    The region is the first one that the analysis will try; its answer is not computed, so it is not proven yet.
     """
     model, solved = structural_model(scene), dict[float, Solution]()
 
@@ -67,21 +100,21 @@ def decided_model(scene: Scene) -> DecidedModel:
         return solved[assembly.inset]
 
     decision = decide_effects(model, AnalysisSettings(), bound)
-    part, reason = model.assembly, decision.reason
+    region, reason = model.assembly, decision.reason
     if decision.aside:
-        part = reach.set_aside(model.assembly, decision.aside[0])
-        reason = f"{reach.reason(part)}, if the answer proves it"
+        region = reach.set_aside(model.assembly, decision.aside[0])
+        reason = f"{reach.reason(region)}; the answer must prove this"
     effects = decision.effects.with_effect("reach", bool(decision.aside), reason)
-    return DecidedModel(replace(model.assembly, effects=effects), replace(part, effects=effects))
+    return DecidedModel(replace(model.assembly, effects=effects), replace(region, effects=effects))
 
 
 def _may_leave_out_friction(scene: Scene) -> bool:
-    """Whether the scene leaves open if joints slide, and asks for nothing that only friction needs."""
+    """Whether the scene leaves friction to the program and requests no effect that needs it."""
     return scene.effects.friction == "auto" and scene.effects.elasticity in ("auto", "none") and scene.path_asked is None
 
 
 def _search_sliding(model: StructuralModel, settings: AnalysisSettings, bound: Callable[[Assembly], Solution]) -> Sliding:
-    """Whether joints slide at either inset: known, or looked for."""
+    """Return whether joints slide at one of the two insets, known from the settings or found by a search."""
     if settings.sliding_reason:
         return Sliding(True, settings.sliding_reason)
     search = look_for_sliding(model.assembly, model.stiffness, bound(model.assembly), wedging(model.scene))
@@ -91,12 +124,12 @@ def _search_sliding(model: StructuralModel, settings: AnalysisSettings, bound: C
 
 
 def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> Effects:
-    """Friction and elasticity as the search decides them; raises SceneError where the scene forbids what friction needs."""
+    """Return the effects with friction and elasticity decided by a search; raises SceneError as `decide_effects` does."""
     if not search.found:
         effects = effects.with_effect("friction", search.law, search.reason)
-        return effects.with_effect("elasticity", "none", "nothing dilates, so that the joints' strain decides nothing")
+        return effects.with_effect("elasticity", "none", "no joint dilates, so the strain of joints has no effect")
     if scene.effects.elasticity == "none" and search.known:
-        reason = f"{search.reason}, and friction without dilatancy follows the joints' strain"
-        hint = 'leave it out, or take friction = "associated" for the bounds alone'
+        reason = f"{search.reason}, and friction without dilatancy depends on the strain of the joints"
+        hint = 'leave it out, or use friction = "associated" for the bounds alone'
         raise SceneError(f"{scene.path}: effects.elasticity", reason, value="none", hint=hint)
     return effects.with_effect("friction", "coulomb", search.reason)

@@ -1,4 +1,4 @@
-"""What is solved: the assembly at the inset that both methods share and for sharp arrises, with its elastic joints."""
+"""Model of a scene: its assemblies at the shared inset and for sharp arrises, and the stiffness of its joints."""
 
 from dataclasses import dataclass
 
@@ -16,10 +16,20 @@ SMALLEST_INSET_SHARE = 0.02
 
 @dataclass(frozen=True)
 class StructuralModel:
-    """A scene ready to be solved.
+    """Scene that is ready for the solvers.
 
-    assembly: contact points at the inset that both methods share: the scene's, or the smallest that YADE can take where the scene has
-    none. sharp: contact points at inset 0. stiffness: of the joints at the shared inset. least_gap: see `LimitAnalysis`, m.
+    Attributes
+    ----------
+    scene : Scene
+        Scene of the model.
+    assembly : Assembly
+        Contact points at the shared inset: the scene's, or the smallest one of YADE where the scene has inset 0.
+    sharp : Assembly
+        Contact points at inset 0.
+    stiffness : JointStiffness
+        Stiffness of the joints at the shared inset.
+    least_gap : float
+        Lower bound of the gap between blocks without a joint, m, see `LimitAnalysis`.
     """
 
     scene: Scene
@@ -29,14 +39,15 @@ class StructuralModel:
     least_gap: float
 
     def with_scene(self, scene: Scene) -> "StructuralModel":
-        """The model of a scene with the same blocks, and another inset or other effects; interfaces are not searched again."""
+        """Model a scene with the same blocks and another inset or other effects; its interfaces are known."""
         return structural_model(scene, self.assembly.interfaces)
 
 
 def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> StructuralModel:
-    """Model a scene. interfaces: of its blocks, where they are known.
+    """Assemble a scene at both insets and decide the effects that need no solution.
 
-    Raises SceneError for everything that the scene requests and does not allow, except for what only an answer can tell.
+    interfaces: interfaces of its blocks, if they are known; None searches them. Raises SceneError where the scene
+    requests an effect that it does not allow; `decide_effects` checks the effects that need a solution.
     """
     assembly = assemble(scene, interfaces)
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
@@ -51,12 +62,12 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
 
 
 def drives(scene: Scene) -> tuple[Drive, ...]:
-    """What a scene is solved for: both bounds of the reaction, or the multiplier of its live load."""
+    """Drives of a scene: both directions of the support, or its live load."""
     return (Drive.LIVE,) if scene.live is not None else (Drive.YIELDING, Drive.PUSHING)
 
 
 def smallest_inset(assembly: Assembly) -> float:
-    """Inset (m) in the place of sharp arrises: the smallest that YADE's contact spheres can take."""
+    """Smallest inset for YADE's contact spheres, m; it replaces the inset 0 of sharp arrises."""
     interfaces = assembly.interfaces
     owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
     following = np.arange(1, len(owner) + 1)
@@ -67,5 +78,5 @@ def smallest_inset(assembly: Assembly) -> float:
 
 
 def wedging(scene: Scene) -> float:
-    """Motion of the support against its settlement before gravity acts, m or rad."""
+    """Motion of the support against its settlement before gravity acts, m (rad for a rotation)."""
     return float(scene.yade.get("wedging", 0.0))

@@ -1,4 +1,4 @@
-"""One pass of limit analysis at given settings: bounds, prediction, and the path where it is asked for."""
+"""One pass of limit analysis at given settings: bounds, prediction, and the path on request."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,10 +14,10 @@ from la_core.scene import RequestedPath, Scene
 
 
 def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
-    """Solve a model at the inset that both methods share and for sharp arrises.
+    """Solve a model at the shared inset and for sharp arrises.
 
-    The bounds, the path and the reaction at rest are those of the whole structure; the prediction is that of the region within reach
-    where it is proven to be the whole structure's.
+    The bounds, the path and the reaction at rest belong to the whole structure. The prediction comes from a reduced
+    region where a proof shows that it holds for the whole structure, see `la_core.analysis.reach`.
     """
     bounds = Answers(model.assembly, dict(_solve_every_drive(model.scene, model.assembly)))
     sharp = bounds
@@ -30,10 +30,10 @@ def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAna
 
 
 def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettings) -> EquilibriumPath | None:
-    """The path of the whole structure, where the scene or the caller asks for it and the structure has an answer."""
-    is_asked = settings.follow_path or answers.assembly.effects.elasticity == "path"
+    """Follow the path of the whole structure if the scene or the caller requests it and the structure has an answer."""
+    is_requested = settings.follow_path or answers.assembly.effects.elasticity == "path"
     has_answer = answers.bounds[answers.main].status is Status.SOLVED
-    if not (is_asked and has_answer and model.assembly.effects.friction == "coulomb"):
+    if not (is_requested and has_answer and model.assembly.effects.friction == "coulomb"):
         return None
     request = model.scene.path_asked or RequestedPath()
     settlement = request.settlement or model.stiffness.travel
@@ -41,7 +41,7 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 
 
 def _solve_every_drive(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
-    """Solutions of every drive; a structure that cannot stand cannot in any of them, so the first says it all."""
+    """Yield every drive with its solution; one solve is enough for a structure that cannot stand."""
     problem = scaled_problem(assembly)
     for drive in drives(scene):
         solution = solve_associated(assembly, drive, problem)

@@ -1,4 +1,4 @@
-"""From bounds to the prediction: of the smallest region whose answer is proven to be that of the whole structure."""
+"""From bounds to the prediction, on the smallest region whose answer provably holds for the whole structure."""
 
 from dataclasses import replace
 
@@ -13,11 +13,32 @@ from la_core.coulomb import CoulombSolution, PredictionSettings, Sliding, predic
 from la_core.limit import Solution
 from la_core.model import Assembly, Effects
 
-Pair = tuple[Answers, Answers]  # at the shared inset, and for sharp arrises
+Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp arrises; one object twice where both are equal
 
 
 def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings) -> Pair:
-    """The answers with their prediction, where the scene calls for one. bounds: answers of the whole structure without it."""
+    """Add the prediction to the bounds, where the scene needs one.
+
+    Parameters
+    ----------
+    model : StructuralModel
+        Model of the whole structure at both insets.
+    bounds : tuple of Answers
+        Bounds of the whole structure at the shared inset and for sharp arrises, without prediction.
+    settings : AnalysisSettings
+        Settings of the analysis, among them the steps of the prediction.
+
+    Returns
+    -------
+    tuple of Answers
+        Bounds and prediction at both insets. Their assemblies are those of the reduced region where its answers
+        provably hold for the whole structure, else those of the whole structure; their effects say why.
+
+    Raises
+    ------
+    SceneError
+        The scene forbids an effect that its sliding joints need, see `decide_effects`.
+    """
     at_inset, sharp = bounds
 
     def bound(assembly: Assembly) -> Solution:
@@ -26,31 +47,34 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     decision = decide_effects(model, settings, bound)
     reason = decision.reason
     for aside in decision.aside:
-        part = reach.set_aside(model.assembly, aside)
-        region = _with_effects(_held(bounds, aside), decision.effects.with_effect("reach", True, reach.reason(part)))
+        why_enough = reach.reason(reach.set_aside(model.assembly, aside))
+        region = _with_effects(_held(bounds, aside), decision.effects.with_effect("reach", True, why_enough))
         predicted = _predicted(model, region, decision.search, settings.prediction)
         obstacle = _why_not_valid(bounds, predicted)
         if not obstacle:
             return _with_whole_at_rest(model, predicted)
-        reason = f"the whole structure is modelled after all: {obstacle}"
+        reason = f"the whole structure is modelled, because {obstacle}"
     whole = _with_effects(bounds, decision.effects.with_effect("reach", False, reason))
     return _predicted(model, whole, decision.search, settings.prediction)
 
 
 def _with_effects(answers: Pair, effects: Effects) -> Pair:
-    """Answers whose assemblies have these effects; one object stays one."""
+    """Return the answers with these effects in their assemblies."""
     at_inset, sharp = answers
     changed = replace(at_inset, assembly=replace(at_inset.assembly, effects=effects))
     return changed, changed if sharp is at_inset else replace(sharp, assembly=replace(sharp.assembly, effects=effects))
 
 
 def _held(answers: Pair, aside: np.ndarray) -> Pair:
-    """The whole structure's answers with `aside` (B,) held: bounds keep their mechanisms, and forces where contacts are left."""
+    """Return the whole structure's answers on the assembly with `aside` (B,) held.
 
-    def held(one: Answers) -> Answers:
-        kept = reach.kept_points(one.assembly, aside)
-        bounds = {drive: replace(solution, forces=solution.forces[kept]) for drive, solution in one.bounds.items()}
-        return replace(one, assembly=reach.set_aside(one.assembly, aside), bounds=bounds)
+    Bounds keep their mechanisms, and their forces at the remaining contact points.
+    """
+
+    def held(whole: Answers) -> Answers:
+        kept = reach.kept_points(whole.assembly, aside)
+        bounds = {drive: replace(solution, forces=solution.forces[kept]) for drive, solution in whole.bounds.items()}
+        return replace(whole, assembly=reach.set_aside(whole.assembly, aside), bounds=bounds)
 
     at_inset, sharp = answers
     changed = held(at_inset)
@@ -58,23 +82,27 @@ def _held(answers: Pair, aside: np.ndarray) -> Pair:
 
 
 def _why_not_valid(whole: Pair, region: Pair) -> str:
-    """Why the region's answers do not hold for the whole structure at both insets, or ""."""
-    for structure, part in zip(whole, region, strict=True):
-        answer = part.sharpest
-        if obstacle := reach.why_not_valid(structure.assembly, part.assembly, answer.twists, answer.forces):
+    """Return why the region's answers do not hold for the whole structure at both insets, or ""."""
+    for complete, reduced in zip(whole, region, strict=True):
+        answer = reduced.sharpest
+        if obstacle := reach.why_not_valid(complete.assembly, reduced.assembly, answer.twists, answer.forces):
             return obstacle
     return ""
 
 
 def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, settings: PredictionSettings) -> Pair:
-    """With Coulomb's prediction, where the scene calls for it; the associated answer is it where no joint was found to slide."""
+    """Return the answers with their prediction, where the scene needs one.
+
+    Where a search found no sliding joint, the associated answer is the prediction. search: None where there was no search.
+    """
     at_inset, sharp = answers
 
-    def prediction(one: Answers) -> CoulombSolution:
+    def prediction(bounds: Answers) -> CoulombSolution:
+        associated = bounds.bounds[bounds.main]
         if search is not None and not search.found:
-            took = search if one is at_inset else replace(search, seconds=0.0)
-            return took.as_coulomb(one.assembly, one.bounds[one.main])
-        return predict(one.assembly, model.stiffness, one.bounds[one.main], wedging(model.scene), settings)
+            timed = search if bounds is at_inset else replace(search, seconds=0.0)  # the time of the search counts once
+            return timed.as_coulomb(bounds.assembly, associated)
+        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings)
 
     if at_inset.assembly.effects.friction != "coulomb" and (search is None or search.found):
         return answers
@@ -83,7 +111,7 @@ def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, se
 
 
 def _with_whole_at_rest(model: StructuralModel, answers: Pair) -> Pair:
-    """With the reactions at rest of the whole assemblies: the region beside unyielding blocks sags in another way."""
+    """Replace the region's reactions at rest by the whole structure's: the region sags differently beside held blocks."""
     at_inset, sharp = answers
     if at_inset.coulomb is None or sharp.coulomb is None or at_inset.assembly.effects.friction != "coulomb":
         return answers

@@ -1,13 +1,14 @@
-"""Reach: only the region that the support's motion can touch is modelled, the other free blocks are set aside, held at rest.
+"""Reach: model only the region that the support's motion affects; hold all other free blocks at rest ("set aside").
 
-The bounds are always those of the whole structure: joints that dilate by the associated flow rule push everything beside them, to the far
-end of a wall, and a bound costs a single programme. What the region spares is the work behind many: Coulomb's prediction and YADE.
-An answer of the region counts for the whole structure when
-    what is set aside stands under its own weight and the forces of the region, with the same friction, so that both parts
-    together are a state of force of the whole structure in equilibrium and within the friction law;
-    and layers of blocks at rest lie between what is set aside and all that moves or rests on the support, so that friction's history
-    there is that of free neighbours.
-The first alone is not enough for friction that does not dilate, whose states of force are not unique: a wall may hang between rigid flanks.
+The bounds always belong to the whole structure. Joints that dilate by the associated flow rule push all their
+neighbours, up to the far end of a wall, and a bound costs one programme only. The region saves work in the prediction,
+which needs many programmes, and in YADE. An answer of the region holds for the whole structure under two conditions:
+    1. The blocks set aside stand under their own weight and the forces of the region, with the same friction. Both
+       parts together are then a state of force of the whole structure, in equilibrium and within the friction law.
+    2. Layers of blocks at rest lie between the blocks set aside and all blocks that move or rest on the support. The
+       history of friction there is then that of free neighbours.
+The first condition is not enough for friction without dilatancy, because its states of force are not unique: a wall may
+hang between rigid flanks.
 """
 
 from dataclasses import replace
@@ -25,41 +26,47 @@ from la_core.model import Assembly, global_forces, twists_of
 from la_core.scene import Scene
 
 # Walls of 6 and 12 courses, mu 0.3 to 0.9, whose middle or end settles: with no layer around all that rests on the support the
-# prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %, and where friction's
-# history has more say the whole structure's own answer moves by more than that with shorter steps, towards the region's.
+# prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %. Where the
+# history of friction matters more, shorter steps change the whole structure's answer by more than that, towards the region's.
 LAYERS = (4, 8)  # of neighbours around all that rests on the support, one attempt each
-MARGIN = 3  # layers of blocks at rest between a mechanism and what is set aside
+MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set aside
 LEAST_SHARE, LEAST_BLOCKS = 0.4, 100  # of the free blocks: setting aside less is not worth a proof, measured on the shipped scenes
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
-TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # asked of the proof's programme, in mean block weights
+TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme, in mean block weights
 
 
 def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
-    """Masks (B,) of free blocks to set aside, the boldest first, and why the whole structure is modelled where none may be."""
-    asked, free = scene.effects.reach, assembly.blocks.free
+    """Return masks (B,) of free blocks to set aside, the largest first, and why to model the whole structure otherwise.
+
+    scene: its [effects] reach allows masks, forbids them or leaves them to the program. assembly: the whole structure's.
+    """
+    request, free = scene.effects.reach, assembly.blocks.free
     if scene.support_twist is None:
         return [], "a live load acts on every block"
-    if asked is False:
-        return [], "the whole structure is asked for in the scene"
-    if asked == "auto" and assembly.effects.elasticity == "path":
-        return [], "a path is asked for, and at its start every block sags"
+    if request is False:
+        return [], "the scene requests the whole structure"
+    if request == "auto" and assembly.effects.elasticity == "path":
+        return [], "a path is requested, and at its start every block sags"
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
-    least = 1 if asked is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())
-    spared = f"all but {small.sum()} of {free.sum()} free blocks" if small.any() else "every free block"
-    few = f"the motion of the support may reach {spared}"
-    return [mask for mask in masks if mask.sum() >= least], few
+    least = 1 if request is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())
+    affected = f"all but {small.sum()} of {free.sum()} free blocks" if small.any() else "every free block"
+    why_whole = f"the motion of the support may affect {affected}"
+    return [mask for mask in masks if mask.sum() >= least], why_whole
 
 
-def reason(part: Assembly) -> str:
-    """Why the whole structure need not be modelled."""
-    count = int(part.aside.sum())
-    there = f"{count} of {count + int(part.blocks.free.sum())} free blocks"
-    return f"{there} are set aside: they stand at rest under the forces of those that the support's motion can touch"
+def reason(reduced: Assembly) -> str:
+    """Return why a reduced assembly is enough, with the number of blocks set aside."""
+    count = int(reduced.aside.sum())
+    total = count + int(reduced.blocks.free.sum())
+    return f"{count} of {total} free blocks are set aside: they stand at rest under the forces of the modelled region"
 
 
 def region(assembly: Assembly, layers: int) -> np.ndarray:
-    """Mask (B,) of the free blocks on the support and all that rests on them, `layers` of neighbours, and all that rests on these."""
+    """Return the mask (B,) of the free blocks that the support's motion may affect.
+
+    They are the blocks on the support and all that rests on these, then `layers` of neighbours and all that rests on these.
+    """
     blocks, interfaces = assembly.blocks, assembly.interfaces
     support, a, b = blocks.role == SUPPORT, interfaces.block_a, interfaces.block_b
     start = np.zeros(len(blocks), dtype=bool)
@@ -74,8 +81,8 @@ def region(assembly: Assembly, layers: int) -> np.ndarray:
 
 
 def _closed(blocks: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndarray:
-    """The blocks `blocks` (B,) and all that rests on them, directly or not, where each `above` rests on a block `below`."""
-    first, size = np.flatnonzero(blocks), len(blocks)  # a node more in the graph bears the first ones
+    """Return the mask (B,) of `blocks` (B,) and all that rests on them, directly or not; above[i] rests on below[i]."""
+    first, size = np.flatnonzero(blocks), len(blocks)  # an extra node in the graph bears the first blocks
     edges = np.concatenate([below, np.full(len(first), size)]), np.concatenate([above, first])
     graph = sparse.csr_matrix((np.ones(len(edges[0])), edges), shape=(size + 1, size + 1))
     reached = np.zeros(size + 1, dtype=bool)
@@ -84,7 +91,7 @@ def _closed(blocks: np.ndarray, below: np.ndarray, above: np.ndarray) -> np.ndar
 
 
 def _grown(assembly: Assembly, blocks: np.ndarray, layers: int) -> np.ndarray:
-    """The free blocks `blocks` (B,) and `layers` of free neighbours around them."""
+    """Return the mask (B,) of the free blocks `blocks` (B,) and `layers` of free neighbours around them."""
     free, interfaces = assembly.blocks.free, assembly.interfaces
     between = free[interfaces.block_a] & free[interfaces.block_b]
     a, b = interfaces.block_a[between], interfaces.block_b[between]
@@ -96,71 +103,107 @@ def _grown(assembly: Assembly, blocks: np.ndarray, layers: int) -> np.ndarray:
 
 
 def set_aside(assembly: Assembly, aside: np.ndarray) -> Assembly:
-    """The same assembly with the free blocks `aside` (B,) held at rest, as ground: without load, without contact between held ones."""
+    """Hold the free blocks `aside` (B,) at rest, as ground: without load, and without contacts between held blocks."""
     return replace(_hold(assembly, aside), aside=assembly.aside | aside)
 
 
 def kept_points(assembly: Assembly, aside: np.ndarray) -> np.ndarray:
-    """Mask (C,) of the contact points of an assembly that are left when `aside` (B,) is held."""
+    """Return the mask (C,) of the contact points that remain when `aside` (B,) is held."""
     free = assembly.blocks.free & ~aside
     a, b = assembly.contact_blocks
     return np.asarray(free[a] | free[b])
 
 
-def why_not_valid(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED_RESIDUAL) -> str:
-    """Return why an answer of `part`, its twists (B, 6) and forces (C, 3) in N, does not hold for the whole assembly, or "".
+def why_not_valid(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED_RESIDUAL) -> str:
+    """Return why the reduced answer does not hold for the whole structure, or "".
 
-    accepted: unbalanced force, over the mean block weight, up to which what is set aside stands. NaN twists are not judged.
+    Parameters
+    ----------
+    whole : Assembly
+        Assembly of the whole structure.
+    reduced : Assembly
+        The same with blocks set aside.
+    twists : ndarray, shape (B, 6)
+        Mechanism of the reduced assembly; NaN twists are not judged.
+    forces : ndarray, shape (C, 3)
+        Contact forces of the reduced assembly, N.
+    accepted : float
+        Largest residual of the blocks set aside, over the mean block weight, at which they count as standing.
+
+    Returns
+    -------
+    str
+        A clause without a full stop that names a block, or "" where the answer holds.
     """
     if not np.isfinite(forces).all():
         return "the region has no answer"
-    near = _grown(whole, part.aside, MARGIN)
+    near = _grown(whole, reduced.aside, MARGIN)
     if (on_support := near & region(whole, 0)).any():
-        return f'block "{whole.blocks.names[on_support.argmax()]}", on the support, lies within {MARGIN} blocks of what was set aside'
+        name = whole.blocks.names[on_support.argmax()]
+        return f'block "{name}" rests on the support within {MARGIN} layers of the blocks set aside'
     if np.isfinite(twists).all():
         speed = block_speeds(whole.blocks, twists)
         nearest = np.where(near, speed, 0.0)
         if nearest.max() > MOVING_SHARE * speed.max():  # the support is among the fastest, so noise is no motion
-            return f'block "{whole.blocks.names[nearest.argmax()]}" moves, within {MARGIN} blocks of what was set aside'
-    lifted, falls = extend_forces(whole, part, forces)
-    rest = _hold(whole, whole.blocks.free & ~part.aside)
-    at_rest = kept_points(whole, whole.blocks.free & ~part.aside)
-    if max(residuals.equilibrium_residual(rest, lifted[at_rest]), residuals.cone_violation(rest, lifted[at_rest])) <= accepted:
+            return f'block "{whole.blocks.names[nearest.argmax()]}" moves within {MARGIN} layers of the blocks set aside'
+    extended, falls = extend_forces(whole, reduced, forces)
+    rest = _hold(whole, whole.blocks.free & ~reduced.aside)
+    at_rest = kept_points(whole, whole.blocks.free & ~reduced.aside)
+    if max(residuals.equilibrium_residual(rest, extended[at_rest]), residuals.cone_violation(rest, extended[at_rest])) <= accepted:
         return ""
     return f'block "{whole.blocks.names[falls]}", set aside, would not stand under the forces of the region'
 
 
-def extend_forces(whole: Assembly, part: Assembly, forces: np.ndarray) -> tuple[np.ndarray, int]:
-    """Contact forces (C, 3) in N of the whole assembly from those of `part`, and the block that falls first where it does not stand.
+def extend_forces(whole: Assembly, reduced: Assembly, forces: np.ndarray) -> tuple[np.ndarray, int]:
+    """Extend the contact forces of a reduced assembly to the whole structure.
 
-    The part set aside takes the forces of the region as loads. Its greatest power over admissible motions of bounded size is the least
-    sum of forces that nothing balances; the multipliers are its contact forces.
+    Parameters
+    ----------
+    whole : Assembly
+        Assembly of the whole structure, with C contact points.
+    reduced : Assembly
+        The same with blocks set aside.
+    forces : ndarray
+        Contact forces of the reduced assembly, N; one row of three per contact point.
+
+    Returns
+    -------
+    extended : ndarray, shape (C, 3)
+        Contact forces of the whole structure, N.
+    falling : int
+        Index of the block that falls first where the blocks set aside do not stand.
+
+    Notes
+    -----
+    The blocks set aside carry the forces of the region as loads. The programme maximises the power of all their loads
+    over admissible motions of bounded size. Its value is the least sum of unbalanced forces; its multipliers are the
+    contact forces.
     """
-    held = kept_points(whole, part.aside)
-    lifted = np.zeros((len(whole.points), 3))
-    lifted[held] = forces
-    others = whole.blocks.free & ~part.aside
+    in_region = kept_points(whole, reduced.aside)
+    extended = np.zeros((len(whole.points), 3))
+    extended[in_region] = forces
+    others = whole.blocks.free & ~reduced.aside
     rest = _hold(whole, others)
-    own = ~held[kept_points(whole, others)]  # the region's contact points have their forces
-    load = np.where(part.aside[:, None], whole.dead_load + whole.contact_wrenches(lifted), 0.0)
-    alone = replace(rest, points=rest.points.subset(own), dead_load=load)
-    problem, count = scaled_problem(alone), int(part.aside.sum())
+    unknown = ~in_region[kept_points(whole, others)]  # the region's contact points have their forces
+    load = np.where(reduced.aside[:, None], whole.dead_load + whole.contact_wrenches(extended), 0.0)
+    alone = replace(rest, points=rest.points.subset(unknown), dead_load=load)
+    problem, count = scaled_problem(alone), int(reduced.aside.sum())
     rows, offset, cones = box_limits(problem)
     answer = maximise(problem.power * count, rows, offset, cones, TOLERANCE, equilibrate=False, refine=False)
     split, limits = problem.cones.equalities, rows.shape[0] - problem.rows.shape[0]
     multipliers = np.delete(answer.multipliers, np.arange(split, split + limits)) / count
-    lifted[~held] = global_forces(alone, problem.flow_rule.T @ multipliers)
+    extended[~in_region] = global_forces(alone, problem.flow_rule.T @ multipliers)
     power = np.sum(load * twists_of(alone, answer.x), axis=1)
-    return lifted, int(power.argmax())
+    return extended, int(power.argmax())
 
 
 def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
-    """The assembly with the blocks `held` (B,) fixed."""
+    """Return the assembly with the blocks `held` (B,) fixed; contacts between held blocks go."""
     blocks = replace(assembly.blocks, role=np.where(held, FIXED, assembly.blocks.role))
     interfaces = assembly.interfaces
     keep = blocks.free[interfaces.block_a] | blocks.free[interfaces.block_b]
     corners = np.diff(interfaces.polygon_start)
-    left = Interfaces(
+    remaining = Interfaces(
         block_a=interfaces.block_a[keep],
         block_b=interfaces.block_b[keep],
         normal=interfaces.normal[keep],
@@ -170,4 +213,5 @@ def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
     )
     points = assembly.points.subset(keep[assembly.points.interface])
     points = replace(points, interface=(np.cumsum(keep) - 1)[points.interface])
-    return replace(assembly, blocks=blocks, interfaces=left, points=points, dead_load=np.where(held[:, None], 0.0, assembly.dead_load))
+    dead_load = np.where(held[:, None], 0.0, assembly.dead_load)
+    return replace(assembly, blocks=blocks, interfaces=remaining, points=points, dead_load=dead_load)

@@ -1,4 +1,4 @@
-"""Results of limit analysis on one scene."""
+"""Results of limit analysis for one scene."""
 
 from dataclasses import dataclass, replace
 
@@ -11,11 +11,16 @@ from la_core.scene import Scene
 
 @dataclass(frozen=True)
 class Answers:
-    """Answers at one inset.
+    """Bounds and prediction at one inset.
 
-    assembly: the contact points, and the effects that were modelled; of the reduced region where blocks were set aside.
-    bounds: associated solution by drive, always of the whole structure. coulomb: the prediction with friction that does not dilate, None
-    where the scene does not call for it.
+    Attributes
+    ----------
+    assembly : Assembly
+        Contact points and modelled effects; those of the reduced region where blocks are set aside.
+    bounds : dict of Drive to Solution
+        Associated solution for each drive, always of the whole structure.
+    coulomb : CoulombSolution or None
+        Prediction with friction without dilatancy. None where only bounds are computed.
     """
 
     assembly: Assembly
@@ -24,24 +29,40 @@ class Answers:
 
     @property
     def main(self) -> Drive:
-        """The drive whose answer the scene asks for."""
+        """Drive of the scene: the live load, or the settlement of the support."""
         return Drive.LIVE if Drive.LIVE in self.bounds else Drive.YIELDING
 
     @property
     def sharpest(self) -> Solution | CoulombSolution:
-        """The prediction, else the bound that the scene asks for."""
+        """Prediction, or the bound of the main drive where there is no prediction."""
         return self.coulomb or self.bounds[self.main]
 
 
 @dataclass(frozen=True)
 class LimitAnalysis:
-    """Everything that limit analysis found out about a scene; it carries what it was made from.
+    """Complete results of limit analysis, with the scene and the model that they belong to.
 
-    whole: the assembly with every free block, at the inset that both methods share. at_inset, sharp: answers at that inset, and for
-    sharp arrises (inset 0); the same object where both insets are equal. stiffness: of the joints, at the shared inset.
-    least_gap: bound of the gap between blocks without a joint, m, see `la_core.model.decide_dem_effects`; NaN where it was not looked for.
-    path: the curve from rest to the plateau at the shared inset, None where nobody asked for it.
-    accuracy: the attempts to reach the accuracy that the scene requests, None where it requests none.
+    The shared inset is the inset of both methods: the scene's, or the smallest one of YADE where the scene has inset 0.
+
+    Attributes
+    ----------
+    scene : Scene
+        Scene that was analysed.
+    whole : Assembly
+        Assembly with every free block, at the shared inset.
+    at_inset : Answers
+        Answers at the shared inset.
+    sharp : Answers
+        Answers for sharp arrises (inset 0); the same object as `at_inset` where both insets are equal.
+    stiffness : JointStiffness
+        Stiffness of the joints at the shared inset.
+    least_gap : float
+        Lower bound of the gap between blocks without a joint, m; NaN where it was not computed. See
+        `la_core.model.decide_dem_effects`.
+    path : EquilibriumPath or None
+        Curve from rest to the plateau at the shared inset. None without a request.
+    accuracy : AccuracyRecord or None
+        Attempts to reach the requested accuracy. None without a request.
     """
 
     scene: Scene
@@ -55,31 +76,31 @@ class LimitAnalysis:
 
     @property
     def main(self) -> Drive:
-        """The drive whose answer the scene asks for."""
+        """Drive of the scene: the live load, or the settlement of the support."""
         return self.at_inset.main
 
     @property
     def assembly(self) -> Assembly:
-        """The assembly at the shared inset, as it was modelled: without the blocks that were set aside."""
+        """Modelled assembly at the shared inset, without the blocks that are set aside."""
         return self.at_inset.assembly
 
     @property
     def bounds(self) -> dict[Drive, Solution]:
-        """Associated solution by drive, at the shared inset."""
+        """Associated solution for each drive, at the shared inset."""
         return self.at_inset.bounds
 
     @property
     def coulomb(self) -> CoulombSolution | None:
-        """The prediction at the shared inset, None where the scene does not call for it."""
+        """Prediction at the shared inset; None where only bounds are computed."""
         return self.at_inset.coulomb
 
     def with_effects(self, effects: Effects) -> "LimitAnalysis":
-        """The same with other effects, or other reasons for them, said of its assemblies."""
+        """Copy the analysis with these effects, and their reasons, in all of its assemblies."""
         at_inset = replace(self.at_inset, assembly=replace(self.assembly, effects=effects))
         sharp = at_inset if self.sharp is self.at_inset else replace(self.sharp, assembly=replace(self.sharp.assembly, effects=effects))
         return replace(self, whole=replace(self.whole, effects=effects), at_inset=at_inset, sharp=sharp)
 
     @property
     def printed(self) -> Answers:
-        """The answers at the scene's own inset, which are printed."""
+        """Answers at the scene's own inset; tables and JSON show these."""
         return self.sharp if self.scene.inset == 0.0 else self.at_inset

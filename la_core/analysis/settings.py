@@ -1,4 +1,4 @@
-"""What a caller may ask of limit analysis besides the scene."""
+"""Settings of limit analysis that are not part of the scene."""
 
 from dataclasses import dataclass, field
 
@@ -9,9 +9,15 @@ from la_core.coulomb import PredictionSettings
 class AnalysisSettings:
     """Settings of one analysis.
 
-    follow_path: also follow the curve from rest to the plateau, as a scene's [path] does. sliding_reason: why joints are known to slide,
-    which keeps friction in the model where "auto" might leave it out; "" where nothing is known. prediction: steps to the plateau; a
-    scene that requests an accuracy chooses its own.
+    Attributes
+    ----------
+    follow_path : bool
+        Whether to follow the curve from rest to the plateau, as a [path] table of the scene does.
+    sliding_reason : str
+        Reason why joints are known to slide, such as an earlier run of YADE. It keeps friction in the model where
+        "auto" might leave it out. "" where nothing is known.
+    prediction : PredictionSettings
+        Steps to the plateau. A scene that requests an accuracy overrides them.
     """
 
     follow_path: bool = False

@@ -1,4 +1,4 @@
-"""The limit-analysis stage: from a scene, or its model, to everything that limit analysis finds out about it."""
+"""Entry of the limit-analysis stage: from a scene, or its model, to its complete results."""
 
 from la_core.analysis.accuracy import analyse_to_accuracy
 from la_core.analysis.modelling import StructuralModel, structural_model
@@ -9,9 +9,24 @@ from la_core.scene import Scene
 
 
 def analyse(scene: Scene | StructuralModel, settings: AnalysisSettings | None = None) -> LimitAnalysis:
-    """Assemble and solve a scene; where it requests an accuracy, the best of the attempts to reach it, with a record of all of them.
+    """Analyse a scene once, or repeatedly until it reaches the accuracy that it requests.
 
-    scene: or its model, so that it is not assembled twice. Raises SceneError for everything that the scene requests and does not allow.
+    Parameters
+    ----------
+    scene : Scene or StructuralModel
+        Scene, or its model where the caller has one, so that it is not assembled twice.
+    settings : AnalysisSettings, optional
+        Settings of the analysis; None takes the defaults.
+
+    Returns
+    -------
+    LimitAnalysis
+        Complete results. With a requested accuracy: the best attempt, with a record of all attempts.
+
+    Raises
+    ------
+    SceneError
+        The scene requests an effect that it does not allow.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     analyse_model = analyse_once if model.scene.accuracy is None else analyse_to_accuracy

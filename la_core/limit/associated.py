@@ -31,11 +31,27 @@ LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs
 
 
 class Status(enum.StrEnum):
-    """What limit analysis can say; only SOLVED carries a value that residuals confirm."""
+    """Outcome of limit analysis; only SOLVED comes with a value.
+
+    The program recomputes all residuals from the returned forces and velocities. The solver's own status decides nothing.
+
+    Attributes
+    ----------
+    SOLVED
+        A value exists, and its residuals confirm it.
+    INFEASIBLE
+        The structure cannot stand under its own weight: no equilibrium obeys the friction law.
+    UNBOUNDED
+        No mechanism follows the support's motion, or the live load, so nothing limits the value.
+    INACCURATE
+        The solver returned a solution, but its residuals are too large.
+    FAILED
+        The solver returned no solution.
+    """
 
     SOLVED = "solved"
-    INFEASIBLE = "infeasible"  # cannot stand under its own weight
-    UNBOUNDED = "unbounded"  # no mechanism lets the support move this way, so nothing limits the reaction
+    INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
     INACCURATE = "inaccurate"
     FAILED = "failed"
 

@@ -25,11 +25,47 @@ from la_core.text_table import Tabled, number_text
 
 @dataclass(frozen=True, repr=False)
 class Scene(Tabled):
-    """A validated scene: blocks as arrays, joint law, motion or load, what is expected of it. SI units, z up.
+    """Validated scene: blocks, joint law, support motion or live load, requested effects and expected values.
 
-    support_twist (6,): unit motion of the supports as (velocity of the origin, angular velocity), None for a live load.
-    live (3,): unit direction of a load proportional to weight, None for a settlement.
-    meshes: the files of its [[mesh]] tables as they were read. accuracy: share of the answer, None where none is asked for.
+    Units are SI; the axis z points up. `load`, `build` and `variant` make scenes. `print(scene)` shows a summary as a
+    table, and so does a notebook.
+
+    Attributes
+    ----------
+    name : str
+        Name of the scene and of its folder of results.
+    path : Path
+        File of the scene, which messages name; a scene from `build` has no file there.
+    text : str
+        Scene as TOML.
+    title : str
+        Title; the name where the file has none.
+    source : str
+        Source of the geometry or of the expected value, "" where the file names none.
+    gravity : ndarray, shape (3,)
+        Acceleration of gravity, m/s2.
+    friction : float
+        Friction coefficient of every joint, tan(phi).
+    inset : float
+        Distance by which contact points lie inside the edges of an interface, m.
+    blocks : Blocks
+        Geometry, mass and role of every block.
+    support_twist : ndarray, shape (6,), or None
+        Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
+    live : ndarray, shape (3,), or None
+        Unit direction of a load proportional to weight. None for a settlement.
+    effects : RequestedEffects
+        Choice for every effect, "auto" where the program decides.
+    path_asked : RequestedPath or None
+        Settlement and increments of the requested equilibrium path. None without a [path] table.
+    expected : Expected or None
+        Expected values for sharp arrises. None without an [expected] table.
+    yade : dict of str to float
+        YADE settings that replace the derived ones, by name.
+    meshes : tuple of MeshFile
+        Files of the [[mesh]] tables with their contents.
+    accuracy : float or None
+        Requested relative accuracy of the answer. None without a request.
     """
 
     name: str
@@ -52,27 +88,27 @@ class Scene(Tabled):
 
     @property
     def weight(self) -> float:
-        """Weight of the free blocks, N."""
+        """Weight of all free blocks, N."""
         return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
 
     @property
     def is_rotation(self) -> bool:
-        """Whether the support turns, so that the reaction is a moment."""
+        """Whether the support rotates; the reaction is then a moment in N m."""
         return self.support_twist is not None and bool(np.any(self.support_twist[3:]))
 
     @property
     def settlement_unit(self) -> str:
-        """Unit of a thousandth of the support's motion: "mm" or "mrad"."""
+        """Unit for the support's motion in figures and tables: "mm", or "mrad" for a rotation."""
         return "mrad" if self.is_rotation else "mm"
 
     @property
     def quantity(self) -> str:
-        """What limit analysis yields here: "reaction" or "multiplier"."""
+        """Name of the computed quantity: "reaction" for a settlement, "multiplier" for a live load."""
         return "reaction" if self.live is None else "multiplier"
 
     @property
     def unit(self) -> str:
-        """Unit of that quantity."""
+        """Unit of the computed quantity: "N", "N m" for a rotation, "" for a multiplier."""
         return "" if self.live is not None else "N m" if self.is_rotation else "N"
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:

@@ -10,7 +10,19 @@ LONG = ("building_corner",)  # minutes of limit analysis and most of an hour of 
 
 
 def names() -> list[str]:
-    """Names of the shipped scenes, in order."""
+    """Return the names of the shipped scenes.
+
+    Returns
+    -------
+    list of str
+        Names in alphabetical order; `load` takes each of them.
+
+    Examples
+    --------
+    >>> import la_core
+    >>> "two_pads" in la_core.names()
+    True
+    """
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
@@ -27,8 +39,25 @@ def find(scene: str) -> Path:
 
 
 def load(scene: Path | str) -> Scene:
-    """A scene by its file's path or by a shipped scene's name; raises SceneError for anything a user must mend.
+    """Read and validate a scene file.
 
+    Parameters
+    ----------
+    scene : Path or str
+        Path of a scene file (TOML), or the name of a shipped scene.
+
+    Returns
+    -------
+    Scene
+        Validated scene, ready for `solve`.
+
+    Raises
+    ------
+    SceneError
+        The file is missing, is not valid TOML, or breaks a rule of the schema.
+
+    Examples
+    --------
     >>> import la_core
     >>> la_core.load("two_pads").title
     'Right pad settles under a block'

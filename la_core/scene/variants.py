@@ -29,11 +29,29 @@ FULL_SUFFIX = "_full"
 
 
 def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = ".") -> Scene:
-    """A scene from tables with the keys of a scene file; raises SceneError as for a file.
+    """Build a scene from tables with the keys of a scene file.
 
-    tables: as `tomllib` would read them, arrays (NumPy's, too) and tuples for lists. name: of the scene and of its folder of results.
-    folder: what the files of [[mesh]] tables are relative to.
+    Parameters
+    ----------
+    tables : mapping of str to Any
+        Tables as `tomllib` reads them from a file; SI units. NumPy arrays and tuples may stand for lists.
+    name : str
+        Name of the scene and of its folder of results.
+    folder : Path or str
+        Folder to which the file names of [[mesh]] tables are relative.
 
+    Returns
+    -------
+    Scene
+        Validated scene. Its path is `folder/name.toml`; no file is written.
+
+    Raises
+    ------
+    SceneError
+        A key or a value breaks a rule of the schema, as in a file.
+
+    Examples
+    --------
     >>> import la_core
     >>> pad = {"name": "pad", "role": "support", "box": {"from": [0, 0, -1], "to": [1, 1, 0]}}
     >>> block = {"name": "block", "density": 2000, "box": {"from": [0, 0, 0], "to": [1, 1, 1]}}
@@ -45,11 +63,34 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
 
 
 def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
-    """The scene with some keys changed; raises SceneError for a key that leads nowhere and for what the schema refuses.
+    """Copy a scene with some of its keys changed.
 
-    changes: new values by dotted key, such as "joint.friction" or "wall[0].courses"; None takes a key or a table away. What the
-    original scene expects is left out unless it is changed, too. name: made from the changes where none is given, as is the title.
+    Parameters
+    ----------
+    scene : Scene
+        Original scene; it stays as it is.
+    changes : mapping of str to Any
+        New values by dotted key, such as "joint.friction" or "wall[0].courses". None deletes a key or a table.
+    name : str
+        Name of the new scene; "" makes a name from the changes.
 
+    Returns
+    -------
+    Scene
+        Changed scene.
+
+    Raises
+    ------
+    SceneError
+        A key does not exist, or a value breaks a rule of the schema.
+
+    Notes
+    -----
+    The title gets the changes appended, unless `changes` has a title. The [expected] table is deleted where the
+    structure changes, unless `changes` has expected values: they hold for the original structure only.
+
+    Examples
+    --------
     >>> import la_core
     >>> smooth = la_core.variant(la_core.load("wall_third"), {"joint.friction": 0.4})
     >>> smooth.name, smooth.friction

@@ -2,13 +2,13 @@
 
 import ast
 import dataclasses
-import doctest
+import enum
 import inspect
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from types import FunctionType, ModuleType
+from typing import Any, NamedTuple
 
 import comparison
 import la_core
@@ -16,10 +16,61 @@ import la_core
 PAGE = Path(comparison.__file__).parent / "gallery" / "api.md"
 HEAD = """# From Python: the stable names
 
-`la_core` solves, `comparison` takes a scene through both methods; what is named here stays as it is, everything else may change.
-A mistake in a scene raises `la_core.SceneError`, whose message says where, what and how to mend it. A notebook shows scenes, answers,
-results and pictures by themselves. This page is written by `.venv/bin/python tests/benchmarks/api_page.py` from the docstrings.
+`la_core` solves a scene by limit analysis. `comparison` runs both methods on a scene and compares them. The names on this page
+stay; all other names may change. An invalid scene or argument raises `la_core.SceneError`, with a message that says where the
+error is, which rule it breaks and what to do next. A notebook shows scenes, answers and results as tables, and pictures as images.
+
+This page is written by `.venv/bin/python tests/benchmarks/api_page.py` from the docstrings.
 """
+LISTS = ("Parameters", "Attributes", "Returns", "Raises")  # sections of entries, in numpydoc's format
+SECTIONS = (*LISTS, "Notes", "Examples")
+
+
+class Entry(NamedTuple):
+    """One entry of a section: `name : kind`, then its meaning. An entry of Returns has no name, one of Raises no kind."""
+
+    name: str
+    kind: str
+    meaning: str
+
+
+def sections(thing: Any) -> dict[str, str]:
+    """The sections of a docstring by their headings; the text above the first heading is that of ""."""
+    lines = (inspect.getdoc(thing) or "").splitlines()
+    heading = ""
+    texts: dict[str, list[str]] = {heading: []}
+    for number, line in enumerate(lines):
+        underlined = number + 1 < len(lines) and lines[number + 1] == "-" * len(line)
+        if line in SECTIONS and underlined:
+            heading = line
+            texts[heading] = []
+        elif not (heading and line == "-" * len(heading)):
+            texts[heading].append(line)
+    return {heading: "\n".join(text).strip("\n") for heading, text in texts.items()}
+
+
+def entries(text: str) -> list[Entry]:
+    """The entries of a section: a line without indent begins one, the indented lines below it are its meaning."""
+    listed: list[Entry] = []
+    for line in text.splitlines():
+        if line and not line.startswith(" "):
+            name, _, kind = line.partition(" : ")
+            listed.append(Entry(name, kind, ""))
+        elif line.strip():
+            listed[-1] = listed[-1]._replace(meaning=f"{listed[-1].meaning} {line.strip()}".strip())
+    return listed
+
+
+def fields_of(thing: type) -> list[str]:
+    """Names of a class that its docstring describes: members of an enumeration, fields of a dataclass."""
+    if issubclass(thing, enum.Enum):
+        return list(thing.__members__)
+    return [field.name for field in dataclasses.fields(thing)] if dataclasses.is_dataclass(thing) else []
+
+
+def members_of(thing: type, kind: type) -> dict[str, Any]:
+    """Public members of a class that have docstrings of their own: properties (`property`) or methods (a function's type)."""
+    return {name: member for name, member in vars(thing).items() if isinstance(member, kind) and not name.startswith("_")}
 
 
 def page() -> str:
@@ -31,54 +82,69 @@ def page() -> str:
 
 
 def _entry(package: ModuleType, name: str) -> str:
-    """A function or class: what it is called with, what it says, and of a class its public members."""
+    """A function or class: heading, call, text, and of a class its properties and methods."""
     thing = getattr(package, name)
-    lines = [f"### `{package.__name__}.{name}{_arguments(thing)}`\n", *_words(thing)]
-    if inspect.isclass(thing):
-        lines += [f"- {member}" for member in _members(thing)] + [""]
+    heading = f"### `{package.__name__}.{name}`\n"
+    if not inspect.isclass(thing):
+        return "\n".join([heading, *_call(thing), *_text(thing)])
+    lines = [heading, *_text(thing)]
+    for method_name, method in members_of(thing, FunctionType).items():
+        lines += [f"#### `{name}.{method_name}`\n", *_call(method), *_text(method)]
     return "\n".join(lines)
 
 
-def _arguments(thing: Any) -> str:
-    """What a function is called with, as its source has it; nothing for a class."""
-    if inspect.isclass(thing):
-        return ""
-    (function,) = ast.parse(textwrap.dedent(inspect.getsource(thing))).body
-    assert isinstance(function, ast.FunctionDef)
-    arguments = ast.unparse(
-        ast.arguments([], [a for a in function.args.args if a.arg != "self"], None, [], [], None, function.args.defaults)
-    )
-    if function.args.vararg:
-        arguments = f"*{ast.unparse(function.args.vararg)}"
-    return f"({arguments})" + (f" -> {ast.unparse(function.returns)}" if function.returns else "")
+def _call(function: Any) -> Iterator[str]:
+    """How a function is called, as its source has it, without types: the list of parameters names them."""
+    tree = _source(function)
+    arguments = tree.args
+    for argument in (*arguments.args, *filter(None, [arguments.vararg])):
+        argument.annotation = None
+    arguments.args = [argument for argument in arguments.args if argument.arg != "self"]
+    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # as ruff writes code in Markdown
+    yield f"```python\n{call}\n```\n"
 
 
-def _words(thing: Any) -> Iterator[str]:
-    """A docstring's text, and its examples apart as code."""
-    words, examples = [], []
-    for part in doctest.DocTestParser().parse(inspect.getdoc(thing) or ""):
-        if isinstance(part, doctest.Example):
-            examples.append(f">>> {part.source}{part.want}".rstrip())
-        elif part.strip():
-            words.append(part.strip())
-    yield "\n".join(words) + "\n"
-    if examples:
-        yield "\n".join(["```python", *examples, "```\n"])
+def _source(function: Any) -> ast.FunctionDef:
+    (tree,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+    assert isinstance(tree, ast.FunctionDef)
+    return tree
 
 
-def _members(thing: type) -> Iterator[str]:
-    """Public fields, values, properties and methods of a class, one a line."""
-    if issubclass(thing, str):
-        yield from (f"`{member.name}`: `{member.value}`" for member in thing)  # type: ignore[attr-defined]
-        return
-    fields = [field.name for field in dataclasses.fields(thing)] if dataclasses.is_dataclass(thing) else []
-    if fields:
-        yield "fields: " + ", ".join(f"`{name}`" for name in fields)
-    for name, member in vars(thing).items():
-        if not name.startswith("_") and isinstance(member, property):
-            yield f"`{name}`: {_sentence(member)}"
-        elif not name.startswith("_") and inspect.isfunction(member):
-            yield f"`{name}{_arguments(member)}`: {_sentence(member)}"
+def _text(thing: Any) -> Iterator[str]:
+    """A docstring as Markdown: its text, then its sections in their order."""
+    for heading, text in sections(thing).items():
+        if not heading:
+            yield f"{text}\n"
+        elif heading in LISTS:
+            yield f"**{heading}**\n"
+            yield from (_item(entry) for entry in _listed(thing, heading, text))
+            yield ""
+        elif heading == "Examples":
+            yield f"```python\n{text}\n```\n"
+        else:
+            yield f"**{heading}**\n\n{text}\n"
+
+
+def _listed(thing: Any, heading: str, text: str) -> list[Entry]:
+    """The entries of a section as the page shows them: members with their values, and properties among the attributes."""
+    listed = entries(text)
+    if heading == "Returns":
+        return [Entry("", kind, meaning) for kind, _, meaning in listed]
+    if heading == "Attributes" and issubclass(thing, enum.Enum):
+        return [Entry(name, f'"{thing[name].value}"', meaning) for name, _, meaning in listed]
+    return listed + (_properties(thing) if heading == "Attributes" else [])
+
+
+def _properties(thing: type) -> list[Entry]:
+    """The properties of a class: the type that each returns, and its docstring."""
+    kinds = {name: _source(member.fget).returns for name, member in members_of(thing, property).items()}
+    return [Entry(name, ast.unparse(kind) if kind else "", _sentence(getattr(thing, name))) for name, kind in kinds.items()]
+
+
+def _item(entry: Entry) -> str:
+    """An entry of a list: name, type and meaning."""
+    parts = [f"`{entry.name}`" if entry.name else "", f"*{entry.kind}*" if entry.kind else ""]
+    return f"- {', '.join(filter(None, parts))}: {entry.meaning}"
 
 
 def _sentence(member: Any) -> str:

@@ -159,7 +159,7 @@ def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -
     asked, plain = analyse(pushed_row(reach=True)), analyse(pushed_row(reach=False))
     effects = asked.assembly.effects
     assert not effects.reach and not asked.assembly.aside.any()
-    assert "after all" in effects.reasons["reach"] and 'block "' in effects.reasons["reach"]
+    assert "the whole structure is modelled, because" in effects.reasons["reach"] and 'block "' in effects.reasons["reach"]
     assert reaction(asked) == pytest.approx(reaction(plain), rel=SAME)
     assert reaction(asked) == pytest.approx(-0.6 * whole.weight, rel=HISTORY)  # the whole row slides on its bed
 

@@ -240,7 +240,7 @@ def test_case_of_another_scene(case, change, named) -> None:
     path, scene, _ = case
     assert change[0] in scene.text
     other = scenes.load(scene.text.replace(*change))
-    with pytest.raises(ExchangeError, match=f"{named} is not that of"):
+    with pytest.raises(ExchangeError, match=f"{named} differs from that of"):
         read_case(path, other)
 
 
