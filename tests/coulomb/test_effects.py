@@ -143,7 +143,7 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     assembly = found.analysis.assembly
     wrong = dataclasses.replace(found.analysis, assembly=without_friction(assembly))
     assert prediction.slides_unforeseen(Results(wrong, found.run))
-    assert "ask for effects.friction" in prediction.predicted(Results(wrong, found.run)).obstacle
+    assert 'Set friction = "coulomb"' in prediction.predicted(Results(wrong, found.run)).obstacle
     arch_run = cross_checked("arch_spreading")
     assert not prediction.slides_unforeseen(Results(arch_run.analysis, arch_run.run))
 
