@@ -218,3 +218,33 @@ def test_every_verb_has_a_module_of_its_own() -> None:
 def test_top_level_is_as_the_owner_fixed_it() -> None:
     shown = {path.name for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith(".") and any(path.glob("*.py"))}
     assert shown == {*PACKAGES, "tests"}
+
+
+def public_names(path: Path) -> Iterator[str]:
+    """Functions and classes that a module defines for others."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield node.name
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_no_public_name_is_defined_twice_within_a_package(name: str) -> None:
+    """But for what every verb of the command line has, and its entry."""
+    homes: dict[str, list[str]] = {}
+    for path in FILES:
+        if package(name_of(path)) == name:
+            for defined in public_names(path):
+                homes.setdefault(defined, []).append(name_of(path))
+    assert not {defined: places for defined, places in homes.items() if len(places) > 1 and defined not in ("execute", "main")}
+
+
+@pytest.mark.parametrize("name", ["la_core", "comparison"])
+def test_no_two_faces_show_one_name(name: str) -> None:
+    shown: dict[str, list[str]] = {}
+    for place in ROOMS:
+        face = ROOT.joinpath(*place.split(".")) / "__init__.py"
+        if package(place) == name and face.exists():
+            for entry in face_of(face):
+                if not is_module(f"{place}.{entry}"):
+                    shown.setdefault(entry, []).append(place)
+    assert not {entry: places for entry, places in shown.items() if len(places) > 1}

@@ -19,8 +19,8 @@ import comparison
 import la_core
 from comparison.cli.commands import main
 from comparison.workflow import one_scene
-from la_core.analysis.stage import digest
-from la_core.exchange.fields import ExchangeError
+from la_core.analysis.case_file import scene_digest
+from la_core.exchange.checksummed_file import ExchangeError
 from la_core.scene import shipped
 from la_core.scene.scene import Scene
 
@@ -93,7 +93,7 @@ def test_a_scene_built_of_arrays_is_one_built_of_lists() -> None:
     tables = tomllib.loads(la_core.load("two_pads").text)
     arrays = tables | {"gravity": np.array(tables["gravity"]), "joint": {"friction": np.float64(0.6)}}
     arrays["block"] = tuple(block | {"box": {k: tuple(v) for k, v in block["box"].items()}} for block in tables["block"])
-    assert digest(la_core.build(arrays)) == digest(la_core.build(tables))
+    assert scene_digest(la_core.build(arrays)) == scene_digest(la_core.build(tables))
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
-from la_core.coulomb import ACCEPTED
+from la_core.coulomb import ACCEPTED_RESIDUAL
 from la_core.exchange import FIXED, SUPPORT
 from la_core.geometry import Interfaces
 from la_core.limit import box_limits, maximise, scaled_problem
@@ -31,7 +31,7 @@ LAYERS = (4, 8)  # of neighbours around all that rests on the support, one attem
 MARGIN = 3  # layers of blocks at rest between a mechanism and what is set aside
 LEAST_SHARE, LEAST_BLOCKS = 0.4, 100  # of the free blocks: setting aside less is not worth a proof, measured on the shipped scenes
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
-TOLERANCE = 0.025 * ACCEPTED  # asked of the proof's programme, in mean block weights
+TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # asked of the proof's programme, in mean block weights
 
 
 def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray], str]:
@@ -107,7 +107,7 @@ def kept_points(assembly: Assembly, aside: np.ndarray) -> np.ndarray:
     return np.asarray(free[a] | free[b])
 
 
-def why_not_valid(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED) -> str:
+def why_not_valid(whole: Assembly, part: Assembly, twists: np.ndarray, forces: np.ndarray, accepted: float = ACCEPTED_RESIDUAL) -> str:
     """Return why an answer of `part`, its twists (B, 6) and forces (C, 3) in N, does not hold for the whole assembly, or "".
 
     accepted: unbalanced force, over the mean block weight, up to which what is set aside stands. NaN twists are not judged.

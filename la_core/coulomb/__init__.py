@@ -1,11 +1,11 @@
 """Friction without dilatancy: the way to the plateau, the whole equilibrium path, the mechanism's interval."""
 
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
-from la_core.coulomb.plateau import ACCEPTED, FIRST_SAGS, STEPS, CoulombSolution, PredictionSettings, predict, reaction_at_rest
+from la_core.coulomb.plateau import ACCEPTED_RESIDUAL, FIRST_SAGS, STEPS, CoulombSolution, PredictionSettings, predict, reaction_at_rest
 from la_core.coulomb.sliding import SLIDING_SHARE, STATIONS, Sliding, look_for_sliding, slides_in_mechanism
 
 __all__ = [
-    "ACCEPTED",
+    "ACCEPTED_RESIDUAL",
     "FIRST_SAGS",
     "SLIDING_SHARE",
     "STATIONS",

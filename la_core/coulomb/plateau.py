@@ -22,7 +22,7 @@ STEPS = 8  # to the plateau; tests/benchmarks/benchmark_friction.py shows what f
 FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
 SOFTEST = 0.05  # sag over the travel: the strain of softer joints passes for a mechanism
 DRIFT = 0.1  # largest change of the value over the last step: what changes more has no plateau within the travel
-ACCEPTED = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
+ACCEPTED_RESIDUAL = 1e-5  # equilibrium and cone residuals, of the mean block weight: far below what friction's history leaves open
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
     )
     unit = max(abs(value), 1e-6 if joints.live else 1e-6 * assembly.weight * speed)
     drift = (value - value_of(joints, before)) / unit
-    converged = last.converged and dilatancy <= DILATANCY and max(worst) <= ACCEPTED and abs(drift) <= DRIFT
+    converged = last.converged and dilatancy <= DILATANCY and max(worst) <= ACCEPTED_RESIDUAL and abs(drift) <= DRIFT
     interval = reaction_interval(joints, before, last)
     return CoulombSolution(
         Status.SOLVED if converged else Status.INACCURATE,

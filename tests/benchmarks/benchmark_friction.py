@@ -20,7 +20,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
-from la_core.coulomb.plateau import STEPS, follow, predict
+from la_core.coulomb.plateau import STEPS, PredictionSettings, follow, predict
 from la_core.limit.problem import Drive
 from la_core.limit.associated import Status, solve_associated
 from la_core.model.assembly import Assembly, assemble
@@ -103,7 +103,7 @@ def run(case: Case) -> Result:
     stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     runs = {}
     for steps in (*COUNTS, REFERENCE):
-        answer = predict(assembly, stiffness, associated, steps=steps)
+        answer = predict(assembly, stiffness, associated, settings=PredictionSettings(steps))
         runs[steps] = Run(answer.status, answer.value / assembly.weight, answer.iterations, answer.dilatancy_residual, answer.seconds)
     return Result(case, runs, settled_after(assembly, stiffness))
 

@@ -26,8 +26,7 @@ from comparison.yade.run_record import read_run
 from la_core.analysis import case_file, stage
 from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
-from la_core.exchange.checksummed_file import write_sealed
-from la_core.exchange.fields import ExchangeError
+from la_core.exchange.checksummed_file import ExchangeError, write_sealed
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks
 from la_core.scene.scene import load_scene, scene_of_text
 from la_core.scene.schema.mesh import Mesh

@@ -24,14 +24,14 @@ from comparison.campaign.definition import MOST_CASES, load_campaign
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
 from comparison.campaign.mechanism_labels import mechanism_label
 from comparison.cli.commands import main
-from comparison.cli.study_verbs.campaign import find_campaign as find_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.errors import FolderInUseError
 from comparison.run_folder import alone_in
 from comparison.studies.sensitivity import study
 from comparison.workflow.one_scene import read_results
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.exchange.fields import ExchangeError
+from la_core.exchange.checksummed_file import ExchangeError
 from la_core.limit.classic_iteration import ClassicParameters
 from la_core.model.assembly import assemble
 from la_core.scene.scene import load_scene

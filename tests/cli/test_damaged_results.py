@@ -13,8 +13,7 @@ from faulty_runs import INTERRUPTED, TOOL, answer, one_message
 
 from comparison.cli.commands import main
 from comparison.workflow.one_scene import read_results
-from la_core.exchange.checksummed_file import VERSION
-from la_core.exchange.fields import ExchangeError
+from la_core.exchange.checksummed_file import VERSION, ExchangeError
 from la_core.scene.shipped import find
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {

@@ -21,7 +21,7 @@ from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene, load_scene
 from la_core.scene.shipped import find
@@ -124,7 +124,7 @@ def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: 
     figure = structure.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
     drawn = [float(word) for word in re.findall(r"([0-9.]+) mm", figure.get_suptitle())]
     # The block turns about (0.4, 0) by 1/0.6 of the settlement at x = 1; its upper right corner is the fastest, by hypot(0.6, 0.5)/0.6.
-    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
+    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.structure_size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
 
 
 def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
@@ -209,7 +209,9 @@ def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float
     least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
     settlement = np.linspace(0.0, 8e-4, 9)
-    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
+    path = EquilibriumPath(
+        settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
+    )
     return replace(analysis, coulomb=coulomb, path=path)
 
 

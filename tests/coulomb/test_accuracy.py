@@ -13,13 +13,13 @@ from runs import made_up_run
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
 from comparison.judge.check import Verdict
-from comparison.workflow import one_scene
+from comparison.workflow import one_scene, stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
-from la_core.analysis.accuracy import MOST_STEPS, analyse, answers, with_accuracy
+from la_core.analysis.accuracy import MOST_STEPS, with_accuracy
 from la_core.analysis.accuracy_record import AccuracyRecord, Attempt, from_text, to_text
 from la_core.analysis.result import LimitAnalysis
-from la_core.errors import SceneError
+from la_core.analysis.stage import analyse
 from la_core.exchange.dem_settings import TRAVEL_PERIODS
 from la_core.scene.scene import Scene, scene_of_text
 
@@ -55,7 +55,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
     analysis = analyse(scene)
     assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
     exact = expected_value(scene) * divisor(scene)
-    for answer in answers(analysis):  # at the shared inset and for sharp arrises
+    for answer in (analysis.at_inset.sharpest, analysis.sharp.sharpest):
         assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
 
 
@@ -110,14 +110,13 @@ def overhang() -> Scene:
     return scene_of_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"), Path("overhang.toml"), "overhang")
 
 
-def made_up(name: str = "wall_third", accuracy: float = 0.01) -> tuple[Scene, LimitAnalysis]:
-    scene = with_accuracy(scenes.shipped(name), accuracy)
-    return scene, accuracy_settings.initial_settings(analyse(scene))
+def made_up(name: str = "wall_third", accuracy: float = 0.01) -> LimitAnalysis:
+    return accuracy_settings.initial_settings(analyse(with_accuracy(scenes.shipped(name), accuracy)))
 
 
 def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
     assert analysis.accuracy is not None
-    reaction = (1.0 + change) * answers(analysis)[0].value if status == "plateau" else math.nan
+    reaction = (1.0 + change) * analysis.at_inset.sharpest.value if status == "plateau" else math.nan
     settings = {"travel_periods": TRAVEL_PERIODS, "damping_ratio": 0.3, "stop_uncertainty": 1e-3} | analysis.accuracy.settings
     settings |= {"travel_periods": periods} if periods else {}
     result = {"status": status, "reaction": reaction, "uncertainty": uncertainty * reaction, "kinetic_ratio": 1e-5, "seconds": 1.0}
@@ -125,38 +124,38 @@ def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float 
 
 
 def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
-    periods = [made_up("two_blocks", one)[1].accuracy.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
+    periods = [made_up("two_blocks", one).accuracy.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
     assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS > periods[0]
-    quick = made_up("two_pads")[1].accuracy
+    quick = made_up("two_pads").accuracy
     assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
 
 
 def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
-    scene, analysis = made_up()
-    assert accuracy_settings.slower_settings(scene, analysis, run_of(analysis), LIMIT) is None
-    slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.02), LIMIT)
+    analysis = made_up()
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis)), LIMIT) is None
+    slower = accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.02)), LIMIT)
     assert slower is not None and slower.accuracy is not None and analysis.accuracy is not None
     assert slower.accuracy.settings["travel_periods"] >= 2.0 * analysis.accuracy.settings["travel_periods"]
     second = accuracy_settings.attempt_of(Results(slower, run_of(slower, change=0.004)))
     assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
-    assert accuracy_settings.slower_settings(scene, slower, run_of(slower, change=0.004), LIMIT) is None
+    assert accuracy_settings.slower_settings(Results(slower, run_of(slower, change=0.004)), LIMIT) is None
 
 
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
-    scene, analysis = made_up()
-    slower = accuracy_settings.slower_settings(scene, analysis, run_of(analysis, status="no plateau"), LIMIT)
+    analysis = made_up()
+    slower = accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT)
     assert slower is not None and slower.accuracy is not None
     assert slower.accuracy.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
-    assert accuracy_settings.slower_settings(scene, slower, run_of(slower, status="no plateau"), LIMIT) is None
+    assert accuracy_settings.slower_settings(Results(slower, run_of(slower, status="no plateau")), LIMIT) is None
     undefined = accuracy_settings.attempt_of(Results(slower, run_of(slower, status="no plateau")))
     assert math.isnan(undefined.error) and not undefined.is_within(1.0)
 
 
 def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
-    scene, analysis = made_up()
+    analysis = made_up()
     tried = 0
     while analysis is not None:
-        last, analysis = analysis, accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.5), LIMIT)  # type: ignore[assignment]
+        last, analysis = analysis, accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.5)), LIMIT)  # type: ignore[assignment]
         tried += 1
     assert tried == accuracy_settings.MOST_ATTEMPTS
     checks = {check.name: check for check in requested_accuracy.check_accuracy(Results(last, run_of(last, uncertainty=0.5)))}
@@ -172,7 +171,7 @@ def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str
     assert analysis.accuracy is not None and "travel_periods" not in analysis.accuracy.settings
     fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
     assert accuracy_settings.attempt_of(Results(analysis, fast)).parts["friction's history"] > 0.02
-    assert accuracy_settings.slower_settings(scene, analysis, fast, LIMIT) is None
+    assert accuracy_settings.slower_settings(Results(analysis, fast), LIMIT) is None
     (_, check) = requested_accuracy.check_accuracy(Results(analysis, fast))
     assert check.verdict is Verdict.INCONCLUSIVE
 
@@ -188,16 +187,16 @@ def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
 
 
 def test_a_run_at_another_inset_is_another_run() -> None:
-    coarse, fine = (made_up("two_pads", accuracy)[1] for accuracy in (0.05, 0.002))
+    coarse, fine = (made_up("two_pads", accuracy) for accuracy in (0.05, 0.002))
     assert coarse.accuracy is not None
     alike = replace(fine, accuracy=coarse.accuracy)
-    assert one_scene._run_inputs("scene", coarse) != one_scene._run_inputs("scene", alike)
+    assert stages.run_inputs("scene", coarse) != stages.run_inputs("scene", alike)
 
 
 def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
-    scene, analysis = made_up()
+    analysis = made_up()
     run = run_of(analysis)
-    again = accuracy_settings.initial_settings(accuracy_settings.after(analysis, run, analyse(scene)))
+    again = accuracy_settings.initial_settings(accuracy_settings.carry_attempts_over(Results(analysis, run), analyse(analysis.scene)))
     assert again.accuracy is not None and analysis.accuracy is not None
     assert len(again.accuracy.limit_analysis) == 2 * len(analysis.accuracy.limit_analysis)
     assert [one.seconds for one in again.accuracy.yade] == [1.0] and again.accuracy.settings == analysis.accuracy.settings
@@ -208,19 +207,20 @@ def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
 
 
 def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
-    scene, analysis = made_up()
-    assert accuracy_settings.slower_settings(scene, analysis, run_of(analysis, uncertainty=0.02), limit=1.5) is None
+    analysis = made_up()
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.02)), limit=1.5) is None
 
 
 def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
-    _scene, analysis = made_up("two_pads")
+    analysis = made_up("two_pads")
     run = run_of(analysis)
     record = {
         "stage": np.array([0, 1, 1, 1]), "settlement": np.array([0.0, 0.0, 1e-4, 2e-4]),
         "kinetic_energy": np.array([0.0, 0.0, 1e-6, 1e-6]),
     }  # fmt: skip
-    still = replace(run, result=run.result | {"kinetic_ratio": math.nan, "plateau_start": 1e-4}, record=record)
-    expected = 1e-6 / (answers(analysis)[1].value * 1e-4)
+    result = replace(run.result, kinetic_ratio=math.nan, plateau_start=1e-4)
+    still = replace(run, result=result, record=made_up_run(record=record).record)
+    expected = 1e-6 / (analysis.sharp.sharpest.value * 1e-4)
     inertia = accuracy_settings.attempt_of(Results(analysis, still)).parts["inertia"]
     assert inertia == pytest.approx(accuracy_settings.INERTIA_OF_SPEED * math.sqrt(expected))
 
@@ -231,7 +231,7 @@ def test_finer_steps_that_make_it_worse_are_not_the_answer() -> None:
     assert analysis.accuracy is not None
     *others, answer = analysis.accuracy.limit_analysis
     assert all(not other.error < answer.error for other in others)
-    assert answers(analysis)[0].value == answer.value
+    assert analysis.at_inset.sharpest.value == answer.value
 
 
 def test_solve_says_what_it_does_not_reach(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -251,12 +251,13 @@ def test_an_accuracy_is_written_into_the_scene(text: str, asked: float) -> None:
     assert len(scene.blocks) == len(plain.blocks)
 
 
-def test_an_accuracy_that_cannot_be_replaced_is_refused_by_name() -> None:
+def test_an_accuracy_is_replaced_however_it_is_spelled() -> None:
+    """A line of a text that looks like the key stays as it is."""
     plain = scenes.shipped("two_pads")
     body = "\n".join(line for line in plain.text.splitlines() if not line.startswith("source"))
     hidden = 'source = """\naccuracy = 0.03\n"""\n"accuracy" = 0.05\n'
-    with pytest.raises(SceneError, match="line of its own"):
-        with_accuracy(scene_of_text(f"{hidden}{body}", plain.path, plain.name), 0.02)
+    scene = with_accuracy(scene_of_text(f"{hidden}{body}", plain.path, plain.name), 0.02)
+    assert scene.accuracy == 0.02 and scene.source == "accuracy = 0.03\n"
 
 
 @pytest.mark.parametrize("word", ["0", "50%", "-1%", "abc", "nan", "0.05%", "%"])

@@ -119,8 +119,8 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     """A YADE run whose joints slide where limit analysis found none that does: limit analysis is done again in full."""
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
-    monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda analysis, run: analysis.assembly.effects.friction == "none-slides")
-    monkeypatch.setattr(one_scene, "_yade", lambda *_: (found.run, dict(found.run.result)))
+    monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda results: results.analysis.assembly.effects.friction == "none-slides")
+    monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, dict(found.run.result)))
     heard: list[str] = []
 
     class Listener:
@@ -141,7 +141,7 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     """YADE's run of a wall whose joints slide, held against limit analysis that left friction out."""
     found = cross_checked("wall_third")
     assembly = found.analysis.assembly
-    wrong = dataclasses.replace(found.analysis, assembly=without_friction(assembly))
+    wrong = found.analysis.with_effects(assembly.effects.with_effect("friction", "none-slides", "made up"))
     assert prediction.slides_unforeseen(Results(wrong, found.run))
     assert 'Set friction = "coulomb"' in prediction.predicted(Results(wrong, found.run)).obstacle
     arch_run = cross_checked("arch_spreading")
@@ -165,15 +165,14 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
         return guard
 
     reach, displacement = complain("reach", True), complain("displacement", "small")
-    monkeypatch.setattr(restored_effects, "check_reach", lambda scene, analysis, run: reach(analysis))
-    monkeypatch.setattr(restored_effects, "check_displacement", lambda analysis, run: displacement(analysis))
+    monkeypatch.setattr(restored_effects, "check_reach", lambda results: reach(results.analysis))
+    monkeypatch.setattr(restored_effects, "check_displacement", lambda results: displacement(results.analysis))
     assembly = found.analysis.assembly
-    reduced = dataclasses.replace(assembly, effects=assembly.effects.with_effect("reach", True, "made up"))
-    first = dataclasses.replace(found.analysis, assembly=reduced)
+    first = found.analysis.with_effects(assembly.effects.with_effect("reach", True, "made up"))
     assert first.assembly.effects.displacement == "small"
     asked = restored_effects.needed(Results(first, found.run))
     assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
-    again = restored_effects.analyse_with(found.scene, asked)
+    again = restored_effects.analyse_with(found.analysis, asked)
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
     assert restored_effects.restored(again) == asked
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]

@@ -21,7 +21,7 @@ from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.plateau import ACCEPTED, predict
+from la_core.coulomb.plateau import ACCEPTED_RESIDUAL, predict
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -123,8 +123,8 @@ def test_both_parts_together_are_a_state_of_the_whole_structure() -> None:
     assert part.coulomb is not None
     whole = assemble(scene)
     lifted, _ = reach.extend_forces(whole, part.assembly, part.coulomb.forces)
-    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED
-    assert residuals.cone_violation(whole, lifted) <= ACCEPTED
+    assert residuals.equilibrium_residual(whole, lifted) <= ACCEPTED_RESIDUAL
+    assert residuals.cone_violation(whole, lifted) <= ACCEPTED_RESIDUAL
     assert residuals.reaction(whole, lifted) == pytest.approx(part.coulomb.value, rel=SAME)
 
 

@@ -13,8 +13,8 @@ from la_core import exchange
 from la_core.analysis.case_file import read_case, scene_digest, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, write_sealed
-from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, ExchangeError, Field, solution_fields
+from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, write_sealed
+from la_core.exchange.fields import CASE_FIELDS, RUN_FIELDS, Field, solution_fields
 from la_core.limit.associated import Solution
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene

@@ -14,7 +14,7 @@ import scenes
 from conftest import CrossChecked
 
 from comparison.cli.commands import main
-from la_core.analysis.stage import digest
+from la_core.analysis.case_file import scene_digest
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -455,10 +455,10 @@ def test_a_changed_mesh_is_solved_again_and_an_unchanged_one_is_not(tmp_path: Pa
     capsys.readouterr()
     assert main(run) == 0
     assert capsys.readouterr().err.count("cached") == 2
-    before = digest(load_scene(scene))
+    before = scene_digest(load_scene(scene))
     lower = {name: vertices * [1.0, 1.0, 0.5] for name, (vertices, _) in wall().items()}
     (tmp_path / "wall.obj").write_text(obj(lower))
-    assert digest(load_scene(scene)) != before
+    assert scene_digest(load_scene(scene)) != before
     assert main(run) == 0
     assert "cached" not in capsys.readouterr().err
     summary = json.loads((out / "scene" / "comparison.json").read_text())

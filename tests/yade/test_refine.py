@@ -6,14 +6,16 @@ from pathlib import Path
 
 import pytest
 from conftest import Silent
+from runs import with_answers
 
 from comparison.workflow import finer_prediction
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import Results, read_results
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.settings import AnalysisSettings
 from la_core.analysis.stage import analyse
-from la_core.coulomb.plateau import STEPS
+from la_core.coulomb.plateau import STEPS, PredictionSettings
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 
 WALL = Path(__file__).parents[2] / "comparison" / "campaigns" / "scenes" / "wall_between.toml"
@@ -66,14 +68,14 @@ def stored(folder: Path) -> tuple[Scene, LimitAnalysis, Run]:
 def test_a_prediction_that_is_not_contradicted_is_left_alone(summary: dict, folder: Path) -> None:
     _scene, analysis, run = stored(folder)
     assert analysis.coulomb is not None
-    as_if_first = replace(analysis, coulomb=replace(analysis.coulomb, steps=STEPS))
+    as_if_first = with_answers(analysis, coulomb=replace(analysis.coulomb, steps=STEPS))
     assert list(finer_prediction.predictions(Results(as_if_first, run))) == []
 
 
 def test_a_contradiction_that_finer_steps_do_not_mend_stands(summary: dict, folder: Path) -> None:
     """A reaction of YADE's that no prediction comes near."""
     scene, _, run = stored(folder)
-    wrong = replace(run, result={**run.result, "reaction": 0.3 * scene.weight})
+    wrong = replace(run, result=replace(run.result, reaction=0.3 * scene.weight))
     tried = [steps for steps, _ in finer_prediction.predictions(Results(analyse(scene), wrong))]
     assert tried == [steps for steps, _ in finer_prediction.FINER] and tried == sorted(tried)
 
@@ -84,7 +86,8 @@ def test_blocks_that_jam_in_a_long_first_step_slide_in_a_shorter_one() -> None:
     text = text.replace("from = [0.8", "from = [0.4").replace("from = [1.6", "from = [2.0")
     scene = scene_of_text(text, WALL, "wide")
     (steps, long_first), (same, short_first) = finer_prediction.FINER[:2]
-    jammed, sliding = (analyse(scene, with_path=True, steps=n, first_sags=first) for n, first in ((steps, long_first), (same, short_first)))
+    settings = (PredictionSettings(steps, long_first), PredictionSettings(same, short_first))
+    jammed, sliding = (analyse(scene, AnalysisSettings(follow_path=True, prediction=one)) for one in settings)
     assert jammed.coulomb is not None and sliding.coulomb is not None and sliding.path is not None
     assert jammed.coulomb.value < 1e-6 * scene.weight
     assert sliding.coulomb.value == pytest.approx(sliding.path.value[-1], rel=HISTORY)

@@ -12,8 +12,8 @@ from conftest import CrossChecked
 
 from comparison.cli.commands import main
 from comparison.yade import process
-from la_core.analysis.accuracy import analyse
 from la_core.analysis.case_file import write_case
+from la_core.analysis.stage import analyse
 
 CrossCheck = Callable[[str], CrossChecked]
 HOLD = Path(__file__).parents[1] / "benchmarks" / "yade_hold.py"

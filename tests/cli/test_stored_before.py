@@ -1,0 +1,48 @@
+"""Results that version 0.2.0 stored are read as they are, or made again with a word; they are never misread."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from comparison.cli.commands import main
+from comparison.cli.exit_codes import AGREE
+from comparison.yade import read_results
+
+BEFORE = Path(__file__).parents[1] / "helpers" / "stored_0_2_0"  # of `crosscheck run two_pads`, without figures
+
+
+@pytest.fixture
+def stored(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(BEFORE, tmp_path / "results"))
+
+
+def test_both_methods_results_are_read_value_by_value(stored: Path) -> None:
+    before = json.loads((BEFORE / "two_pads" / "comparison.json").read_text(encoding="utf-8"))
+    results = read_results(stored / "two_pads")
+    associated, coulomb = before["limit_analysis"]["associated"], before["limit_analysis"]["coulomb"]
+    assert results.analysis.bounds[results.analysis.main].value == associated["reaction"]
+    assert results.analysis.sharp.bounds[results.analysis.main].value == associated["reaction_sharp"]
+    assert results.analysis.coulomb is not None and results.analysis.coulomb.value == coulomb["reaction"]
+    assert list(results.analysis.coulomb.interval) == coulomb["reaction_interval"]
+    for name, value in before["yade"].items():
+        assert getattr(results.recorded.result, name) == value
+
+
+def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None) -> None:
+    assert main(["report", str(stored), "-q"]) == AGREE
+    before, now = (json.loads((folder / "two_pads" / "comparison.json").read_text(encoding="utf-8")) for folder in (BEFORE, stored))
+    for part in ("limit_analysis", "yade", "verdict", "weight", "mechanism_measures"):
+        assert now[part] == before[part]
+    assert [(check["name"], check["verdict"]) for check in now["checks"]] == [
+        (check["name"], check["verdict"]) for check in before["checks"]
+    ]
+
+
+def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
+    """The code has changed since, so that nothing stored then counts as cached."""
+    assert main(["run", "two_pads", "--no-yade", "-o", str(stored)]) == AGREE
+    narrated = capsys.readouterr().err
+    assert "limit analysis: running" in narrated and "cached" not in narrated
+    assert not (stored / "two_pads" / "run.h5").exists()
