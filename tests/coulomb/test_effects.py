@@ -131,7 +131,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
             pass
 
     summary = one_scene.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
-    assert any("done again with what was left out (friction: joints slide" in one for one in heard)
+    assert any("repeated with effects that were left out (friction: joints slide" in one for one in heard)
     assert summary["effects"]["friction"] == "coulomb"
     assert summary["effects"]["reasons"]["friction"] == "joints slide in YADE's mechanism"
     assert summary["verdict"] == "agree"
