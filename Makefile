@@ -51,6 +51,7 @@ seed-paper: setup
 	mkdir -p comparison/gallery/seed_paper
 	cp $(addprefix crosscheck-campaigns/seed_paper/,campaign.json results.csv costs.csv) comparison/gallery/seed_paper/
 	$(BIN)/crosscheck report comparison/gallery/seed_paper || case $$? in 1 | 4) ;; *) exit 3 ;; esac # disagree and inconclusive are results
+	$(BIN)/python tests/benchmarks/conclusions.py
 
 # The browser's tests skip where there is none; this installs one (about 0.1 GB to fetch) and runs them.
 test-browser: setup

@@ -46,9 +46,15 @@ class Settings(Table):
     """Every setting with its default; a relative path starts from the current folder."""
 
     output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
-    time_limit: Positive | None = Field(default=None, description="wall seconds for each YADE run")
-    workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(default=None, description="cases run side by side")
-    yade: PathText | None = Field(default=None, description="folder that holds YADE's Python package, `yade`")
+    time_limit: Positive | None = Field(
+        default=None, description="longest wall time of each YADE run, s; the scene's, or 3600, where none is set"
+    )
+    workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(
+        default=None, description="cases of a campaign run side by side; as many as the machine has cores where none is set"
+    )
+    yade: PathText | None = Field(
+        default=None, description="folder that holds YADE's Python package; found by the program `yade` where none is set"
+    )
     yade_python: PathText = Field(default=Path(SYSTEM_PYTHON), description="interpreter that loads YADE")
 
 

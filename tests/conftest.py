@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import scenes
 from faulty_runs import Fake
 from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
@@ -107,7 +106,7 @@ def write_scene(tmp_path: Path) -> Callable[[str], Path]:
 @pytest.fixture(scope="session")
 def two_pads() -> str:
     """Text of the contract's example."""
-    return (scenes.SHIPPED / "two_pads.toml").read_text(encoding="utf-8")
+    return shipped.find("two_pads").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")

@@ -5,12 +5,16 @@ from pathlib import Path
 
 import pytest
 
+from comparison.workflow.stages import COMPARISON_CODE, stage_digest
 from la_core.digests import code_digest
 
 ROOT = Path(__file__).parent.parent
 MODULES = [
     path.relative_to(ROOT) for package in ("la_core", "yade_scripts", "comparison") for path in sorted((ROOT / package).rglob("*.py"))
 ]
+ROOMS = [path.relative_to(ROOT) for path in COMPARISON_CODE]
+JUDGED = [module for module in MODULES if any(module.is_relative_to(place) for place in ROOMS)]
+COMMAND_LINE = [module for module in MODULES if module.is_relative_to("comparison/cli")]
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +36,31 @@ def test_a_byte_changed_in_any_module_of_a_package_changes_its_digest(module: Pa
     finally:
         path.write_bytes(content)
     assert code_digest(package) == before
+
+
+def comparison_digests(module: Path, copied: Path) -> set[str]:
+    """Digests of comparison's stage in the copied code, before and after a byte more in a module, and once it is gone again."""
+    code, path = tuple(copied / place for place in ROOMS), copied / module
+    content, digests = path.read_bytes(), []
+    for changed in (content, content + b"#", content):
+        path.write_bytes(changed)
+        digests.append(stage_digest("inputs", code))
+    assert digests[0] == digests[2]
+    return set(digests)
+
+
+@pytest.mark.parametrize("module", JUDGED, ids=str)
+def test_a_byte_changed_in_a_room_that_makes_the_comparison_changes_its_stage(module: Path, copied: Path) -> None:
+    assert len(comparison_digests(module, copied)) == 2
+
+
+@pytest.mark.parametrize("module", COMMAND_LINE, ids=str)
+def test_a_byte_changed_in_the_command_line_leaves_the_comparison_as_it_is(module: Path, copied: Path) -> None:
+    assert len(comparison_digests(module, copied)) == 1
+
+
+def test_every_place_that_makes_the_comparison_holds_modules() -> None:
+    assert COMMAND_LINE and all(any(module.is_relative_to(place) for module in JUDGED) for place in ROOMS)
 
 
 def test_a_module_that_moves_or_gives_bytes_to_another_changes_the_digest(tmp_path: Path) -> None:

@@ -69,12 +69,8 @@ class Model:
         Position (B, 3) of every clump as built, m.
     rotation : tuple of Quaternion
         Orientation (B,) of every clump as built.
-    integrator : NewtonIntegrator
-        Engine that moves the free blocks.
-    drive : KinematicEngine
-        Engine that moves the supports.
-    watch : PyRunner
-        Engine that records rows.
+    integrator, drive, watch : NewtonIntegrator, KinematicEngine, PyRunner
+        Engines that move the free blocks, move the supports, and record rows.
     """
 
     clump: tuple[int, ...]
@@ -88,16 +84,9 @@ class Model:
 
 
 def build(case: Case, settings: Settings, watch_command: str) -> Model:
-    """Build the case in YADE's scene; raises YadeError when a clump does not have the mass and inertia of its block.
+    """Build the case in YADE's scene. watch_command: Python statement that YADE repeats at every recorded row.
 
-    Parameters
-    ----------
-    case : Case
-        Blocks, contact points and the supports' motion.
-    settings : Settings
-        Every setting of the run.
-    watch_command : str
-        Python statement that YADE's PyRunner repeats at every recorded row.
+    Raises YadeError when a clump does not have the mass and inertia of its block.
     """
     omega = Omega()
     omega.reset()
@@ -291,10 +280,7 @@ def _collider(settings: Settings) -> InsertionSortCollider:
 
 
 def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
-    """Set YADE's engines and return integrator, drive and watch; the drive is at rest until its velocity is set.
-
-    clumps: identifiers by block. command: statement for both PyRunners.
-    """
+    """Set YADE's engines; the drive is at rest until its velocity is set. command: statement of both PyRunners."""
     colliders = [_collider(settings)] if case.displacement == "finite" else []
     contacts = InteractionLoop(
         [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Polyhedra else [])],

@@ -25,33 +25,33 @@ _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 class Settings:
     """All settings of a run, as used and stored. Lengths of the support's motion are m, or rad for a rotation."""
 
-    normal_stiffness: float  # N/m, of one contact point
-    shear_stiffness: float  # N/m
-    damping_ratio: float  # of a block on four contacts
-    normal_damping: float  # N s/m
-    shear_damping: float  # N s/m
-    time_step_share: float  # of the stable time step
-    time_step: float  # s
-    sphere_radius: float  # m
-    max_travel: float  # m or rad
-    travel_periods: float  # periods of the structure sagging under its weights that the full travel takes
-    speed: float  # m/s or rad/s
-    ramp_time: float  # s, cosine ramp to full speed
-    wedging: float  # m or rad, motion of the support against its settlement before gravity acts: thrust by wedges
-    gravity_damping: float  # local damping of the gravity stage, -
-    gravity_time: float  # s, longest gravity stage
+    normal_stiffness: float  # N/m, of one contact point, along the joint's normal
+    shear_stiffness: float  # N/m, across the joint
+    damping_ratio: float  # share of the critical damping of a block on four contacts
+    normal_damping: float  # N s/m, viscosity of one contact point along the normal
+    shear_damping: float  # N s/m, viscosity across the joint
+    time_step_share: float  # time step over the largest stable one
+    time_step: float  # s, time step of the integration
+    sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
+    max_travel: float  # m or rad, largest motion of the support
+    travel_periods: float  # duration of the full travel in periods of the structure as it sags under its weights
+    speed: float  # m/s or rad/s, of the support
+    ramp_time: float  # s, duration of the cosine ramp to full speed
+    wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
+    gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
+    gravity_time: float  # s, longest time to come to rest
     rest_unbalanced: float  # unbalanced force over the mean block weight that counts as rest
     rest_energy: float  # J, kinetic energy that counts as rest
-    fall_speed: float  # m/s of a free block, beyond which it falls
-    record_rows: int  # of the settlement stage over the full travel
+    fall_speed: float  # m/s, speed beyond which a free block counts as falling
+    record_rows: int  # rows of the record over the full travel
     poses: int  # states stored with displacements and contact forces
     plateau_travel: float  # m or rad, least travel before the run may stop on a plateau
-    plateau_uncertainty: float  # of the reaction, over its own size or the floor below, that counts as a plateau
-    plateau_drift: float  # change of the fitted line over its range, likewise
-    stop_uncertainty: float  # likewise: below it the run stops early
-    reaction_floor: float  # share of the reaction at rest below which a reaction is judged by this floor
-    settings_uncertainty: float  # of the reaction: what stiffness, speed and time step may still shift it by (README.md)
-    time_limit: float  # s of wall time
+    plateau_uncertainty: float  # largest uncertainty of a plateau, as a share of the reaction
+    plateau_drift: float  # largest change of the fitted line over a plateau, as a share of the reaction
+    stop_uncertainty: float  # uncertainty, as a share of the reaction, below which the run stops early
+    reaction_floor: float  # share of the reaction at rest; a smaller reaction is judged as if it were this large
+    settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
+    time_limit: float  # s, longest wall time of the run
 
 
 def derive(case: Case) -> Settings:

@@ -12,24 +12,22 @@ import pydantic
 from pydantic import Field, Strict, model_validator
 
 from la_core.errors import SceneError
-from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, key_paths
+from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths
 
 MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
 
 
 class Sweep(Table):
-    """One scene over the product of ranges of its keys.
+    """One scene over the product of ranges of its keys."""
 
-    set: fixed values in place of the scene's own. vary: each key's values. together: tables of keys whose values, equally many, go
-    together. name: of the cases, in place of the scene's.
-    """
-
-    scene: Name
-    name: Name | None = None
-    set: dict[str, Any] = Field(default_factory=dict)
-    vary: dict[str, Values] = Field(default_factory=dict)
-    together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = ()
+    scene: Name = described("a shipped scene's name, or a path from the campaign file on")
+    name: Name | None = described("name that the cases bear in place of the scene's", default=None)
+    set: dict[str, Any] = described("fixed values in place of the scene's own, by key", default_factory=dict)
+    vary: dict[str, Values] = described("lists of values by key; every value is combined with every other", default_factory=dict)
+    together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = described(
+        "tables of keys whose values, equally many, go together", default=()
+    )
 
     @model_validator(mode="after")
     def _goes_together(self) -> Self:
@@ -59,12 +57,12 @@ class Sweep(Table):
 
 
 class CampaignFile(Table):
-    """The whole file. labels: short names of varied keys, for axes and the names of cases."""
+    """Keys above the first table, and the tables that a file may hold."""
 
-    title: Text = ""
-    yade: Annotated[bool, Strict()] = True
-    sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)]
-    labels: dict[str, Name] = Field(default_factory=dict)
+    title: Text = described("heading of the report", default="")
+    yade: Annotated[bool, Strict()] = described("false: limit analysis alone", default=True)
+    sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = described("scenes with ranges of their keys; at least one")
+    labels: dict[str, Name] = described("short names of varied keys, for axes and the names of cases", default_factory=dict)
 
 
 @dataclass(frozen=True)

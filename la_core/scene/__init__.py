@@ -4,7 +4,7 @@ from la_core.scene import key_paths, shipped
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
-from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text
+from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text, described
 from la_core.scene.shipped import load, names
 from la_core.scene.validation import as_scene_error
 from la_core.scene.variants import build, full_model, override, same_structure, variant
@@ -23,6 +23,7 @@ __all__ = [
     "Text",
     "as_scene_error",
     "build",
+    "described",
     "full_model",
     "key_paths",
     "load",

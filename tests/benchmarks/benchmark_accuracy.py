@@ -1,4 +1,4 @@
-"""Whether a bought accuracy is kept, and what it costs: every shipped scene whose value is known, and the wall, at three accuracies.
+"""Whether a requested accuracy is kept, and what it costs: every shipped scene whose value is known, and the wall, at three accuracies.
 
     python tests/benchmarks/benchmark_accuracy.py [-o comparison/gallery/accuracy.md] [SCENE ...]
 
@@ -8,10 +8,12 @@ and as each method estimated its own.
 
 import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
+import re
 import tempfile
 from pathlib import Path
 from typing import Any
 
+from marked_text import listed, marked, sentences
 from rich.console import Console
 from scenes import shipped
 
@@ -30,6 +32,17 @@ SCENES = (
 )  # fmt: skip
 COARSE = ("computed",)  # known to a per cent only: no error is told, but for arches, whose value has five digits
 FIVE_DIGITS = 1e-4
+WALL = "wall_third"  # whose cost is compared between accuracies
+INTRODUCTION = (
+    "# What a requested accuracy costs, and whether it is kept",
+    "",
+    "Every row is one run of `crosscheck run SCENE --accuracy SHARE`. *error* is the difference from the scene's exact or published",
+    "value, where there is one; *estimated* is each method's own estimate of its error, and must not exceed *asked*; *s* is the time of",
+    "each method in seconds.",
+    "",
+    "`python tests/benchmarks/benchmark_accuracy.py -o comparison/gallery/accuracy.md`",
+    "",
+)
 HEAD = ("scene", "asked", "limit analysis: error", "estimated", "s", "YADE: error", "estimated", "s", "steps", "verdict")
 
 
@@ -51,6 +64,49 @@ def measured(name: str, accuracy: float, folder: Path, narration: Narration) -> 
     return [*cells, number_text(yade.get("steps")) if yade.get("steps") else DASH, summary["verdict"]]
 
 
+def page(rows: list[list[str]], facts: str) -> str:
+    """The whole page as Markdown. rows: cells as `measured` gives them; facts: machine and versions in a line."""
+    lines = [*INTRODUCTION, facts, "", marked("conclusions", conclusions(rows)), "", f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]
+    return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in rows)]) + "\n"
+
+
+def stored_page(path: Path) -> str:
+    """The page as its own table has it: nothing is run."""
+    text = path.read_text(encoding="utf-8")
+    (facts,) = re.findall(r"^python \d.*$", text, re.MULTILINE)
+    return page(stored_rows(text), facts)
+
+
+def stored_rows(text: str) -> list[list[str]]:
+    """Cells of every row of the page's table."""
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| `")]
+
+
+def conclusions(rows: list[list[str]]) -> str:
+    """What follows from the rows, as a list."""
+    missed = [f"{row[0]} at {row[1]}" for row in rows if not is_kept(row)]
+    kept = f"Missed by {listed(missed)}." if missed else "No error and no estimate is larger than the accuracy requested."
+    lines = [f"{len(rows)} runs of {len({row[0] for row in rows})} scenes. {kept}"]
+    times = {row[1]: as_number(row[4]) + as_number(row[7]) for row in rows if row[0] == f"`{WALL}`"}
+    if {"1 %", "0.2 %"} <= set(times):
+        coarse, fine = times["1 %"], times["0.2 %"]
+        lines.append(
+            f"On `{WALL}` 1 % costs {number_text(coarse, 2)} s, which is {number_text(coarse / fine, 2)} "
+            f"of the {number_text(fine, 2)} s of 0.2 %."
+        )
+    return sentences(lines)
+
+
+def is_kept(row: list[str]) -> bool:
+    """Whether errors and estimates of both methods are within what was requested."""
+    return all(as_number(row[k]) <= as_number(row[1]) for k in (2, 3, 5, 6) if row[k] != DASH)
+
+
+def as_number(cell: str) -> float:
+    """A cell's number, in per cent or seconds."""
+    return float(cell.removesuffix(" %"))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", default=SCENES)
@@ -59,15 +115,7 @@ def main() -> None:
     one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         rows = [measured(name, accuracy, Path(folder), narration) for name in options.scenes for accuracy in ACCURACIES]
-    facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")
-    lines = [
-        "# What a bought accuracy costs, and whether it is kept",
-        "",
-        "`python tests/benchmarks/benchmark_accuracy.py -o comparison/gallery/accuracy.md`",
-        "",
-    ]
-    lines += [facts, "", f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD), *(f"| {' | '.join(row)} |" for row in rows)]
-    text = "\n".join(lines) + "\n"
+    text = page(rows, ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck"))
     print(text)
     if options.output:
         options.output.write_text(text, encoding="utf-8")

@@ -36,7 +36,7 @@ class Variant:
 
     effect: str
     choice: str
-    solve_associated: Callable[[], "Answer"]
+    solve: Callable[[], "Answer"]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ import benchmark_effects as effects
 import benchmark_scale as scale
 import growth_report as report
 import scenes
+from marked_text import marked
 from process_memory import peak_memory
 
 from comparison import provenance
@@ -68,6 +69,15 @@ BUILD = {
     "model of an analysis": (stage, "model"),
     "matrices of an analysis": (stage, "scaled_problem"),
 }
+INTRODUCTION = """\
+Running-bond walls with as many courses as blocks per course settle under a third of their base, and every block is modelled. The tables
+give the CPU time and memory of limit analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger
+sizes.
+
+Every size runs in a process of its own; the best of several repeats counts where one is quick. *build* is scene, contacts, assembly and
+matrices; *solver* is set-up and solution of cone programmes; *rest* is everything else. *associated* is one bound, *Coulomb* a bound and
+the prediction; *all of* each is the whole analysis that the program does, with inset and sharp."""
+FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
 
@@ -157,8 +167,9 @@ def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
 def markdown(measured: list[dict[str, Any]], machine: str) -> str:
     """The page: exponents first, then what they were fitted to, shares and the driver's overhead."""
     series = by_series(measured)
-    _, command, words = (part.strip().replace("\n", " ") for part in __doc__.split("\n\n", 2))
-    sections = ["# Growth with the number of blocks", f"`{command}`", words, machine]
+    command = __doc__.split("\n\n")[1].strip()
+    sections = ["# Growth with the number of blocks", INTRODUCTION, f"`{command}`", machine, FIGURE]
+    sections += [marked("conclusions", report.conclusions(measured))]
     answers = {key: series[key] for key in series if key[0] in ("associated", "Coulomb")}
     analyses = {key: series[key] for key in series if key[0].startswith("all of")}
     steps, verdicts = ({key: series[key] for key in series if key[0] == name} for name in ("step", "YADE"))
@@ -166,23 +177,24 @@ def markdown(measured: list[dict[str, Any]], machine: str) -> str:
     sections += ["## Exponents b of N^b, with standard errors", report.exponents(answers | analyses | steps | verdicts, quantities)]
     parts = ("blocks", "status", "seconds", "build", "solver", "rest", "outside", "memory", "peak")
     heads = ("method", "model", *parts[:-3], "outside the solver", "MiB", "peak MiB")
-    rows = [[*key, *(_share(one, part) for part in parts)] for key, many in (answers | analyses).items() for one in many]
+    rows = [[*key, *(share(one, part) for part in parts)] for key, many in (answers | analyses).items() for one in many]
     sections += ["## Limit analysis; MiB: above what Python and its libraries take", report.table(heads, rows)]
     rows = [[*key, *(one.get(part) for part in ("blocks", "spheres", "build", "step"))] for key, many in steps.items() for one in many]
     sections += ["## YADE: a step of the settlement", report.table(("", "model", "blocks", "spheres", "build s", "ms a step"), rows)]
     parts = ("blocks", "status", "steps", "seconds", "watched", "memory", "peak")
     heads = ("", "model", "blocks", "status", "steps", "seconds", "inside the driver", "MiB", "peak MiB")
-    rows = [[*key, *(_share(one, part) for part in parts)] for key, many in verdicts.items() for one in many]
+    rows = [[*key, *(share(one, part) for part in parts)] for key, many in verdicts.items() for one in many]
     sections += ["## YADE: a verdict, from loading YADE to the plateau", report.table(heads, rows)]
     parts = ("blocks", "steps", "rows", "poses", "bare", "overhead", "least", "most", "constant", "watched", "row")
     heads = ("scene", "blocks", "steps", "rows", "states", "bare loop s", "overhead", "least", "most", "over one at constant speed")
     heads += ("inside the driver", "ms a row")
-    rows = [[one["dimension"], *(_share(one, part) for part in parts)] for one in measured if one["method"] == "driver"]
+    rows = [[one["dimension"], *(share(one, part) for part in parts)] for one in measured if one["method"] == "driver"]
     sections += ["## The driver against a bare loop of YADE over the same bodies, the support moved alike", report.table(heads, rows)]
     return "\n\n".join(sections) + "\n"
 
 
-def _share(one: dict[str, Any], part: str) -> Any:
+def share(one: dict[str, Any], part: str) -> Any:
+    """A part of a measurement as the page shows it: shares in per cent."""
     value = one.get(part)
     return f"{value:.1%}" if part in ("outside", "watched", "overhead", "least", "most", "constant") and value is not None else value
 
@@ -196,11 +208,26 @@ def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict
     return found
 
 
-def write(measured: list[dict[str, Any]], folder: Path) -> None:
-    """All three files."""
+def this_machine() -> str:
+    """Machine and versions in a line."""
     made = provenance.describe() | {"YADE": process.find_yade().version}
-    machine = f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
-    (folder / "growth.md").write_text(markdown(measured, machine))
+    return f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
+
+
+def store(measured: list[dict[str, Any]], machine: str, folder: Path) -> None:
+    """The record of the measurements."""
+    (folder / "growth.json").write_text(json.dumps({"machine": machine, "measured": measured}, indent=1) + "\n", encoding="utf-8")
+
+
+def stored_page(folder: Path) -> str:
+    """The page as its record has it: nothing is measured."""
+    record = json.loads((folder / "growth.json").read_text(encoding="utf-8"))
+    return markdown(record["measured"], record["machine"])
+
+
+def write(measured: list[dict[str, Any]], machine: str, folder: Path) -> None:
+    """The page and the figure of what was measured."""
+    (folder / "growth.md").write_text(markdown(measured, machine), encoding="utf-8")
     series = by_series(measured)
     answers = {key: many for key, many in series.items() if key[0] in ("associated", "Coulomb", "YADE")}
     steps = {("YADE", key[1]): many for key, many in series.items() if key[0] == "step"}
@@ -221,8 +248,9 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", choices=names, default=names, metavar="NAME", help=f"of {', '.join(names)}")
     parser.add_argument("--resume", action="store_true", help="measure only what growth.json lacks")
     options = parser.parse_args()
-    store = options.output / "growth.json"
-    measured = json.loads(store.read_text())["measured"] if options.resume and store.exists() else []
+    before = options.output / "growth.json"
+    measured = json.loads(before.read_text(encoding="utf-8"))["measured"] if options.resume and before.exists() else []
+    machine = this_machine()
     asked = [(method, dimension, size) for (method, dimension), sizes in SIZES.items() for size in sizes]
     asked += [("driver", name, DRIVER_ORDER) for name in OVERHEAD_SCENES]
     try:
@@ -233,9 +261,9 @@ def main() -> None:
                 began = time.monotonic()
                 measured.append(key | taken(method, dimension, size))
                 print(f"{method}, {dimension}, {size}: {time.monotonic() - began:.0f} s", flush=True)
-                store.write_text(json.dumps({"measured": measured}, indent=1) + "\n")
+                store(measured, machine, options.output)
     finally:
-        write(measured, options.output)
+        write(measured, machine, options.output)
 
 
 if __name__ == "__main__":

@@ -19,9 +19,9 @@ import peers_equilibrium
 import peers_limit
 from peers_dynamics import Run
 from peers_process import PeerEnded, PeerTooSlow, alone
-from peers_report import page
+from peers_report import page, versions
 from peers_scenes import SCENES
-from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record
+from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record, restored
 
 COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
 TIME_LIMIT = 20.0  # s of the processor, for one solve
@@ -63,13 +63,28 @@ def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
             yield Run(scene, method, setting, FAILED, note=str(ended))
 
 
+def stored_page(output: Path) -> str:
+    """The page as its record has it: nothing is run."""
+    record = json.loads(output.with_suffix(".json").read_text(encoding="utf-8"))
+    rows, runs = (
+        [restored(kind, row) for row in record[name]] for name, kind in (("limit analysis", Row), ("in time", peers_dynamics.Run))
+    )
+    return page(COMMAND, record["limit"], rows, runs, record["versions"])
+
+
 def write(output: Path, limit: float, rows: list[Row], runs: list[Run]) -> None:
     """Page and record of what is known so far; the last row is narrated."""
     last = as_record((runs or rows)[-1])
     print(" | ".join(f"{value}" for name, value in last.items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
-    record = {"limit analysis": [as_record(row) for row in rows], "in time": [as_record(run) for run in runs]}
+    made = versions()
+    record = {
+        "versions": made,
+        "limit": limit,
+        "limit analysis": [as_record(row) for row in rows],
+        "in time": [as_record(run) for run in runs],
+    }
     output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    output.write_text(page(COMMAND, limit, rows, runs), encoding="utf-8")
+    output.write_text(page(COMMAND, limit, rows, runs, made), encoding="utf-8")
 
 
 def main() -> None:

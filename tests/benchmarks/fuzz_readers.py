@@ -41,6 +41,13 @@ SCENES = (
     "wall_third", "facade", "vault_spreading", "corner_settling_end", "ferris_tin_loi_1", "rubble_wall", "building_corner",
 )  # fmt: skip
 READ, REFUSED = "read", "refused"
+INTRODUCTION = (
+    "# Damaged files",
+    "",
+    "Valid scenes, meshes and results are damaged at random and read again. A reader may read such a file or refuse it with a message;",
+    "a crash, a traceback or an endless loop counts as *anything else*, and none may occur.",
+    "",
+)
 
 
 @dataclass(frozen=True)
@@ -183,7 +190,8 @@ def _tell_all(reader: Reader, numbers: range, tell: int) -> None:
 
 def table(counts: dict[str, Counter[str]], whats: dict[str, str], count: int) -> str:
     """The counts as Markdown."""
-    rows = [f"{count} inputs for each reader, by `python tests/benchmarks/fuzz_readers.py --count {count}`.", ""]
+    rows = [*INTRODUCTION, f"`python tests/benchmarks/fuzz_readers.py --count {count} --write comparison/gallery/fuzz.md`", ""]
+    rows += [f"{count} inputs for each reader.", ""]
     rows += ["| input | read | refused in words | anything else |", "|---|---|---|---|"]
     for name, counter in counts.items():
         others = count - counter[READ] - counter[REFUSED]

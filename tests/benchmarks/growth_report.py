@@ -5,16 +5,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from marked_text import sentences
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from comparison.figures.canvas import FAINT, INK, method_colour
+from comparison.judge.requested_accuracy import percent
 from comparison.studies.figure_of_cost import MARKERS
 from la_core.text_table import number_text
 
 LARGER = 0.1  # of the largest size: sizes from there on are fitted
 FEWEST = 3  # sizes of a fit: a line through two has no error
+SMALL_SHARE = 0.1  # of an analysis outside the solver
 DIMENSIONS = {"plane": {"linestyle": "-"}, "3D": {"linestyle": "--", "markerfacecolor": "white"}}
 
 
@@ -49,8 +52,12 @@ def fit(blocks: Sequence[int], values: Sequence[float]) -> Growth | None:
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """A Markdown table; numbers with two significant digits, so that a second run differs little."""
-    lines = [heads, ["---"] * len(heads), *([_cell(value) for value in row] for row in rows)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    return "\n".join([row(heads), row(["---"] * len(heads)), *map(row, rows)])
+
+
+def row(values: Sequence[object]) -> str:
+    """One line of such a table."""
+    return "| " + " | ".join(map(_cell, values)) + " |"
 
 
 def _cell(value: object) -> str:
@@ -70,6 +77,58 @@ def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: S
         sizes = next((growth.sizes for growth in found if growth), ())
         rows.append([method, dimension, f"{sizes[0]:,} to {sizes[-1]:,}" if sizes else "–", *found])
     return table(["method", "model", "blocks fitted", *quantities], rows)
+
+
+def conclusions(measured: Sequence[dict[str, Any]]) -> str:
+    """What follows from the measurements, as a list; what was not measured has no line."""
+    times = {name: _powers(measured, name, "seconds") for name in ("associated", "Coulomb", "YADE")}
+    memory, step = _powers(measured, "associated", "memory"), _powers(measured, "step", "step")
+    return sentences(
+        [
+            times["associated"] and f"The time of one bound grows as {times['associated']}.",
+            memory and f"Its memory grows as {memory}.",
+            times["Coulomb"] and f"The time of Coulomb's prediction grows as {times['Coulomb']}; few sizes were fitted, so this is rough.",
+            step and f"One step of YADE grows as {step}.",
+            times["YADE"] and f"A whole run of YADE, to its verdict, grows as {times['YADE']}.",
+            *(_solver_share(measured, law) for law in ("Coulomb", "associated")),
+            *(_driver_cost(one) for one in measured if one["method"] == "driver"),
+        ]
+    )
+
+
+def _powers(measured: Sequence[dict[str, Any]], method: str, quantity: str) -> str:
+    """The growth of a method in the plane and in 3D, in words; empty where too few sizes are known."""
+    found = []
+    for dimension, words in (("plane", "in the plane"), ("3D", "in space")):
+        rows = [one for one in measured if (one["method"], one["dimension"]) == (method, dimension) and quantity in one]
+        growth = fit([one["blocks"] for one in rows], [one[quantity] for one in rows])
+        found += [f"N^({growth}) {words}"] if growth else []
+    return " and ".join(found)
+
+
+def _solver_share(measured: Sequence[dict[str, Any]], law: str) -> str:
+    """From which size on the solver takes nine tenths of an analysis, and what the rest takes below it."""
+    sizes, below = [], []
+    for dimension, words in (("plane", "in the plane"), ("3D", "in space")):
+        rows = sorted(
+            (one for one in measured if (one["method"], one["dimension"]) == (f"all of {law}", dimension)), key=lambda one: one["blocks"]
+        )
+        slow = [k for k, one in enumerate(rows) if one["outside"] >= SMALL_SHARE]
+        first = slow[-1] + 1 if slow else 0
+        below += [one["build"] + one["rest"] for one in rows[:first]]
+        sizes += [f"{rows[first]['blocks']:,} blocks {words}"] if first < len(rows) else []
+    if not sizes:
+        return ""
+    what = "with Coulomb friction" if law == "Coulomb" else "by the associated law, bounds alone,"
+    rest = f"; below that the rest takes up to {number_text(1e3 * max(below), 2)} ms" if below else ""
+    return f"In an analysis {what} the solver takes at least nine tenths of the time from {' and '.join(sizes)} on{rest}."
+
+
+def _driver_cost(row: dict[str, Any]) -> str:
+    return (
+        f"Moving the support, watching the run and recording it (*driver*) adds {percent(row['overhead'])} to the "
+        f"{number_text(row['bare'], 2)} s that YADE takes for the {row['steps']:,} steps of `{row['dimension']}`."
+    )
 
 
 def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[str, Any]]]]]) -> Figure:

@@ -29,6 +29,11 @@ from la_core.text_table import number_text, over_weight
 
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
+INTRODUCTION = """\
+Structures that break programs go through limit analysis, YADE and the judge: units, densities and friction far from the usual, blocks of
+very different size, joints at the tolerance of geometry, towers, arches at the edge of standing, rubble. A refusal or *inconclusive* is an
+answer; a value that differs from what is *known*, or from that of the *other solvers*, would be an error.
+"""
 HEAD = (
     "case",
     "what is hard",
@@ -119,7 +124,7 @@ def page(outcomes: list[Outcome], quick: bool = False) -> str:
     """The table with the command and the machine that made it, as Markdown."""
     facts = ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck")
     command = f"python tests/benchmarks/hard_cases_table.py {'--quick ' if quick else ''}-o comparison/gallery/hard_cases.md"
-    lines = ["# Hard cases", "", f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
+    lines = ["# Hard cases", "", INTRODUCTION, f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
     right = sum(one.is_right for one in outcomes)
     lines += [f"{right} of {len(outcomes)} limit analyses say what is known, or what only laws can judge.", ""]
     lines += [

@@ -23,6 +23,7 @@ from la_core.limit import associated, linearised
 from la_core.limit.associated import Solution, solution_of
 from la_core.limit.conic import ProgrammeAnswer, ProgrammeOutcome
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, driven_problem, scaled_problem
+from la_core.measures import residuals
 from la_core.model.assembly import Assembly, assemble
 
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)  # asked of a solver in turn until the recomputed residuals are small enough
@@ -131,7 +132,7 @@ def measure_equilibrium(scene: str, solver: str) -> Iterator[Row]:
     believes, words, forces, processor, clock = peers_equilibrium.equilibrium(assembly, solver)
     residual = peers_equilibrium.residual(assembly, forces)
     status = SOLVED if residual <= ACCEPTED else INACCURATE
-    value = associated.evidence.reaction(assembly, forces) / assembly.weight
+    value = residuals.reaction(assembly, forces) / assembly.weight
     note = "" if believes else f"IPOPT: {words}"
     row = Row(scene, solver, "its own", EQUILIBRIUM, status, value, residual, (processor,), clock=(clock,), note=note)
     yield row

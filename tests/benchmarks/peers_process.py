@@ -12,6 +12,7 @@ from typing import Any
 
 LOOK = 0.5  # s between two looks at what a process has used
 GRACE = 2.0  # s for a process to end what it has started
+START = 60.0  # s of the processor for a process to load what it runs, before its limit counts
 PATIENCE = 10.0  # the clock may run so many times faster than the processor where other work shares the machine
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -37,8 +38,9 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
     process.start()
     there.close()
     try:
+        ready = False
         while True:
-            _wait(here, process.pid, limit)
+            _wait(here, process.pid, limit if ready else START)
             try:
                 kind, content = here.recv()
             except EOFError:
@@ -46,6 +48,9 @@ def alone(function: Callable[..., Iterator[Any]], arguments: tuple, limit: float
                 raise PeerEnded(_cause(process.exitcode)) from None
             if kind == "end":
                 return
+            if kind == "ready":
+                ready = True
+                continue
             if kind == "error":
                 raise PeerEnded(content)
             yield content
@@ -75,6 +80,7 @@ def _run(connection: Connection, function: Callable[..., Iterator[Any]], argumen
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for stream in (1, 2):
         os.dup2(nowhere, stream)
+    connection.send(("ready", None))
     try:
         for item in function(*arguments):
             connection.send(("item", item))

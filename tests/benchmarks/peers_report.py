@@ -4,14 +4,23 @@ import importlib.metadata
 import math
 from collections.abc import Sequence
 
+from marked_text import listed, marked, sentences, span
 from peers_dynamics import Run
-from peers_table import LEAST_ERROR, Row, limit_table, markdown, number, power, summary_table
+from peers_table import EQUILIBRIUM, LEAST_ERROR, OURS, SOLVED, Row, limit_table, markdown, number, power, summary_table
 
+from comparison.judge.requested_accuracy import percent
 from comparison.provenance import describe
 from comparison.yade.process import YadeMissingError, find_yade
 from la_core.limit.problem import ACCEPTED
 
 PACKAGES = ("ecos", "scs", "qoco", "piqp", "compas_cra", "compas_lmgc90")
+
+AHEAD, LEVEL = 0.9, 1.1  # of our time: below the first a peer is ahead, up to the second it is level
+
+INTRODUCTION = """\
+Our limit analysis and other solvers take the same problems side by side, and YADE and LMGC90 follow the same settlements. *ratio* is a
+peer's time over ours: below 1 the peer is faster; only answers whose residuals we recomputed and accept count (`solved`).
+"""
 
 LIMIT = f"""\
 Every solver gets the same associated limit analysis, the least reaction: the rows, cones, offset and power of
@@ -42,11 +51,10 @@ most {{limit:g}} s of the processor for a solve: `>` stands before what that lea
   excess friction, whatever IPOPT is asked for. Its residual is that of an equilibrium: balance and cones. Our time beside it is that of
   the least reaction, whose forces are such an equilibrium. Timed is IPOPT alone, not the building of its matrices in Python.
 
-Where a peer is ahead of us, it is so in the plane and by less than a factor of two. On problems that take a few milliseconds
-clarabel's set-up is a quarter to a half of our time (on the arch 0.46 ms against PIQP's 0.26), and small structures are solved to some
-hundred times less residual than the peers are asked for, one iteration more in eight: an answer in a report should need no error
-bar. On 1,000 blocks PIQP takes more iterations than clarabel, 48 against 42, and a sixth less time for each. In space clarabel is
-ahead of, or level with, all that certify their answer.
+Why peers are ahead of us on small problems in the plane: there clarabel's set-up is a quarter to a half of our time (on the arch 0.46 ms
+against 0.26 ms of all of PIQP's), and we solve small structures to residuals some hundred times smaller than the peers are asked for,
+one iteration more in eight, so that an answer in a report needs no error bar. On 1,000 blocks PIQP takes more iterations than clarabel,
+48 against 42, and a sixth less time for each.
 """
 
 DYNAMICS = """\
@@ -65,14 +73,72 @@ the fitted line. Seconds are of one whole run, from the scene to the reaction; *
 """
 
 
-def page(command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run]) -> str:
-    """The whole page as Markdown."""
-    parts = [f"# Peers, side by side in one run\n\n```console\n$ {command}\n```\n", f"{_versions()}\n"]
+def page(command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run], versions: str) -> str:
+    """The whole page as Markdown. limit: seconds for one solve; versions: machine and packages that made the rows, in a line."""
+    parts = ["# Peers, side by side in one run\n", INTRODUCTION, f"```console\n$ {command}\n```\n", f"{versions}\n"]
+    parts.append(marked("conclusions", conclusions(rows, runs)) + "\n")
     if rows:
         parts.append(LIMIT.format(limit=limit, summary=summary_table(rows), table=limit_table(rows)))
     if runs:
         parts.append(DYNAMICS.format(table=dynamics_table(runs)))
     return "\n".join(parts)
+
+
+def conclusions(rows: Sequence[Row], runs: Sequence[Run]) -> str:
+    """What follows from the rows, as a list."""
+    scenes = list(dict.fromkeys(row.scene for row in rows))
+    timed = [row for row in rows if row.status == SOLVED and row.solver != OURS and math.isfinite(row.ratio)]
+    highs = {scene: _best(timed, scene, "HiGHS") for scene in scenes}
+    fastest = {scene: ratio for scene, ratio in highs.items() if ratio is not None}
+    lines = [
+        f"HiGHS, by the better one of its two algorithms, takes {span(list(fastest.values()))} times as long as we do on the "
+        f"{len(fastest)} of {len(scenes)} structures where it certifies an answer."
+        if fastest
+        else ""
+    ]
+    for name, posed in (("SCS", "SCS"), ("compas_cra", "compas_cra, which seeks any equilibrium and not the least reaction,")):
+        ratios = [row.ratio for row in timed if row.solver.startswith(name)]
+        lines.append(f"{posed} takes {span(ratios)} times as long as we do where its answer is certified." if ratios else "")
+    lines.append(_closest(timed))
+    lines += [_certified(timed, scene) for scene in scenes]
+    return sentences([*lines, *_settlements(runs)])
+
+
+def _best(timed: Sequence[Row], scene: str, solver: str) -> float | None:
+    """The least ratio of a solver's settings on a scene; None where it certifies no answer."""
+    return min((row.ratio for row in timed if row.scene == scene and row.solver.startswith(solver)), default=None)
+
+
+def _closest(timed: Sequence[Row]) -> str:
+    """Who is ahead of us, and who is level."""
+    ahead, level = ([f"{row.solver} on {row.scene} ({number(row.ratio)})" for row in timed if low <= row.ratio < high]
+                    for low, high in ((0.0, AHEAD), (AHEAD, LEVEL)))  # fmt: skip
+    words = f"We are not ahead everywhere. Faster than we are: {listed(ahead)}." if ahead else "No peer is faster than we are."
+    return words + (f" About level: {listed(level)}." if level else "")
+
+
+def _certified(timed: Sequence[Row], scene: str) -> str:
+    """Where a single peer certifies the least reaction, its name and time."""
+    found = [row for row in timed if row.scene == scene and row.posed != EQUILIBRIUM]
+    if len({row.solver for row in found}) != 1:
+        return ""
+    return f"On {scene} only {found[0].solver} certifies an answer besides us; it takes {span([row.ratio for row in found])} times as long."
+
+
+def _settlements(runs: Sequence[Run]) -> list[str]:
+    """What LMGC90 takes beside YADE, and by how much it differs from the prediction."""
+    lines = []
+    for scene in dict.fromkeys(run.scene for run in runs):
+        peers, yade = ([run for run in runs if (run.scene, run.method) == (scene, method)] for method in ("LMGC90", "YADE"))
+        found = [run for run in peers if math.isfinite(run.reaction)]
+        if found and yade:
+            off = max(abs(run.reaction / run.predicted - 1.0) for run in found)
+            lines.append(
+                f"On {scene} LMGC90 takes {span([run.processor for run in found])} s where YADE takes "
+                f"{span([run.processor for run in yade])} s; its reaction differs from the prediction by up to {percent(off)}, depending "
+                "on its time step."
+            )
+    return lines
 
 
 def dynamics_table(runs: Sequence[Run]) -> str:
@@ -101,7 +167,7 @@ def _fixed(value: float, places: int) -> str:
     return f"{value:.{places}f}" if math.isfinite(value) else "–"
 
 
-def _versions() -> str:
+def versions() -> str:
     """Machine and versions in a paragraph."""
     known = describe()
     found = {name: _version(name) for name in PACKAGES}

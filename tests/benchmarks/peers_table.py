@@ -1,14 +1,16 @@
-"""Rows of the comparison with peers, and how they are written: few digits and fixed columns, so that the file diffs well."""
+"""Rows of the comparison with peers, their record, and how they are written: few digits and fixed columns, so that the file diffs well."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from statistics import median
+from typing import TypeVar
 
 LEAST_REACTION, EQUILIBRIUM = "least reaction", "any equilibrium"
 SOLVED, INACCURATE, FAILED, CANNOT = "solved", "inaccurate", "failed", "cannot pose"
 OURS = "clarabel, ours"
 LEAST_WIDTH = {"CPU s": 7, "range": 18, "clock s": 7, "ratio": 7}  # of columns whose entries change from run to run
+Kind = TypeVar("Kind")
 LEAST_ERROR = 1e-10  # smaller differences of a value are round-off: they count as this
 
 
@@ -135,3 +137,9 @@ def as_record(row: object) -> dict:
     """A row's fields for JSON, undefined numbers as null."""
     content = {field.name: getattr(row, field.name) for field in fields(row)}  # type: ignore[arg-type]
     return {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in content.items()}
+
+
+def restored(kind: type[Kind], record: dict) -> Kind:
+    """A row from its record: null is an undefined number, a list a tuple."""
+    content = {name: math.nan if value is None else tuple(value) if isinstance(value, list) else value for name, value in record.items()}
+    return kind(**content)

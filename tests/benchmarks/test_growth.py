@@ -57,13 +57,29 @@ def made_up() -> list[dict]:
     return measured
 
 
+def percent(share: float) -> str:
+    return benchmark_growth.share({"outside": share}, "outside")
+
+
 def test_the_page_shows_what_was_measured() -> None:
     page = benchmark_growth.markdown(made_up(), "a machine")
-    assert "| associated | plane | 100 to 400 | 1.50 ± 0.00 | 1.00 ± 0.00 | 1.50 ± 0.00 | 1.00 ± 0.00 | 1.00 ± 0.00 |" in page
-    assert "| associated | plane | 400 | solved | 8 | 0.04 | 7.2 | 0.04 | 12.3% | 40 | 180 |" in page
-    assert "| YADE | 3D | 400 | no plateau | 2,800 | 8 | 3.2% | 40 | 180 |" in page
-    assert "| arch | 13 | 83,865 | 440 | 18 | 2 | 4.6% | 1.0% | 6.0% | 7.0% | 2.0% | 0.3 |" in page
+    fits = [report.fit((100, 200, 400), [size**power for size in (100, 200, 400)]) for power in (1.5, 1.0, 1.5, 1.0, 1.0)]
+    assert report.row(["associated", "plane", "100 to 400", *fits, None, None]) in page.splitlines()
+    for row in (
+        ["associated", "plane", 400, "solved", 8.0, 0.04, 7.2, 0.04, percent(0.123), 40.0, 180.0],
+        ["YADE", "3D", 400, "no plateau", 2800, 8.0, percent(0.0321), 40.0, 180.0],
+        ["arch", 13, 83865, 440, 18, 2.0, *map(percent, (0.0456, 0.01, 0.06, 0.07, 0.02)), 0.3],
+    ):
+        assert report.row(row) in page.splitlines()
     assert "a machine" in page
+
+
+def test_the_conclusions_quote_what_was_measured_and_leave_out_what_was_not() -> None:
+    power = report.fit((100, 200, 400), [size**1.5 for size in (100, 200, 400)])
+    words = report.conclusions(made_up())
+    assert f"The time of one bound grows as N^({power}) in the plane." in words
+    assert f"A whole run of YADE, to its verdict, grows as N^({power}) in space." in words
+    assert "Coulomb" not in words and report.conclusions([]) == ""
 
 
 def test_every_line_of_a_table_has_as_many_cells() -> None:

@@ -6,7 +6,6 @@ import math
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +14,10 @@ import peers_equilibrium
 import peers_limit
 import pytest
 import scenes
+from benchmark_peers import stored_page
 from peers_process import PeerEnded, alone
-from peers_report import dynamics_table
 from peers_scenes import SCENES
-from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, limit_table, number
+from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, as_record, number, restored
 from scipy.optimize import linprog
 
 from la_core.limit.associated import Status, solve_associated
@@ -150,13 +149,6 @@ def test_a_number_has_two_digits_at_any_size() -> None:
     assert [number(value) for value in (713.0, 0.0996, 1.04, 3.14e-4, 0.0, math.nan)] == ["710", "0.10", "1.0", "3.1e-04", "0", "–"]
 
 
-def restored(kind: type, record: dict) -> Row | peers_dynamics.Run:
-    """A row from its record: null is an undefined number, a list a tuple."""
-    content = {name: math.nan if value is None else tuple(value) if isinstance(value, list) else value for name, value in record.items()}
-    assert set(content) == {field.name for field in fields(kind)}
-    return kind(**content)
-
-
 @pytest.fixture(scope="module")
 def record() -> tuple[list[Row], list[peers_dynamics.Run]]:
     stored = json.loads(PAGE.with_suffix(".json").read_text(encoding="utf-8"))
@@ -190,7 +182,10 @@ def test_a_ratio_lies_between_what_the_repeats_allow(record) -> None:
     assert all(row.status == CANNOT or row.note for row in rows if not row.beside)
 
 
-def test_the_page_shows_the_record(record) -> None:
+def test_the_page_is_what_the_record_says() -> None:
+    assert stored_page(PAGE) == PAGE.read_text(encoding="utf-8")
+
+
+def test_a_row_comes_back_from_its_record_whole(record) -> None:
     rows, runs = record
-    text = PAGE.read_text(encoding="utf-8")
-    assert limit_table(rows) in text and dynamics_table(runs) in text
+    assert all(repr(restored(type(row), json.loads(json.dumps(as_record(row))))) == repr(row) for row in (*rows, *runs))

@@ -232,9 +232,9 @@ def test_the_doctor_says_what_holds_and_from_where(monkeypatch: pytest.MonkeyPat
     assert all(word in printed for word in (str(path), "CROSSCHECK_TIME_LIMIT", "not there", "CROSSCHECK_OUTPT"))
 
 
-def test_the_table_of_the_readme_is_that_of_the_settings() -> None:
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `(\w+)` \| `(CROSSCHECK_\w+)` \| .* \| (.*) \|$", readme, re.MULTILINE)
+def test_the_table_of_the_page_is_that_of_the_settings() -> None:
+    page = (Path(__file__).parents[2] / "comparison" / "cli" / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| `(CROSSCHECK_\w+)` \| .* \| (.*) \|$", page, re.MULTILINE)
     assert [(name, variable) for name, variable, _ in rows] == [(name, f"CROSSCHECK_{name.upper()}") for name in Settings.model_fields]
     defaults = {name: default.strip("`") for name, _, default in rows}
     assert all(defaults[name] == str(value) for name, value in Settings() if value is not None)

@@ -104,7 +104,7 @@ def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tup
     """A matter of finite displacements: small ones keep to the list."""
     scene, small = arch
     effects = dataclasses.replace(small.assembly.effects, displacement="finite")
-    analysis = dataclasses.replace(small, assembly=dataclasses.replace(small.assembly, effects=effects))
+    analysis = small.with_effects(effects)
     run = dataclasses.replace(_perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "contact lists")
     assert check.verdict is Verdict.DISAGREE
@@ -216,7 +216,7 @@ def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
     assert {check.verdict for check in check_expected(analysis)} == {Verdict.AGREE}
     assert scene.expected is not None
     wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
-    assert Verdict.DISAGREE in {check.verdict for check in check_expected(wrong, analysis)}
+    assert Verdict.DISAGREE in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}
 
 
 def test_the_gravest_check_decides_and_gives_the_reason() -> None:

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from shutil import copytree
 from typing import Any
 from xml.etree import ElementTree
 
@@ -189,12 +190,13 @@ def test_the_command_exports_stored_results_or_a_scene(tmp_path: Path, capsys: p
     out = tmp_path / "out"
     assert main(["run", "-q", "two_pads", "-o", str(out), "--no-yade"]) == 0
     capsys.readouterr()
-    for source, folder in ((str(out / "two_pads"), "a"), ("two_pads", "b")):
+    for source, folder in ((str(out / "two_pads"), "a"), ("two_pads", "b"), (str(out), "only")):
         assert main(["export", source, "-o", str(tmp_path / folder), "--json"]) == 0
         assert json.loads(capsys.readouterr().out) == {"files": [str(tmp_path / folder / "structure.pvd")]}
     assert (tmp_path / "a" / "blocks.vtu").read_bytes() == (tmp_path / "b" / "blocks.vtu").read_bytes()
+    copytree(out / "two_pads", out / "other")
     assert main(["export", str(out), "-o", str(tmp_path / "c")]) == 2
-    assert "name one of its folders: two_pads" in capsys.readouterr().err
+    assert "name one of its folders: other, two_pads" in capsys.readouterr().err
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "c")]) == 2
 
 

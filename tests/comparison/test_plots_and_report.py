@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import made_up_run
+from runs import made_up_run, with_answers
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
@@ -212,7 +212,7 @@ def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float
     path = EquilibriumPath(
         settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
     )
-    return replace(analysis, coulomb=coulomb, path=path)
+    return replace(with_answers(analysis, coulomb=coulomb), path=path)
 
 
 def labels_of(axes: Any) -> dict[str, Any]:
@@ -276,8 +276,11 @@ def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None
 def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = structure.reaction_figure(Results(replace(analysis, **missing)))
+    if "coulomb" not in known:
+        analysis = with_answers(analysis, coulomb=None)
+    if "path" not in known:
+        analysis = replace(analysis, path=None)
+    figure = structure.reaction_figure(Results(analysis))
     structure.save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:
@@ -584,7 +587,7 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 
 def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
     scene = load_scene(find("two_blocks"))
-    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
+    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
 

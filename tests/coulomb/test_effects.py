@@ -7,14 +7,15 @@ import pytest
 import scenes
 from conftest import every_shipped_scene
 
-from comparison.judge import check_plane, prediction
+from comparison.judge import prediction
 from comparison.judge.check import Check, Verdict
 from comparison.judge.effects_table import EFFECTS, effects_summary
+from comparison.judge.reduced_model import check_plane
 from comparison.workflow import one_scene, restored_effects
 from comparison.yade import Results
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.decisions import decided_model
-from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.errors import SceneError
@@ -22,6 +23,7 @@ from la_core.limit.associated import Status, solve_associated
 from la_core.limit.no_sliding import no_sliding_rows, shared_friction
 from la_core.limit.problem import Drive, scaled_problem
 from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 from la_core.scene.variants import full_model
 
@@ -120,7 +122,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     found = cross_checked("arch_spreading")
     assert found.analysis.assembly.effects.friction == "none-slides"
     monkeypatch.setattr(restored_effects, "slides_unforeseen", lambda results: results.analysis.assembly.effects.friction == "none-slides")
-    monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, dict(found.run.result)))
+    monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, vars(found.run.result)))
     heard: list[str] = []
 
     class Listener:
@@ -252,7 +254,7 @@ def test_strain_asked_for_is_modelled_though_no_joint_slides() -> None:
 
 @pytest.mark.parametrize("name", ["arch_spreading", "wall_third", "two_pads"])
 def test_the_plane_answer_is_an_answer_in_space(name: str) -> None:
-    checks = list(check_plane.check_plane(analyse(scenes.shipped(name))))
+    checks = list(check_plane(analyse(scenes.shipped(name))))
     assert [check.verdict for check in checks] == [Verdict.AGREE]
 
 
@@ -262,8 +264,9 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     space, flat = assemble(scene), forced_flat(scene)
     answers = [solve_associated(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
     assert abs(answers[0] - answers[1]) > 0.1
-    analysis = LimitAnalysis(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)}, {}, None)  # type: ignore[arg-type]
-    (check,) = check_plane.check_plane(analysis)
+    bounds = Answers(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)})
+    analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, flat.inset, scene.yade))
+    (check,) = check_plane(analysis)
     assert check.verdict is Verdict.INCONCLUSIVE and "effects.plane = false" in check.reason
 
 
@@ -298,12 +301,15 @@ def test_effects_of_a_scene_give_way_to_the_full_model() -> None:
         assert full_model(scenes.load(plain.replace('friction = "auto"', f'friction = "{law}"'))).effects.friction == law
 
 
-def test_effects_that_are_no_table_of_their_own_are_not_replaced() -> None:
+def test_effects_that_are_no_table_of_their_own_are_replaced_too() -> None:
     inline = "effects = { plane = true }\n" + scenes.text(*scenes.wall(3, 2, 0.6)).replace("[effects]", "[yade]").replace(
         'plane = "auto"\nfriction = "associated"\nreach = "auto"', ""
     )
-    with pytest.raises(SceneError, match="as a table of its own"):
-        full_model(scenes.load(inline))
+    plain = scenes.load(inline)
+    assert plain.effects.plane is True
+    full = full_model(plain)
+    assert full.effects.plane is False and full.effects.friction == "coulomb"
+    assert full.blocks.names == plain.blocks.names and full.weight == plain.weight
 
 
 def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> None:

@@ -1,6 +1,5 @@
 """Reach: what the support's motion cannot touch may be set aside without any answer changing, and it is noticed where it may not."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Silent
-from runs import made_up_run
+from runs import made_up_run, with_answers
 
 from comparison.judge.check import Verdict
 from comparison.judge.reduced_model import check_reach
@@ -238,7 +237,7 @@ def test_forces_of_yade_that_the_part_set_aside_cannot_bear_are_noticed() -> Non
     (check,) = check_reach(Results(analysis, plateau_of(analysis, analysis.coulomb.forces + thrust)))
     assert check.verdict is Verdict.INCONCLUSIVE
     assert "would not stand" in check.reason and "reach = false" in check.reason
-    whole = replace(analysis, assembly=assemble(scene))
+    whole = with_answers(analysis, assembly=assemble(scene))
     assert list(check_reach(Results(whole, plateau_of(analysis, analysis.coulomb.forces)))) == []
 
 

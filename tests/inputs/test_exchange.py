@@ -104,7 +104,7 @@ def test_case_comes_back_as_it_was(case) -> None:
     back = read_case(path, scene)
     assert back.main is analysis.main
     assert np.array_equal(back.assembly.points.position, analysis.assembly.points.position)
-    for written, read in ((analysis.bounds, back.bounds), (analysis.sharp, back.sharp)):
+    for written, read in ((analysis.bounds, back.bounds), (analysis.sharp.bounds, back.sharp.bounds)):
         assert written.keys() == read.keys()
         for drive, solution in written.items():
             for field in fields(Solution):

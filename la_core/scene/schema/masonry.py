@@ -49,7 +49,7 @@ class Wall(Table):
     )
     origin: Vector = described("lower left front corner of the wall", "m")
     block: tuple[Positive, Positive, Positive] = described("length (x), depth (y) of one leaf, height (z) of a block", "m")
-    per_course: Count = described("lengths of a block in a course")
+    per_course: Count = described("blocks in a full course: the length of the wall over that of a block")
     courses: Count = described("number of courses")
     first: Literal["full", "half"] = described("the block that the bottom course of a running bond starts with", default="full")
     leaves: Annotated[Count, Field(le=3)] = described("leaves side by side in depth", default=1)
@@ -110,10 +110,10 @@ class Region(Table):
 
 
 class Foundation(Table):
-    """Strips under all walls, held: where they lie in the region `settling` they are the support, elsewhere the ground."""
+    """Strips under all walls: in the region `settling` they are the support, elsewhere the ground."""
 
     height: Positive = described("height of the strips", "m")
-    settling: Region = described("part of the plan that settles; strips are cut at its edges, and it holds their whole breadth")
+    settling: Region = described("part of the plan that settles; strips are cut at its edges, and it must hold their whole breadth")
 
 
 class Building(Table):
@@ -133,7 +133,7 @@ class Building(Table):
     opening: tuple[BuildingOpening, ...] = described("doors and windows", default=())
     floor: tuple[Floor, ...] = described("floors and roofs as mass on the walls", default=())
     foundation: Foundation | None = described(
-        "strips under the walls, a part of which settles; without it you place the ground as [[block]]", default=None
+        "strips under the walls, part of them settling; without it you place the ground as [[block]]", default=None
     )
 
     @model_validator(mode="after")

@@ -169,7 +169,7 @@ class Expected(Table):
 
 
 class SceneFile(Table):
-    """The whole file."""
+    """Keys above the first table, and the tables that a file may hold."""
 
     title: Text = described("heading of tables and reports", default="")
     source: Text = described("where the expected value, or the structure, comes from", default="")
@@ -189,7 +189,7 @@ class SceneFile(Table):
     settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
     live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
     path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
-    effects: RequestedEffects = described("what is modelled; all of it is chosen where nothing is said", default=RequestedEffects())
+    effects: RequestedEffects = described("which effects are modelled; chosen automatically where left out", default=RequestedEffects())
     expected: Expected | None = described("the known answer", default=None)
     yade: dict[str, Annotated[int, Strict(), Field(ge=0, le=LARGEST)] | NotNegative] = described(
         "settings of YADE in place of derived ones", default_factory=dict

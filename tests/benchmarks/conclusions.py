@@ -1,0 +1,162 @@
+"""Writes what follows from stored measurements into the gallery's pages: numbers in text are those of the records, and nothing is run.
+
+    .venv/bin/python tests/benchmarks/conclusions.py
+
+The pages growth.md, peers.md and accuracy.md are written whole; in cost.md, friction.md and seed_paper.md the marked parts are.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import csv
+import json
+from collections import Counter, defaultdict
+from pathlib import Path
+from typing import Any
+
+import benchmark_accuracy
+import benchmark_growth
+import benchmark_peers
+from marked_text import listed, sentences, span, with_part
+
+from comparison.campaign.cases import expand
+from comparison.campaign.definition import load_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
+from comparison.judge.requested_accuracy import percent
+from la_core.text_table import number_text
+
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
+LADDERS = ("two_pads", "arch_spreading", "wall_third", "corner_settling_end")
+PREDICTIONS = ("Coulomb", "path", "YADE")
+CLASSIC = ("classic iteration", "its own settings")
+FASTER = "settlement speed x 8"  # of YADE
+
+
+def pages(folder: Path = GALLERY) -> dict[str, str]:
+    """Every page that quotes a record, by its file's name, as the records in the folder have it."""
+    written = {
+        "growth.md": benchmark_growth.stored_page(folder),
+        "peers.md": benchmark_peers.stored_page(folder / "peers.md"),
+        "accuracy.md": benchmark_accuracy.stored_page(folder / "accuracy.md"),
+    }
+    accuracy = benchmark_accuracy.stored_rows(written["accuracy.md"])
+    parts = {
+        "cost.md": {"ladders": ladders(folder), "requested accuracy": benchmark_accuracy.conclusions(accuracy)},
+        "friction.md": {"classic iteration": classic_iteration(campaign_rows(folder))},
+        "seed_paper.md": {"counts": counts(folder), "reactions": reactions(campaign_rows(folder))},
+    }
+    for name, texts in parts.items():
+        page = (folder / name).read_text(encoding="utf-8")
+        for part, text in texts.items():
+            page = with_part(page, part, text)
+        written[name] = page
+    return written
+
+
+def ladders(folder: Path) -> str:
+    """What the four ladders of `crosscheck cost` say."""
+    errors: dict[str, dict[tuple[str, str], dict[str, Any]]] = {}
+    for name in LADDERS:
+        rungs = json.loads((folder / f"{name}-cost.json").read_text(encoding="utf-8"))["rungs"]
+        errors[name] = {(rung["family"], rung["setting"]): rung for rung in rungs}
+    pads, arch, wall, corner = (errors[name] for name in LADDERS)
+    fine, coarse = ("inset", "0.2 mm"), ("inset", "1 mm")
+    most = max(_error(wall, key) for key in wall if key[0] in PREDICTIONS)
+    speed = wall["YADE", FASTER]["total"] / wall["YADE", "derived settings"]["total"]
+    derived = [_error(corner, key) for key in (("Coulomb", "8 steps"), ("YADE", "derived settings"))]
+    rough = [_error(corner, key) for key in (("Coulomb", "1 step"), ("YADE", FASTER))]
+    return sentences(
+        [
+            "Where no joint slides, the bound is the prediction, and it takes milliseconds "
+            f"({number_text(1e3 * arch['associated', 'for a prediction']['total'], 2)} ms on the arch with 11 voussoirs). "
+            f"What remains is the inset: on two pads {_percent(pads, coarse)} at 1 mm and {_percent(pads, fine)} at 0.2 mm, in YADE "
+            f"{_percent(pads, ('YADE', 'derived settings'))} and {_percent(pads, ('YADE', 'inset x 0.2'))}.",
+            f"Where joints slide, the bound is {_percent(wall, ('associated', 'for a prediction'))} off on the wall and the classic "
+            f"iteration {_percent(wall, CLASSIC)}. Every Coulomb prediction, every path and every YADE run is within {percent(most)}, and "
+            "no setting buys more: friction's history decides the rest.",
+            f"A settlement eight times as fast takes {percent(speed)} of YADE's time there.",
+            f"On the corner the settings matter: one step and that speed are {listed([percent(error) for error in rough])} off, eight "
+            f"steps and the derived speed {listed([percent(error) for error in derived])}. The classic iteration ends as "
+            f"`{corner[CLASSIC]['status']}` there.",
+        ]
+    )
+
+
+def _error(rungs: dict[tuple[str, str], dict[str, Any]], key: tuple[str, str]) -> float:
+    return float(rungs[key]["error"])
+
+
+def _percent(rungs: dict[tuple[str, str], dict[str, Any]], key: tuple[str, str]) -> str:
+    return percent(_error(rungs, key))
+
+
+def campaign_rows(folder: Path) -> list[dict[str, str]]:
+    """Rows of the campaign after the seed paper."""
+    with (folder / "seed_paper" / "results.csv").open(encoding="utf-8", newline="") as table:
+        return list(csv.DictReader(table))
+
+
+def counts(folder: Path) -> str:
+    """How many cases agree, and which do not."""
+    rows = campaign_rows(folder)
+    verdicts = Counter(row["verdict"] for row in rows)
+    runs = {case.run.name for case in expand(load_campaign(find_campaign(Path("seed_paper"))))}
+    seconds = json.loads((folder / "seed_paper" / "campaign.json").read_text(encoding="utf-8"))["provenance"]["seconds"]
+    others = [f"{count} {verdict}" for verdict, count in sorted(verdicts.items()) if verdict != "agree"]
+    lines = [f"{len(rows)} cases: {verdicts['agree']} agree, {listed(others or ['none differs'])}."]
+    lines.append(f"They need {len(runs)} runs of both methods, {number_text(seconds / 60.0, 2)} minutes on two cores.")
+    for verdict in sorted(set(verdicts) - {"agree"}):
+        names = [f"`{row['case']}`" for row in rows if row["verdict"] == verdict]
+        lines.append(f"{verdict.capitalize()}: {listed(names)}.")
+    return sentences(lines)
+
+
+def reactions(rows: list[dict[str, str]]) -> str:
+    """How the reaction of a settling end changes with friction, and how slenderness acts on the mechanism."""
+    zones: dict[str, list[dict[str, str]]] = defaultdict(list)
+    for row in rows:
+        if row["sweep"] == "wall":
+            zones[row["block[0].box.to[0]"]].append(row)
+    kept, switched = [], []
+    for many in zones.values():
+        first, last = many[0], many[-1]
+        same = first["coulomb_mechanism"] == last["coulomb_mechanism"]
+        (kept if same else switched).append(1.0 - float(last["coulomb"]) / float(first["coulomb"]))
+    alike = sum(row["coulomb_mechanism"] == row["yade_mechanism"] for row in rows if row["sweep"] == "wall")
+    many = [row for row in rows if row["sweep"] == "wall_height"]
+    (wedge, wedges), *_ = Counter(row["yade_mechanism"] for row in many).most_common(1)
+    friction = [row["joint.friction"] for row in rows if row["sweep"] == "wall"]
+    return sentences(
+        [
+            f"From a friction of {friction[0]} to {friction[-1]} the reaction of a settling end falls by "
+            f"{span([100.0 * fall for fall in kept])} % where the mechanism stays"
+            + (f", and by {span([100.0 * fall for fall in switched])} % where it changes." if switched else "."),
+            f"In {alike} of these {sum(map(len, zones.values()))} cases the same blocks move in both methods.",
+            f"In {wedges} of {len(many)} walls of different height YADE moves the same {wedge.split('-')[0]} blocks; taller walls are "
+            "heavier, so that these blocks are a smaller share of the weight.",
+        ]
+    )
+
+
+def classic_iteration(rows: list[dict[str, str]]) -> str:
+    """Where the classic iteration converges over its own parameters, on a wall whose right third or right half settles."""
+    lines = []
+    for sweep, words in (("iteration", "right third"), ("iteration_half", "right half")):
+        many = [row for row in rows if row["sweep"] == sweep]
+        solved = [row for row in many if row["classic_status"] == "solved"]
+        ends = [float(row["classic"]) / float(row["coulomb_high"]) for row in solved]
+        relaxations, slopes = ([float(row[f"classic.{name}"]) for row in solved] for name in ("relaxation", "slope"))
+        lines.append(
+            f"{words.capitalize()}: it converges for {len(solved)} of {len(many)} settings, all with relaxations of "
+            f"{span(relaxations)} and slopes of {span(slopes)}, in {span([float(row['classic_iterations']) for row in solved])} "
+            f"programmes, to {span([100.0 * end for end in ends], 4)} % of the upper end of the interval. Elsewhere it ends as "
+            f"{listed(sorted({row['classic_status'] for row in many} - {'solved'}))}."
+        )
+    return sentences(lines)
+
+
+def main() -> None:
+    for name, page in pages().items():
+        (GALLERY / name).write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

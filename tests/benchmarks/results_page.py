@@ -1,0 +1,261 @@
+"""Takes shipped scenes through both methods, reduced and full model, and writes what they gave as the page results.md.
+
+    .venv/bin/python tests/benchmarks/results_page.py [SCENE ...]
+    .venv/bin/python tests/benchmarks/results_page.py --write
+
+Without names every shipped scene is run but the long ones. Results are kept in results.json: a scene that is not run again keeps its entry.
+--write runs nothing: it writes results.md, and the tables in friction.md and effects.md that come from the same record.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from marked_text import listed, sentences, span, with_part
+from results_record import FRICTION_WALLS, RECORD, measured, read_record, write_record
+from rich.console import Console
+
+from comparison.judge.effects_table import EFFECTS
+from comparison.judge.requested_accuracy import percent
+from comparison.judge.verdict_table import with_uncertainty
+from comparison.progress import Narration
+from comparison.workflow import one_scene
+from la_core.scene import load_scene, shipped
+from la_core.text_table import number_text
+
+Entry = dict[str, Any]
+GALLERY = RECORD.parent
+BUILDING = "building_corner"
+WIDTH = 140  # of a line of text on a page
+USUAL = 30.0  # s for a scene that has no entry yet
+LEFT_OUT = {"plane": "plane", "friction": "sliding", "reach": "reach", "displacement": "new contacts", "recording": "states"}
+RESULTS_HEAD = (
+    "scene", "R_min/W", "Coulomb R/W", "its interval", "R_max/W", "Coulomb sharp", "YADE R/W", "verdict", "solves", "LA s", "YADE s",
+)  # fmt: skip
+FULL_HEAD = (
+    "scene", "left out", "Coulomb R/W", "with everything", "YADE R/W", "with everything", "verdict", "LA s", "with everything", "YADE s",
+    "with everything",
+)  # fmt: skip
+FRICTION_HEAD = ("wall of 10 courses x 6, mu", "settling", "R_min/W", "Coulomb R/W", "interval", "classic iteration", "YADE")
+SETTLING = {"wall_third": "right third", "wall_half": "right half", "wall_low_friction": "right third"}
+INTRODUCTION = """\
+# Results: every shipped scene by both methods
+
+Each row is one shipped scene, run by `crosscheck run SCENE`: the reaction R of the settling support over the weight W of the free blocks
+(or the multiplier of a live load) by limit analysis and by YADE. *agree* means that all checks of the comparison hold; YADE's value should
+lie between the bounds *R_min* and *R_max*, and at the Coulomb prediction.
+
+```console
+$ .venv/bin/python tests/benchmarks/results_page.py
+```
+
+The columns:
+
+- *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: what the
+  predicted mechanism allows, whatever friction's history was.
+- *Coulomb sharp*: the prediction with contact points at the arrises; all other values have the scene's inset.
+- *solves*: associated programmes solved for the Coulomb prediction. *LA s*: seconds of the solver in all of limit analysis, with inset and
+  sharp. *YADE s*: seconds of one run on one core. Seconds are by the clock: where other work shared the machine they are up to a few times
+  too long.
+"""
+FULL_INTRODUCTION = """\
+## Reduced and full model
+
+`crosscheck run` leaves out what a scene does not need: motion out of the plane, sliding, contacts that come into being
+([effects.md](effects.md)). Here every scene stands beside itself *with everything* modelled (`crosscheck run --full SCENE`): in space, with
+friction, all blocks and new contacts.
+"""
+
+
+def page(entries: dict[str, Entry]) -> str:
+    """The page as Markdown."""
+    both = {name: entry for name, entry in entries.items() if name not in shipped.LONG}
+    parts = [INTRODUCTION, _origins(entries), _table(RESULTS_HEAD, [_results_row(name, entry) for name, entry in entries.items()]) + "\n"]
+    parts += [_conclusions(entries) + "\n", _figures(entries), FULL_INTRODUCTION]
+    parts += [_table(FULL_HEAD, [_full_row(name, entry) for name, entry in both.items()]) + "\n", _full_conclusions(both) + "\n"]
+    return "\n".join([*parts, _whole_building(entries)]).rstrip("\n") + "\n"
+
+
+def other_pages(entries: dict[str, Entry], folder: Path = GALLERY) -> dict[str, str]:
+    """Pages with a part from the same record."""
+    parts = {"friction.md": ("walls", friction_table(entries)), "effects.md": ("shipped scenes", left_out_list(entries))}
+    return {name: with_part((folder / name).read_text(encoding="utf-8"), *part) for name, part in parts.items()}
+
+
+def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" if k != 1 else "|" + "---|" * len(head) for k, row in enumerate([head, head, *rows]))
+
+
+def _results_row(name: str, entry: Entry) -> list[str]:
+    model = entry["reduced"]
+    times = [f"{model['solves']}", *(number_text(model[f"{method}_seconds"], 2) for method in ("limit_analysis", "yade"))]
+    return [f"`{name}`", *(value_cell(model, key) for key in ("least", "predicted", "interval", "greatest", "sharp")), yade_cell(model),
+            model["verdict"], *times]  # fmt: skip
+
+
+def value_cell(model: Entry, key: str, places: int | None = None) -> str:
+    """A value, or the interval, in five significant digits, or with so many decimal places."""
+    values = model[key] if isinstance(model[key], list) else [model[key]]
+    return " to ".join(number_text(value, 5) if places is None else f"{value:.{places}f}" for value in values)
+
+
+def yade_cell(model: Entry) -> str:
+    """YADE's reaction with its uncertainty, or how its run ended; a dash where it was not run."""
+    if model["yade_status"] not in (None, "plateau"):
+        return str(model["yade_status"])
+    return with_uncertainty(model["yade"], model["uncertainty"])
+
+
+def words_of_left_out(entry: Entry) -> str:
+    """What the reduced model leaves out."""
+    return ", ".join(LEFT_OUT[effect] for effect in entry["left_out"] if effect in LEFT_OUT) or "nothing"
+
+
+def _full_row(name: str, entry: Entry) -> list[str]:
+    models = [entry["reduced"], entry["full"]]
+    seconds = [number_text(model[f"{method}_seconds"], 2) for method in ("limit_analysis", "yade") for model in models]
+    verdicts = dict.fromkeys(model["verdict"] for model in models)
+    return [f"`{name}`", words_of_left_out(entry), *(value_cell(model, "predicted") for model in models), *map(yade_cell, models),
+            ", with everything ".join(verdicts), *seconds]  # fmt: skip
+
+
+def _origins(entries: dict[str, Entry]) -> str:
+    """Machine and versions, and which scenes have others."""
+    made: dict[str, list[str]] = {}
+    for name, entry in entries.items():
+        known = dict(entry["versions"])
+        words = f"{known.pop('machine')}; " + ", ".join(f"{package} {version}" for package, version in known.items())
+        made.setdefault(words + (f" (from the {entry['source']})" if "source" in entry else ""), []).append(name)
+    most = max(made, key=lambda words: len(made[words]))
+    others = [f"{listed([f'`{name}`' for name in names])}: {words}." for words, names in made.items() if words != most]
+    return "\n".join([f"Made on {most}.", *others]) + "\n"
+
+
+def _off(model: Entry) -> float:
+    """How far YADE's reaction is from the prediction, relative to it."""
+    return float(model["yade"] / model["predicted"] - 1.0)
+
+
+def _conclusions(entries: dict[str, Entry]) -> str:
+    verdicts = {name: entry["reduced"]["verdict"] for name, entry in entries.items()}
+    others = [f"`{name}` is {verdict}" for name, verdict in verdicts.items() if verdict != "agree"]
+    run = {name: entry["reduced"] for name, entry in entries.items() if entry["reduced"]["yade"] is not None}
+    steady = {name: model for name, model in run.items() if verdicts[name] == "agree"}
+    worst = max(steady, key=lambda name: abs(_off(steady[name])))
+    cost = [model["yade_seconds"] / model["limit_analysis_seconds"] for model in run.values()]
+    return sentences(
+        [
+            f"{len(entries) - len(others)} of {len(entries)} scenes agree" + (f"; {listed(others)}." if others else "."),
+            f"Where they agree, YADE and the prediction differ by at most {percent(abs(_off(steady[worst])))} (`{worst}`).",
+            f"YADE takes {span(cost)} times as long as limit analysis.",
+        ]
+    )
+
+
+def _figures(entries: dict[str, Entry]) -> str:
+    parts = ["![A facade whose right end settles: the mechanism by limit analysis and by YADE](facade.png)\n"]
+    if BUILDING in entries:
+        model, seconds = entries[BUILDING]["reduced"], entries[BUILDING]["reduced"]["yade_seconds"]
+        text = (
+            f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes of YADE and is *{model['verdict']}*: YADE sticks and slips, "
+            f"{percent(_off(model))} above the prediction with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, and its "
+            "normal forces would allow a smaller reaction. Both values lie within the interval of the one mechanism that both methods find."
+        )
+        parts.append(fill(text, WIDTH) + "\n")
+        parts.append(
+            f"![A building of {entries[BUILDING]['blocks']:,} blocks whose corner settles: the mechanism by limit analysis and by YADE; "
+            "blocks that were left out in grey](building.png)\n"
+        )
+    return "\n".join(parts)
+
+
+def _full_conclusions(entries: dict[str, Entry]) -> str:
+    pairs = {name: (entry["reduced"], entry["full"]) for name, entry in entries.items()}
+    change = {name: abs(full["predicted"] / reduced["predicted"] - 1.0) for name, (reduced, full) in pairs.items()}
+    run = {name: models for name, models in pairs.items() if models[0]["yade"] is not None and models[1]["yade"] is not None}
+    moved = {name: abs(full["yade"] / reduced["yade"] - 1.0) for name, (reduced, full) in run.items()}
+    largest, farthest = (max(found, key=lambda name: found[name]) for found in (change, moved))
+    dearer = [full["limit_analysis_seconds"] / reduced["limit_analysis_seconds"] for reduced, full in pairs.values()]
+    slower = [full["yade_seconds"] / reduced["yade_seconds"] for reduced, full in run.values()]
+    return sentences(
+        [
+            f"What is left out changes the prediction by at most {percent(change[largest])} (`{largest}`) and YADE's reaction by at most "
+            f"{percent(moved[farthest])} (`{farthest}`).",
+            f"The full model takes {span(dearer)} times the time in limit analysis and {span(slower)} times in YADE.",
+        ]
+    )
+
+
+def _whole_building(entries: dict[str, Entry]) -> str:
+    entry = entries.get(BUILDING, {})
+    if "full" not in entry:
+        return ""
+    model = entry["full"]
+    text = (
+        f"`{BUILDING}` is not in this table. With all its {entry['blocks']:,} blocks "
+        f"(`--full`, and `[yade]` with {model['settings']}) "
+        f"the prediction took {number_text(model['limit_analysis_seconds'])} s and did not quite converge "
+        f"({number_text(model['predicted'], 5)}, dilatancy residual {percent(model['dilatancy_residual'])}); after {number_text(model['yade_seconds'] / 60.0)} minutes "
+        f"YADE knew its reaction to {percent(model['uncertainty'] / model['yade'])} ({number_text(model['yade'], 5)})."
+    )
+    return fill(text, WIDTH) + "\n"
+
+
+def friction_table(entries: dict[str, Entry]) -> str:
+    """Bound, prediction, interval, classic iteration and YADE on three walls."""
+    rows = []
+    for name in FRICTION_WALLS:
+        entry = entries[name]
+        model, friction = entry["reduced"], load_scene(shipped.find(name)).friction
+        values = [value_cell(model, key, 4) for key in ("least", "predicted", "interval")]
+        rows.append([number_text(friction), SETTLING[name], *values, f"{entry['classic']:.4f}", yade_cell(model)])
+    return _table(FRICTION_HEAD, rows)
+
+
+def left_out_list(entries: dict[str, Entry]) -> str:
+    """In how many shipped scenes each effect is left out."""
+    scenes = {effect: [name for name, entry in entries.items() if effect in entry["left_out"]] for effect in EFFECTS}
+    return sentences([f"`{effect}`: left out in {len(names)} of {len(entries)} shipped scenes." for effect, names in scenes.items()])
+
+
+def run(names: Sequence[str], folder: Path) -> None:
+    """Run the scenes, and store each as soon as it is done."""
+    entries = read_record()
+    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    expected = {name: entries.get(name, {}).get("seconds", USUAL) for name in names}
+    pace = 1.0  # of this run over the last one
+    with Narration(Console(stderr=True)) as narration:
+        for k, name in enumerate(names):
+            left = pace * sum(expected[later] for later in names[k:])
+            narration.stage("results", f"scene {k + 1} of {len(names)}", f"{name}; about {left / 60.0:.0f} min left")
+            entries[name] = measured(name, folder, narration)
+            pace = sum(entries[done]["seconds"] for done in names[: k + 1]) / sum(expected[done] for done in names[: k + 1])
+            write_record(entries)
+
+
+def write_pages() -> None:
+    """Write results.md and the parts of other pages from the record."""
+    entries = read_record()
+    for name, text in ({"results.md": page(entries)} | other_pages(entries)).items():
+        (GALLERY / name).write_text(text, encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help="shipped scenes to run again; all but the long ones")
+    parser.add_argument("--write", action="store_true", help="run nothing, write the pages from the record")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of results to keep; what lies there is not run again")
+    options = parser.parse_args()
+    if not options.write:
+        names = options.scenes or [name for name in shipped.names() if name not in shipped.LONG]
+        with tempfile.TemporaryDirectory() as folder:
+            run(names, options.output or Path(folder))
+    write_pages()
+
+
+if __name__ == "__main__":
+    main()

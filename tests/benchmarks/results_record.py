@@ -1,0 +1,88 @@
+"""The record behind `results.md`: one entry for each shipped scene, with what both methods found for the reduced and the full model.
+
+Forces are divided by W, the weight of the free blocks; multipliers stand as they are. An undefined number is null.
+"""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+from comparison.provenance import describe
+from comparison.workflow import Listener, run_scene
+from comparison.yade import find_yade
+from la_core.limit.associated import Drive
+from la_core.limit.classic_iteration import solve_sequentially
+from la_core.model import assemble
+from la_core.scene import Scene, full_model, load_scene, shipped
+from la_core.text_table import over_weight
+
+RECORD = Path(__file__).parents[2] / "comparison" / "gallery" / "results.json"
+FRICTION_WALLS = ("wall_third", "wall_half", "wall_low_friction")  # whose reaction by the classic iteration is recorded, too
+VERSIONS = ("python", "clarabel", "numpy", "machine")
+
+
+def read_record(path: Path = RECORD) -> dict[str, dict[str, Any]]:
+    """Entries by scene, in the order of their names; none where there is no record yet."""
+    return dict(sorted(json.loads(path.read_text(encoding="utf-8")).items())) if path.exists() else {}
+
+
+def write_record(entries: dict[str, dict[str, Any]], path: Path = RECORD) -> None:
+    """Store all entries."""
+    path.write_text(json.dumps(dict(sorted(entries.items())), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def measured(name: str, folder: Path, listener: Listener) -> dict[str, Any]:
+    """The entry of a shipped scene after fresh runs of both models; `seconds` is the wall time of all of it.
+
+    Results go into `folder`; a model whose results lie there already is not run again.
+    """
+    start = time.monotonic()
+    scene = load_scene(shipped.find(name))
+    reduced = run_scene(scene, folder / name, listener, with_yade=True)
+    entry = {
+        "blocks": reduced["free_blocks"],
+        "weight": reduced["weight"],
+        "left_out": [row["effect"] for row in reduced["effects"]["table"] if not row["on"]],
+        "reduced": model_values(reduced),
+    }
+    if name not in shipped.LONG:
+        whole = full_model(scene)
+        entry["full"] = model_values(run_scene(whole, folder / whole.name, listener, with_yade=True))
+    if name in FRICTION_WALLS:
+        entry["classic"] = classic_reaction(scene)
+    known = describe()
+    versions = {package: known[package] for package in VERSIONS} | {"YADE": find_yade().version}
+    return entry | {"seconds": round(time.monotonic() - start, 1), "versions": versions}
+
+
+def model_values(summary: dict[str, Any]) -> dict[str, Any]:
+    """What `comparison.json` says of one model, at the inset that both methods share; `sharp` without inset.
+
+    seconds: of the solver in all of limit analysis, and of YADE's run.
+    """
+    associated, coulomb, yade = summary["limit_analysis"]["associated"], summary["limit_analysis"]["coulomb"], summary["yade"] or {}
+    live = "multiplier" in associated
+    quantity, unit = ("multiplier", 1.0) if live else ("reaction", summary["weight"])
+    bounds, predicted = associated.get("shared_inset", associated), coulomb.get("shared_inset", coulomb)
+    return {
+        "least": over_weight(bounds[quantity], unit),
+        "predicted": over_weight(predicted[quantity], unit),
+        "interval": [over_weight(end, unit) for end in predicted[f"{quantity}_interval"]],
+        "greatest": over_weight(bounds.get("reaction_max"), unit),
+        "sharp": over_weight(coulomb[f"{quantity}_sharp"], unit),
+        "prediction_status": coulomb["status"],
+        "solves": coulomb["iterations"],
+        "steps": coulomb["steps"],
+        "yade_status": yade.get("status"),
+        "yade": over_weight(yade.get("reaction"), unit),
+        "uncertainty": over_weight(yade.get("uncertainty"), unit),
+        "verdict": summary["verdict"],
+        "limit_analysis_seconds": associated["seconds"] + coulomb["seconds"],
+        "yade_seconds": yade.get("seconds"),
+    }
+
+
+def classic_reaction(scene: Scene) -> float:
+    """Reaction over the weight by the classic iteration for friction, with its own settings."""
+    return float(solve_sequentially(assemble(scene), Drive.YIELDING).value / scene.weight)

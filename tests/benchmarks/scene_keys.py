@@ -1,0 +1,144 @@
+"""Tables of every key of a scene file, written into `la_core/scenes/README.md` from the schema that reads scenes.
+
+`.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page; a test says when it is out of date.
+"""
+
+import ast
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from la_core import exchange
+from la_core.scene.schema.scene_file import SceneFile
+from la_core.scene.schema.types import LARGEST
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "la_core" / "scenes" / "README.md"
+YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
+PEN = 100_000  # upper limits from here on only catch slips of the pen
+UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # with which a setting's comment may begin
+
+HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
+    "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`", "Box": "`box` of a block",
+    "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
+    "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
+    "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
+    "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
+    "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
+    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
+}  # fmt: skip
+
+
+def page_part() -> str:
+    """Every table of the scene file, one under the other, as Markdown."""
+    schema = SceneFile.model_json_schema()
+    tables = {"SceneFile": schema, **schema["$defs"]}
+    assert set(tables) == set(HEADINGS), "a table of the schema has no heading here"
+    parts = [part for name, heading in HEADINGS.items() for part in (f"### {heading}", *described(tables[name]))]
+    return "\n\n".join([*parts, "### `[yade]`", *yade_part()])
+
+
+def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Iterator[str]:
+    """A table's own sentences, where it has some, and its keys."""
+    if "description" in table:
+        yield " ".join(table["description"].split())
+    rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
+    for key, entry in table["properties"].items():
+        value = ", ".join(part for part in (value_of(entry, headings), entry.get("unit", "")) if part)
+        default = "needed" if key in table.get("required", ()) else default_of(entry)
+        rows.append(f"| `{key}` | {value} | {default} | {entry['description']} |")
+    yield "\n".join(rows)
+
+
+def value_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
+    """What a key may hold, in words."""
+    if "$ref" in entry or "allOf" in entry:
+        return f"table {table_of(entry.get('$ref') or entry['allOf'][0]['$ref'], headings)}"
+    if "anyOf" in entry:
+        return " or ".join(dict.fromkeys(value_of(one, headings) for one in entry["anyOf"] if one.get("type") != "null"))
+    if "const" in entry or "enum" in entry:
+        return ", ".join(f'`"{value}"`' for value in entry.get("enum", [entry.get("const")]))
+    if entry["type"] == "array":
+        return entries_of(entry, headings)
+    if entry["type"] == "object":
+        return "table"
+    return {"string": "text", "boolean": "`true`, `false`"}.get(entry["type"], "") or number_of(entry)
+
+
+def entries_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
+    """An array in words: of so many numbers, or of any number of entries."""
+    if "prefixItems" in entry:
+        kinds = list(dict.fromkeys(value_of(one, headings) for one in entry["prefixItems"]))
+        assert len(kinds) == 1, "an array of different kinds has no words here"
+        return f"{len(entry['prefixItems'])} {kinds[0].replace('number', 'numbers', 1)}"
+    if "$ref" in entry["items"]:
+        return f"tables {table_of(entry['items']['$ref'], headings)}"
+    kind = value_of(entry["items"], headings)
+    return "tables" if kind == "table" else f"list of ({kind})" if kind[0].isdecimal() else f"list of {kind}"
+
+
+def table_of(reference: str, headings: dict[str, str]) -> str:
+    """The heading of a table that a key holds, its first words alone."""
+    return headings[reference.rsplit("/", 1)[1]].split(" of ")[0]
+
+
+def number_of(entry: dict[str, Any]) -> str:
+    """A number's kind and limits; those that only catch slips of the pen are left out."""
+    kind = "whole number" if entry["type"] == "integer" else "number"
+    low, high = max(entry.get("minimum", -LARGEST), entry.get("ge", -LARGEST)), min(entry.get("maximum", LARGEST), entry.get("le", LARGEST))
+    above, below = entry.get("exclusiveMinimum", -LARGEST), entry.get("exclusiveMaximum", LARGEST)
+    least = f"> {above:g}" if above >= low and above > -LARGEST else f"≥ {low:g}" if low > -LARGEST else ""
+    most = f"< {below:g}" if below <= high and below < LARGEST else f"≤ {high:g}" if high < PEN else ""
+    return " ".join([kind, ", ".join(limit for limit in (least, most) if limit)]).strip()
+
+
+def default_of(entry: dict[str, Any]) -> str:
+    """The value that holds where a key is left out; a dash where there is none."""
+    value = entry.get("default")
+    if value in (None, "", [], {}) or isinstance(value, dict):
+        return "–"
+    return f"`{json.dumps(value)}`"
+
+
+def yade_part() -> Iterator[str]:
+    """Settings of a run in YADE: name, unit, default and meaning from the comments in `yade_scripts/settings.py`."""
+    source = YADE_SETTINGS.read_text(encoding="utf-8")
+    comments = dict(re.findall(r"^    (\w+): (?:float|int)  # (.+)$", source, re.MULTILINE))
+    assert tuple(comments) == tuple(exchange.SETTINGS), "settings and their comments differ"
+    defaults = dict(fixed_defaults(source))
+    rows = ["| key | unit | default | meaning |", "|---|---|---|---|"]
+    for name, comment in comments.items():
+        unit = next((unit for unit in UNITS if comment == unit or comment.startswith(f"{unit}, ") or comment.startswith(f"{unit} of ")), "")
+        meaning = comment.removeprefix(unit).removeprefix(",").strip()
+        rows.append(f"| `{name}` | {unit} | {defaults.get(name, 'derived')} | {meaning} |")
+    source_of_defaults = "../../yade_scripts/README.md#settings-and-where-they-come-from"
+    yield f"Settings of YADE in place of derived ones; [how they are derived]({source_of_defaults})."
+    yield "\n".join(rows)
+
+
+def fixed_defaults(source: str) -> Iterator[tuple[str, str]]:
+    """Defaults that are one number for every case, from the calls that choose a setting."""
+    for node in ast.walk(ast.parse(source)):
+        for keyword in node.keywords if isinstance(node, ast.Call) else ():
+            if keyword.arg in exchange.SETTINGS and isinstance(keyword.value, ast.Constant):
+                yield keyword.arg, f"{keyword.value.value:g}"
+            elif keyword.arg in exchange.SETTINGS and isinstance(keyword.value, ast.Name):
+                yield keyword.arg, f"{getattr(exchange, keyword.value.id):g}"
+
+
+def with_part(page: str, name: str, part: str) -> str:
+    """The page with what stands between its two comments of that name replaced."""
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+    before, found, rest = page.partition(begin)
+    _, closed, after = rest.partition(end)
+    assert found and closed, f"the page lacks {begin} or {end}"
+    return f"{before}{begin}\n\n{part}\n\n{end}{after}"
+
+
+MARK = "keys, written by tests/benchmarks/scene_keys.py"
+
+if __name__ == "__main__":
+    PAGE.write_text(with_part(PAGE.read_text(encoding="utf-8"), MARK, page_part()), encoding="utf-8")
+    print(f"written: {PAGE}")

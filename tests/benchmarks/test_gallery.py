@@ -1,0 +1,183 @@
+"""The measured pages: each is what its program writes from its record, and the record is that of a fresh run."""
+
+import re
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+
+import benchmark_accuracy
+import conclusions
+import pytest
+import results_page
+from conftest import CrossChecked, every_shipped_scene
+from marked_text import marked, with_part
+from peers_report import conclusions as peers_conclusions
+from peers_table import LEAST_REACTION, SOLVED, Row
+from results_record import FRICTION_WALLS, classic_reaction, read_record
+
+from comparison.campaign.cases import expand
+from comparison.campaign.definition import load_campaign
+from comparison.cli.study_verbs.campaign import find_campaign
+from comparison.judge.effects_table import effects_summary
+from la_core import text_table
+from la_core.analysis.stage import analyse, settled
+from la_core.limit.associated import Drive, Status
+from la_core.scene import shipped
+from la_core.scene.full_model import full_model
+from la_core.scene.scene import load_scene
+
+GALLERY = conclusions.GALLERY
+ROOT = GALLERY.parents[1]
+RECORD = read_record()
+PAGES = sorted(GALLERY.glob("*.md"))
+FRESH = [name for name in shipped.names() if name not in shipped.LONG]
+ROUND_OFF = 1e-2  # of a Coulomb value on another machine: the iteration amplifies round-off up to what friction's history leaves open
+HISTORY = 1e-2  # of a reaction: what friction's history leaves open between two models of one structure
+OTHER_MACHINE = 3.0  # stated uncertainties by which YADE's reaction may differ under another compiler or processor
+CLASSIC = 1e-3  # of the weight: the classic iteration stops within its own tolerance of its end value
+
+
+@pytest.mark.parametrize("name", ["results.md", "friction.md", "effects.md"])
+def test_a_page_of_results_is_what_the_record_says(name: str) -> None:
+    written = {"results.md": results_page.page(RECORD)} | results_page.other_pages(RECORD)
+    assert written[name] == (GALLERY / name).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["growth.md", "peers.md", "accuracy.md", "cost.md", "friction.md", "seed_paper.md"])
+def test_a_page_with_conclusions_is_what_the_records_say(name: str) -> None:
+    assert conclusions.pages()[name] == (GALLERY / name).read_text(encoding="utf-8")
+
+
+def test_a_part_is_replaced_between_its_marks_and_nothing_else_is() -> None:
+    page = f"before\n{marked('one', 'old')}\nbetween\n{marked('two', 'kept')}\nafter"
+    assert with_part(page, "one", "new") == page.replace("old", "new")
+    for broken in ("no marks", page + page):
+        with pytest.raises(ValueError, match="exactly one"):
+            with_part(broken, "one", "new")
+
+
+def test_the_index_names_every_page_and_figure() -> None:
+    index = (GALLERY / "README.md").read_text(encoding="utf-8")
+    names = {path.name for path in GALLERY.iterdir()} - {"README.md"}
+    assert {name for name in names if f"`{name}`" not in index and f"]({name}" not in index} == set()
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_links_and_programs_of_a_page_exist(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert all((path.parent / link).exists() for link in re.findall(r"\]\(([^)#:]+)\)", text))
+    programs = re.findall(r"[\w/.]*tests/[\w/]+\.py", text)
+    assert all((ROOT / program).exists() for program in programs)
+
+
+def test_the_record_has_every_shipped_scene() -> None:
+    assert list(RECORD) == shipped.names()
+    assert all("source" in RECORD[name] for name in shipped.LONG)
+
+
+@every_shipped_scene
+def test_limit_analysis_of_the_record_is_that_of_a_fresh_run(name: str) -> None:
+    scene = load_scene(shipped.find(name))
+    analysis, recorded = analyse(scene), RECORD[name]["reduced"]
+    unit = 1.0 if scene.live is not None else scene.weight
+    bounds = {"least": analysis.main, "greatest": Drive.PUSHING}
+    for key, drive in bounds.items():
+        value = text_table.over_weight(analysis.rounded[drive].value, unit) if drive in analysis.rounded else None
+        assert results_page.value_cell(recorded, key) == text_table.number_text(value, 5)
+    assert analysis.coulomb is not None and analysis.coulomb_sharp is not None
+    assert analysis.coulomb.status is Status.SOLVED or name in shipped.LONG
+    assert recorded["predicted"] == pytest.approx(analysis.coulomb.value / unit, rel=ROUND_OFF)
+    assert recorded["sharp"] == pytest.approx(analysis.coulomb_sharp.value / unit, rel=ROUND_OFF)
+    assert recorded["interval"] == pytest.approx([end / unit for end in analysis.coulomb.interval], rel=ROUND_OFF)
+
+
+@every_shipped_scene
+def test_yade_of_the_record_is_that_of_a_fresh_run(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
+    recorded = RECORD[name]["reduced"]
+    if load_scene(shipped.find(name)).live is not None:
+        assert (recorded["yade"], recorded["verdict"]) == (None, "agree")
+        return
+    found = cross_checked(name)
+    assert recorded["verdict"] == found.summary["verdict"]
+    assert recorded["yade_status"] == found.run.status
+    if found.run.status != "plateau":
+        return
+    shown = results_page.yade_cell(recorded).split(" ± ")[0]
+    reaction, uncertainty = (found.run.result[key] / found.scene.weight for key in ("reaction", "uncertainty"))
+    last_digit = 10.0 ** -len(shown.split(".")[1])
+    assert abs(float(shown) - reaction) <= OTHER_MACHINE * max(recorded["uncertainty"], uncertainty) + last_digit
+
+
+@pytest.mark.parametrize("name", FRESH)
+def test_the_full_model_of_the_record_agrees_with_the_reduced_one(name: str) -> None:
+    reduced, full = RECORD[name]["reduced"], RECORD[name]["full"]
+    assert reduced["verdict"] == full["verdict"] == "agree"
+    assert full["predicted"] == pytest.approx(reduced["predicted"], rel=HISTORY)
+    if reduced["yade"] is not None:
+        assert abs(reduced["yade"] - full["yade"]) <= reduced["uncertainty"] + full["uncertainty"] + HISTORY * abs(full["yade"])
+
+
+@pytest.mark.parametrize("name", FRESH)
+def test_what_the_record_leaves_out_is_what_is_left_out(name: str) -> None:
+    scene = load_scene(shipped.find(name))
+    off = [row["effect"] for row in effects_summary(scene, settled(scene))["table"] if not row["on"]]
+    assert RECORD[name]["left_out"] == off
+
+
+@pytest.mark.parametrize("name", ["arch_spreading", "two_pads", "trilith", "slab_four_corners", "stack_bond_wall", "ferris_tin_loi_1"])
+def test_limit_analysis_of_the_full_model_of_the_record_is_that_of_a_fresh_run(name: str) -> None:
+    scene = full_model(load_scene(shipped.find(name)))
+    coulomb = analyse(scene).coulomb
+    assert coulomb is not None
+    unit = 1.0 if scene.live is not None else scene.weight
+    assert RECORD[name]["full"]["predicted"] == pytest.approx(coulomb.value / unit, rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("name", FRICTION_WALLS)
+def test_the_classic_iteration_of_the_record_is_that_of_a_fresh_run(name: str) -> None:
+    assert RECORD[name]["classic"] == pytest.approx(classic_reaction(load_scene(shipped.find(name))), abs=CLASSIC)
+
+
+def test_an_entry_that_was_not_measured_here_says_where_it_is_from() -> None:
+    entries = {name: RECORD[name] for name in ("two_pads", "wall_third", "building_corner")}
+    assert f"`building_corner`: {entries['building_corner']['versions']['machine']}" in results_page.page(entries)
+    assert f"(from the {entries['building_corner']['source']})" in results_page.page(entries)
+
+
+def test_a_verdict_that_is_not_agree_is_named_in_the_conclusions() -> None:
+    entry = RECORD["wall_third"]
+    entries = {"good": entry, "bad": entry | {"reduced": entry["reduced"] | {"verdict": "disagree"}}}
+    assert "1 of 2 scenes agree; `bad` is disagree." in results_page.page(entries)
+
+
+def test_every_requested_accuracy_of_the_page_is_kept_and_a_coarse_wall_costs_less_than_a_third_of_a_fine_one() -> None:
+    rows = benchmark_accuracy.stored_rows((GALLERY / "accuracy.md").read_text(encoding="utf-8"))
+    assert len(rows) == len({(name, asked) for name, asked, *_ in rows}) >= 30
+    assert all(map(benchmark_accuracy.is_kept, rows))
+    walls = [row for row in rows if row[0] == f"`{benchmark_accuracy.WALL}`"]
+    seconds = {row[1]: benchmark_accuracy.as_number(row[4]) + benchmark_accuracy.as_number(row[7]) for row in walls}
+    assert seconds["1 %"] < seconds["0.2 %"] / 3.0
+
+
+def test_an_accuracy_that_is_missed_is_named() -> None:
+    row = ["`pads`", "1 %", "0.2 %", "0.3 %", "1", "1.2 %", "0.9 %", "2", "100", "inconclusive"]
+    assert not benchmark_accuracy.is_kept(row)
+    assert "Missed by `pads` at 1 %." in benchmark_accuracy.conclusions([row])
+
+
+def test_a_peer_that_is_faster_is_named() -> None:
+    rows = [Row("arch", name, "1e-6", LEAST_REACTION, SOLVED, processor=(seconds,), beside=(1.0,)) for name, seconds in
+            (("ECOS", 0.5), ("QOCO", 1.0), ("SCS", 3.0))]  # fmt: skip
+    words = peers_conclusions(rows, [])
+    assert "Faster than we are: ECOS on arch (0.50). About level: QOCO on arch (1.0)." in words
+    assert "No peer is faster" in peers_conclusions(rows[1:], [])
+
+
+def test_the_campaign_after_the_seed_paper_has_all_its_cases_and_its_report_does() -> None:
+    rows = conclusions.campaign_rows(GALLERY)
+    cases = expand(load_campaign(find_campaign(Path("seed_paper"))))
+    assert [row["case"] for row in rows] == [case.name for case in cases]
+    counts = Counter(row["verdict"] for row in rows)
+    assert len(rows) == counts["agree"] + counts["inconclusive"]
+    report = (GALLERY / "seed_paper" / "report.md").read_text(encoding="utf-8")
+    assert all(row["case"].replace("_", r"\_") in report for row in rows)

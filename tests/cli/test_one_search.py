@@ -1,0 +1,54 @@
+"""The search for interfaces is the slow part of assembling a scene: a run makes it once."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import comparison
+from comparison.cli.commands import main
+from la_core.model import assembly
+
+SCENES = ("two_pads", "wall_third")  # whose prediction is the bound, and whose joints slide
+
+
+@pytest.fixture
+def searches(monkeypatch: pytest.MonkeyPatch, plain_figures: None) -> list[int]:
+    """Number of blocks in each search so far."""
+    found: list[int] = []
+    search = assembly.find_interfaces
+
+    def counted(blocks, *arguments, **options):
+        found.append(len(blocks))
+        return search(blocks, *arguments, **options)
+
+    monkeypatch.setattr(assembly, "find_interfaces", counted)
+    return found
+
+
+def by_command(name: str, folder: Path) -> None:
+    assert main(["run", name, "--no-yade", "-q", "-o", str(folder)]) == 0
+
+
+def by_command_to_an_accuracy(name: str, folder: Path) -> None:
+    assert main(["run", name, "--no-yade", "-q", "--accuracy", "1%", "-o", str(folder)]) == 0
+
+
+def from_python(name: str, folder: Path) -> None:
+    comparison.run(name, folder, yade=False, quiet=True)
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("run", [by_command, by_command_to_an_accuracy, from_python])
+def test_a_run_searches_interfaces_once_whether_fresh_or_cached(
+    run: Callable[[str, Path], None], name: str, tmp_path: Path, searches: list[int]
+) -> None:
+    for _ in ("fresh", "cached"):
+        searches.clear()
+        run(name, tmp_path)
+        assert len(searches) == 1
+
+
+def test_a_run_of_several_scenes_searches_each_once(tmp_path: Path, searches: list[int]) -> None:
+    assert main(["run", *SCENES, "--no-yade", "-q", "-o", str(tmp_path)]) == 0
+    assert len(searches) == len(SCENES)
