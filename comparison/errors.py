@@ -1,11 +1,11 @@
-"""What can stop a command besides a faulty scene, and the one message that says so."""
+"""Errors that stop a command, besides a faulty scene, and their one message."""
 
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 
 
 class FolderInUseError(Exception):
-    """Another process works in a run's folder."""
+    """Another process is working in a run's folder."""
 
 
 class YadeMissingError(Exception):
@@ -13,17 +13,17 @@ class YadeMissingError(Exception):
 
 
 class YadeFailedError(Exception):
-    """YADE ended without a result; the message carries the exit code's meaning and the log's last lines."""
+    """YADE ended without a result; the message gives the meaning of the exit code and the log's last lines."""
 
 
 def message_of(error: BaseException) -> str:
-    """What stopped a command, in one message."""
+    """Return one message that says what stopped a command and what to do."""
     if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError):
         return str(error)
     if isinstance(error, OSError):
         return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them
     if isinstance(error, MemoryError):
-        return f"the memory does not suffice ({error}); take fewer blocks, or a machine with more"
+        return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
     if isinstance(error, KeyboardInterrupt):
-        return "stopped; what was finished is kept, the same command goes on from there"
-    return f"unexpected {type(error).__name__}: {error}; this is a fault of the program, please report it"
+        return "stopped; finished stages are kept, and the same command continues from there"
+    return f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"

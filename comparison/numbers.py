@@ -1,15 +1,18 @@
-"""Numbers as the report shows them: so many significant digits, a dash for one that does not exist."""
+"""Numbers as text: rounded to significant digits, with a dash for an undefined one."""
 
 import math
 from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
 A_POINT = "a point"
-DASH = "–"  # what a number that does not exist is shown as
+DASH = "–"  # stands for an undefined number
 
 
 def format_number(value: Any, digits: int = 4) -> str:
-    """A number to so many significant digits, with an exponent only beyond a million or below a thousandth; a dash for none."""
+    """Return a number rounded to `digits` significant digits, or a dash for a value that is no finite number.
+
+    An exponent is used only for numbers from a million on and below a thousandth.
+    """
     if not exists(value):
         return DASH
     if float(value).is_integer() and abs(value) < 1e6:
@@ -26,19 +29,29 @@ def format_number(value: Any, digits: int = 4) -> str:
 
 
 def exists(value: Any) -> TypeGuard[float]:
-    """Whether a value is a finite number."""
+    """Return whether a value is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
-    """Two bounds in words; `unbounded` is the greater one."""
+    """Return two bounds as text, a dash where the lower one is undefined.
+
+    Parameters
+    ----------
+    low, high : float or None
+        The two bounds.
+    unbounded : bool
+        Whether there is no upper bound.
+    digits : int
+        Significant digits.
+    """
     if not exists(low):
         return DASH
     return f"at least {format_number(low, digits)}" if unbounded else f"{format_number(low, digits)} to {format_number(high, digits)}"
 
 
 def interval_words(low: Any, high: Any, unit: str) -> str:
-    """An interval in words, a dash for the end that is not known; a point where it has no width to speak of."""
+    """Return an interval in `unit` as text, with a dash for an unknown end; an interval narrower than POINT is "a point"."""
     if not exists(low) and not exists(high):
         return DASH
     if exists(low) and exists(high) and high - low <= POINT * max(abs(low), abs(high)):
@@ -47,21 +60,21 @@ def interval_words(low: Any, high: Any, unit: str) -> str:
 
 
 def half_width(low: Any, high: Any) -> float | None:
-    """Half of an interval's width, None where an end is not known; that of a point is not below zero by rounding."""
+    """Return half of an interval's width, at least 0; None where an end is unknown."""
     return max(high - low, 0.0) / 2.0 if exists(low) and exists(high) else None
 
 
 def signed(value: float, digits: int) -> str:
-    """A number that shows its plus, too."""
+    """Return a number rounded to `digits` significant digits, with its sign even where it is a plus."""
     return ("+" if value > 0.0 else "") + format_number(value, digits)
 
 
 def plural(count: int, word: str) -> str:
-    """So many of what a word names, whose plural ends in s."""
+    """Return a count with its word, in the plural unless the count is 1: "2 cases"."""
     return f"{count} {word}{'' if count == 1 else 's'}"
 
 
 def first_sentence(text: str) -> str:
-    """What comes before the second sentence of a text: the rest is told where there is room."""
+    """Return the first sentence of a text, for places without room for the rest."""
     first, more, _ = text.partition(". ")
     return f"{first}." if more else first

@@ -1,4 +1,4 @@
-"""Narration on stderr, of one scene's stages or of a campaign: bars on a terminal, elsewhere a line now and then; failures at once."""
+"""Progress on stderr, of a scene or a campaign: bars on a terminal, a line every few seconds elsewhere; failures at once."""
 
 import time
 from types import TracebackType
@@ -14,12 +14,12 @@ LINE_EVERY = 10.0  # s between progress lines where there is no terminal
 
 
 class _Bars:
-    """Bars of one console, which hold from entering to leaving; silent on a quiet console."""
+    """Progress bars of one console, shown from entering to leaving the context; silent on a quiet console."""
 
-    def __init__(self, console: Console, *more: ProgressColumn) -> None:
+    def __init__(self, console: Console, *more_columns: ProgressColumn) -> None:
         columns = (TextColumn("{task.description}", markup=False), BarColumn(), TextColumn("{task.fields[state]}", markup=False))
         self._console = console
-        self._bars = Progress(*columns, *more, console=console, transient=True, disable=not console.is_terminal)
+        self._bars = Progress(*columns, *more_columns, console=console, transient=True, disable=not console.is_terminal)
         self._spoke = time.monotonic()
 
     def __enter__(self) -> Self:
@@ -33,31 +33,34 @@ class _Bars:
         self._console.print(visible(line), markup=False)
 
     def _say_now_and_then(self, line: str) -> None:
-        """Print a line where the last one is LINE_EVERY ago."""
+        """Print a line unless the last one was printed less than LINE_EVERY seconds ago."""
         if time.monotonic() - self._spoke >= LINE_EVERY:
             self._spoke = time.monotonic()
             self._say(line)
 
 
 class Narration(_Bars):
-    """A listener of `comparison.workflow` that tells a person."""
+    """A listener of `comparison.workflow` that prints progress for a person."""
 
     def __init__(self, console: Console) -> None:
         super().__init__(console, TimeElapsedColumn())
         self._tasks: dict[str, TaskID] = {}
 
     def stage(self, scene: str, stage: str, state: str) -> None:
-        """Tell that a stage began, was found cached or ended badly."""
+        """Print that a stage began, was found cached or ended badly."""
         self._say(f"{scene}: {stage}: {state}")
         if scene in self._tasks:
             self._bars.remove_task(self._tasks.pop(scene))
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Move the bar of a running YADE case, or say a line where bars do not show."""
+        """Show the progress of a running YADE case. report: as YADE's process wrote it."""
         self.fraction(scene, float(report.get("fraction") or 0.0), f"YADE: {_state(report)}")
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
-        """Move the bar of a scene's long work, or say a line now and then where bars do not show."""
+        """Move the bar of a scene's long work; without a terminal, print a line every few seconds.
+
+        fraction: of the work that is done, 0 to 1. state: one phrase on where it is.
+        """
         if not self._console.is_terminal:
             self._say_now_and_then(f"{scene}: {state}")
             return
@@ -67,7 +70,7 @@ class Narration(_Bars):
 
 
 class CampaignNarration(_Bars):
-    """Counts a campaign's runs in one bar."""
+    """Progress of a campaign: counts its runs in one bar."""
 
     def __init__(self, console: Console, title: str) -> None:
         super().__init__(console)
@@ -77,19 +80,19 @@ class CampaignNarration(_Bars):
         self._began = time.monotonic()
 
     def opens(self, cases: int, runs: int, cached: int) -> None:
-        """Tell how much there is to do."""
+        """Print the number of cases and runs; cached: runs that were finished before."""
         self._total, self._done, self._before = runs, cached, cached
         self._began = time.monotonic()
         known = f", {cached} of them finished before" if cached else ""
         self._say(f"{self._title}: {plural(cases, 'case')}, {plural(runs, 'run')}{known}")
 
     def begins(self) -> None:
-        """A run was handed to a worker."""
+        """Count a run that was handed to a worker."""
         self._running += 1
         self.shows()
 
     def ends(self, name: str, state: str, reason: str) -> None:
-        """A run ended; a failed one is told with its reason."""
+        """Count a run that ended in `state`; print a failed one with its reason."""
         self._running -= 1
         self._done += state == "done"
         self._failed += state == "failed"
@@ -99,14 +102,14 @@ class CampaignNarration(_Bars):
 
     def shows(self) -> None:
         """Show the counts."""
-        words = f"{self._done} of {self._total} done, {self._running} running, {self._failed} failed{self._left()}"
+        counts = f"{self._done} of {self._total} done, {self._running} running, {self._failed} failed{self._left()}"
         if self._console.is_terminal:
-            self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=words)
+            self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=counts)
         else:
-            self._say_now_and_then(f"{self._title}: {words}")
+            self._say_now_and_then(f"{self._title}: {counts}")
 
     def _left(self) -> str:
-        """Time left, if what is to come takes as long as what was done in this call."""
+        """Return the remaining time as text, from the mean time of the runs that ended in this call; "" where none or all ended."""
         ended = self._done + self._failed
         if ended in (self._before, self._total):
             return ""
@@ -120,7 +123,7 @@ def _time_left(seconds: float) -> str:
 
 
 def _state(report: dict[str, Any]) -> str:
-    """One phrase of a progress report."""
+    """Return a progress report of YADE as one phrase."""
     if report.get("stage") == "gravity":
         return "coming to rest under gravity"
     settlement, reaction = report.get("settlement"), report.get("reaction")

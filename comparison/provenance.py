@@ -1,4 +1,4 @@
-"""What made a result: program, machine and package versions."""
+"""Provenance of a result: versions of the program and its packages, and the machine."""
 
 import importlib.metadata
 import os
@@ -9,13 +9,13 @@ PACKAGES = ("numpy", "scipy", "clarabel", "shapely", "h5py", "matplotlib")
 
 
 def describe() -> dict[str, str]:
-    """Versions and machine, by name; the same on every call on one machine."""
+    """Return versions and machine by name; every call on one machine returns the same."""
     versions = {package: importlib.metadata.version(package) for package in PACKAGES}
     return {"crosscheck": version(), "python": platform.python_version(), **versions, "machine": machine()}
 
 
 def version() -> str:
-    """This program's version, as installed."""
+    """Return the installed version of this program."""
     try:
         return importlib.metadata.version("crosscheck-masonry")
     except importlib.metadata.PackageNotFoundError:
@@ -23,7 +23,7 @@ def version() -> str:
 
 
 def machine() -> str:
-    """Processor, cores and system in a line."""
+    """Return processor, cores and system in one line."""
     processor = platform.processor() or platform.machine()
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():

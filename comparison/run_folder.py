@@ -1,4 +1,4 @@
-"""Files of a run's folder: one process works there at a time; the scene with its meshes lies beside the results made from them."""
+"""Files of a run's folder: results, and copies of the scene and its meshes; one process at a time works there."""
 
 import fcntl
 import re
@@ -11,8 +11,8 @@ from la_core.errors import SceneError
 from la_core.exchange import write_whole
 from la_core.scene import FOLDER_FORMATS, Scene
 
-RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # no mesh, or folder of them, can have a result's name
-ANIMATION = "animation.gif"  # of the results beside it: `crosscheck report` takes it into the page
+RESULTS = ("scene.toml", "case.h5", "run.h5", "yade.log", "comparison.json")  # names that no mesh and no folder of meshes may have
+ANIMATION = "animation.gif"  # shown by `crosscheck report` with the results beside it
 REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of scenes
 LOCK = ".lock"
 FIGURE_FORMATS = (".png", ".svg", ".pdf")  # what a figure's name may end in
@@ -20,17 +20,17 @@ FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "dissipation.png", 
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
 OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, "outcome.json", ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
-_UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # as `la_core.exchange.checksummed_file` names what it writes
+_UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished files, from `la_core.exchange.checksummed_file`
 
 
 def refuse_name(scene: Scene) -> None:
-    """Raise SceneError for a scene whose name cannot be that of a folder of results."""
+    """Raise SceneError for a scene whose name cannot name a folder of results."""
     if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
         raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
 
 
 def refuse_names(scenes: Iterable[Scene]) -> None:
-    """Raise SceneError for scenes that cannot all have a folder of their own: each is named after its scene."""
+    """Raise SceneError for scenes of the same name: each scene needs a folder of results of its own."""
     seen: dict[str, Scene] = {}
     for scene in scenes:
         refuse_name(scene)
@@ -41,38 +41,40 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """Hold a run's folder, which the system lets go of however the process ends; what another was writing when it ended is taken away.
+    """Lock a run's folder for this process, and delete the files that a killed process left unfinished there.
 
-    Folders below it are not touched: they are held by themselves, and another process may be writing there.
-    Raises FolderInUseError where another process holds it.
+    The system releases the lock however the process ends. Folders inside have locks of their own and are not touched, because another
+    process may be writing there. Raises FolderInUseError where another process holds the lock.
     """
     with (folder / LOCK).open("a") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
-            raise FolderInUseError(f"{folder}: another crosscheck works in this folder; wait for it, or take another by -o") from error
+            raise FolderInUseError(
+                f"{folder}: the folder is in use by another crosscheck process; wait, or choose another folder with -o"
+            ) from error
         _take_away_unfinished(folder, WRITTEN)
         yield
 
 
 def _take_away_unfinished(folder: Path, names: Container[str]) -> None:
-    """Delete what a process that was killed left of files of these names in this very folder, and nothing of the user's."""
+    """Delete unfinished files of these names in this folder, as a killed process leaves them, and no file of the user's."""
     for path in folder.iterdir():
-        found = _UNFINISHED.fullmatch(path.name)
-        if found and found[1] in names and not path.is_dir():
+        unfinished = _UNFINISHED.fullmatch(path.name)
+        if unfinished and unfinished[1] in names and not path.is_dir():
             path.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file that a crash leaves as it was or whole."""
+    """Write a text file; after a crash it holds the old text or the new one, never a part."""
     write_whole(path, text.encode("utf-8"))
 
 
 def copy_inputs(scene: Scene, folder: Path) -> None:
-    """Write a scene and its meshes, as they were read, into a run's folder, where `crosscheck report` reads them again.
+    """Copy a scene and its meshes, as they were read, into a run's folder, where `crosscheck report` reads them again.
 
-    A folder of meshes is left with those of the scene alone, for each file in it is a body.
-    Raises SceneError for a mesh that has the name of a result.
+    Other meshes are deleted from a copied folder of meshes, because each file there is a body of the scene.
+    Raises SceneError for a mesh that has the name of a result, or that a link would copy out of the folder.
     """
     for mesh in scene.meshes:
         if mesh.path.parts[0] in RESULTS:
@@ -82,12 +84,12 @@ def copy_inputs(scene: Scene, folder: Path) -> None:
                 str(scene.path), f'the mesh "{mesh.path}" would be copied out of {folder} through a link', hint="remove the link"
             )
     write_text(folder / "scene.toml", scene.text)
-    own = {folder / mesh.path: mesh.content for mesh in scene.meshes}
-    for path, content in own.items():
+    copies = {folder / mesh.path: mesh.content for mesh in scene.meshes}
+    for path, content in copies.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         _take_away_unfinished(path.parent, (path.name,))
         write_whole(path, content)
     for parent in {(folder / mesh.path).parent for mesh in scene.meshes if mesh.of_folder}:
         for stray in parent.iterdir():
-            if stray.suffix.lower() in FOLDER_FORMATS and stray not in own:
+            if stray.suffix.lower() in FOLDER_FORMATS and stray not in copies:
                 stray.unlink()

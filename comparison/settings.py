@@ -1,6 +1,6 @@
-"""Settings of the program from files and the environment: where results go, how long and how wide to work, where YADE is.
+"""Settings of the program from files and the environment: folder of results, time limit, number of workers, place of YADE.
 
-None of them can change an answer: what is mechanics stands in the scene, or on the command line.
+No setting affects results: everything mechanical stands in the scene, or on the command line.
 """
 
 import argparse
@@ -24,11 +24,11 @@ MOST_WORKERS = 1000
 
 
 class SettingError(SceneError):
-    """A setting that cannot hold: says file or variable, key, value, rule and what to do next."""
+    """An invalid setting; the message says file or variable, key, value, rule and what to do next."""
 
 
 def _path(value: object) -> object:
-    """A text as a path, `~` at its beginning the user's home."""
+    """Return a text as a path, with the user's home for a `~` at its beginning."""
     if isinstance(value, Path):
         return value
     if not isinstance(value, str) or not value or CONTROL.search(value):
@@ -36,14 +36,14 @@ def _path(value: object) -> object:
     try:
         return Path(value).expanduser()
     except RuntimeError as error:
-        raise ValueError("begins with the home of nobody known here") from error
+        raise ValueError("no such user: the home of its `~` is unknown; write the folder in full") from error
 
 
 PathText = Annotated[Path, BeforeValidator(_path)]
 
 
 class Settings(Table):
-    """Every setting, with its default; a path without a beginning starts from the current folder."""
+    """Every setting with its default; a relative path starts from the current folder."""
 
     output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
     time_limit: Positive | None = Field(
@@ -59,26 +59,37 @@ class Settings(Table):
 
 
 NUMBERS = ("time_limit", "workers")
-NOT_OF_A_FOLDER = ("yade", "yade_python")  # a folder may come from anybody: what is run must not be said there
+NOT_OF_A_FOLDER = ("yade", "yade_python")  # a folder may come from anybody, so its file must not select a program to run
 
 
 @dataclass(frozen=True)
 class Configuration:
-    """The settings that hold, where each comes from that is not a default, and the files that were looked for."""
+    """The settings in force and their sources.
+
+    Attributes
+    ----------
+    settings : Settings
+        Every setting's value.
+    sources : dict of str
+        File or environment variable by setting, for settings that are not defaults.
+    files : tuple of Path
+        Files that settings are read from, where they exist.
+    """
 
     settings: Settings
     sources: dict[str, str]
     files: tuple[Path, ...]
 
     def source(self, name: str) -> str:
-        """Where a setting comes from, in words."""
+        """Return the source of a setting: a file, a variable or "default"."""
         return self.sources.get(name, "default")
 
 
 def load_settings() -> Configuration:
-    """The settings that hold here: of the environment before the current folder's file before the user's before the defaults.
+    """Return the settings in force.
 
-    Raises SettingError for a file or a variable that says what cannot hold.
+    The environment goes before the current folder's file, which goes before the user's file and the defaults.
+    Raises SettingError for a file or a variable with an invalid setting.
     """
     user = _file_of_the_user()
     files = (*([user] if user else []), OF_A_FOLDER)
@@ -102,7 +113,7 @@ def load_settings() -> Configuration:
 
 
 def filled(options: argparse.Namespace) -> argparse.Namespace:
-    """The options, those of its `configured` that the command line leaves open as the configuration has them."""
+    """Return the options with settings in place of those options in `configured` that the command line left open."""
     settings = load_settings().settings
     for name in options.configured:
         if getattr(options, name) is None:
@@ -111,13 +122,13 @@ def filled(options: argparse.Namespace) -> argparse.Namespace:
 
 
 def unknown_variables() -> list[str]:
-    """What the environment says to this program that it does not understand, with the nearest variable that it does."""
+    """Return a message for each unknown environment variable that begins with CROSSCHECK_, with the nearest known one."""
     known = [PREFIX + name.upper() for name in Settings.model_fields]
     return [f"{name}: {nearest(name, known, 'variables')}" for name in sorted(os.environ) if name.startswith(PREFIX) and name not in known]
 
 
 def _file_of_the_user() -> Path | None:
-    """`crosscheck/config.toml` where the user keeps configurations (XDG Base Directory Specification), None where nobody has a home."""
+    """Return `crosscheck/config.toml` in the user's folder of configurations (XDG Base Directory Specification), None without a home."""
     named = Path(os.environ.get("XDG_CONFIG_HOME", ""))
     try:
         folder = named if named.is_absolute() else Path.home() / ".config"
@@ -127,14 +138,14 @@ def _file_of_the_user() -> Path | None:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """A file's settings, none where there is no file."""
+    """Return a file's settings, an empty dict where there is no file."""
     try:
         if not path.exists():
             return {}
         if not path.is_file():
             raise SettingError(str(path), "is not a file", hint="settings are read from there")
         if path.stat().st_size > LARGEST_FILE:
-            raise SettingError(str(path), f"larger than {LARGEST_FILE} bytes; settings are a short text")
+            raise SettingError(str(path), f"larger than {LARGEST_FILE} bytes, so it is no file of settings")
         return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise SettingError(str(path), f"cannot be read: {error.strerror}", hint="settings are read from there") from error
@@ -152,16 +163,16 @@ def _check(where: str, data: dict[str, Any]) -> None:
 def _check_of_a_folder(data: dict[str, Any]) -> None:
     for name in NOT_OF_A_FOLDER:
         if name in data:
-            rule = "what is run is not for a folder to say"
+            rule = "not allowed in a folder's file, because it selects a program to run"
             raise SettingError(f"{OF_A_FOLDER}: {name}", rule, hint=f"set it in {_file_of_the_user()} or {PREFIX}{name.upper()}")
     output = str(data.get("output", ""))
     if Path(output).is_absolute() or ".." in Path(output).parts or output.startswith("~"):
-        rule = "must lie in this folder"
-        raise SettingError(f"{OF_A_FOLDER}: output", rule, value=output, hint=f"elsewhere by {PREFIX}OUTPUT or -o")
+        rule = "must be a path inside this folder"
+        raise SettingError(f"{OF_A_FOLDER}: output", rule, value=output, hint=f"choose another folder with -o or {PREFIX}OUTPUT")
 
 
 def _number(text: str) -> object:
-    """The number that a text is, or the text."""
+    """Return a text as a number where it is one, else the text."""
     for kind in (int, float):
         try:
             return kind(text)

@@ -52,15 +52,25 @@ _SHAPE_TOLERANCE = 1e-9  # of the block's size
 
 
 class YadeError(Exception):
-    """YADE built something else than asked; the message says what."""
+    """YADE built something other than the case; the message says what."""
 
 
 @dataclass(frozen=True)
 class Model:
-    """Identifiers of YADE's bodies: clump (B,) of each block; sphere (C,) of each contact point and the face (C,) that it touches.
+    """The case in YADE: identifiers of its bodies, poses as built, and the engines whose settings change between stages.
 
-    position, rotation: pose of every clump as built, (B, 3) m and one quaternion each.
-    integrator, drive, watch: engines whose settings change from stage to stage.
+    Attributes
+    ----------
+    clump : tuple of int
+        Clump (B,) of each block.
+    sphere, face : tuple of int
+        Sphere (C,) of each contact point, and the face (C,) that it touches.
+    position : np.ndarray
+        Position (B, 3) of every clump as built, m.
+    rotation : tuple of Quaternion
+        Orientation (B,) of every clump as built.
+    integrator, drive, watch : NewtonIntegrator, KinematicEngine, PyRunner
+        Engines that move the free blocks, move the supports, and record rows.
     """
 
     clump: tuple[int, ...]
@@ -74,9 +84,9 @@ class Model:
 
 
 def build(case: Case, settings: Settings, watch_command: str) -> Model:
-    """Fill YADE's scene with the case; `watch_command` is the Python statement that PyRunner repeats.
+    """Build the case in YADE's scene. watch_command: Python statement that YADE repeats at every recorded row.
 
-    Raises YadeError when a clump does not have the mass, centroid and inertia of its block.
+    Raises YadeError when a clump does not have the mass and inertia of its block.
     """
     omega = Omega()
     omega.reset()
@@ -109,7 +119,7 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
 
 
 def _material(settings: Settings, friction_angle: float) -> ViscElMat:
-    """Sphere and face act in series, so that the contact has half of what each material is given."""
+    """Return a new material; sphere and face act in series, so each gets twice the contact's stiffness and viscosity."""
     material = ViscElMat(
         kn=2.0 * settings.normal_stiffness,
         ks=2.0 * settings.shear_stiffness,
@@ -123,7 +133,7 @@ def _material(settings: Settings, friction_angle: float) -> ViscElMat:
 
 
 def _sphere(case: Case, contact: int, radius: float, material: ViscElMat) -> Body:
-    """The sphere of a contact point, inside its host and tangent to the interface at that point."""
+    """Return the sphere of a contact point, inside its host and tangent to the interface at that point."""
     host = case.host[contact]
     into_host = case.normal[contact] if host == case.block_b[contact] else -case.normal[contact]
     body = Body()
@@ -137,10 +147,10 @@ def _sphere(case: Case, contact: int, radius: float, material: ViscElMat) -> Bod
 
 
 def _faces(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
-    """Bodies without mass for other blocks' spheres to touch, each with the contact points that it serves.
+    """Return the massless bodies that other blocks' spheres touch, each with the indices of its contact points.
 
-    The block's solid, one body for all; but where contacts are only those listed, one box per face in contact takes the place of a
-    polyhedron: a step is then three to seven times as fast, because YADE looks for depths in polyhedra triangle by triangle.
+    As a rule it is one body, the block's solid. With small displacements, one box for each face in contact replaces a polyhedron:
+    a step is then three to seven times as fast, because YADE searches polyhedra triangle by triangle.
     """
     touching = np.flatnonzero(case.target == block)
     if case.boxes[block] is not None or case.displacement == "finite":
@@ -148,11 +158,11 @@ def _faces(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
     outward = np.where(case.block_a[touching] == block, 1.0, -1.0)[:, None] * case.normal[touching]
     normals, which = np.unique(outward, axis=0, return_inverse=True)
     served = [touching[which.ravel() == face] for face in range(len(normals))]
-    return [(_slab(case, block, normal, one[0]), one) for normal, one in zip(normals, served, strict=True)]
+    return [(_slab(case, block, normal, points[0]), points) for normal, points in zip(normals, served, strict=True)]
 
 
 def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
-    """Box around the block whose top is the plane of the face with the normal `outward` (3,) through the contact point."""
+    """Return a box around the block whose top is the plane with the normal `outward` (3,) through the contact point."""
     turn = Quaternion()
     turn.setFromTwoVectors(Vector3.UnitZ, Vector3(outward))
     axes = np.array(turn.toRotationMatrix()).reshape(3, 3)
@@ -166,7 +176,7 @@ def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
 
 
 def _solid(case: Case, block: int) -> Body:
-    """The block's solid."""
+    """Return the block's solid, a box or a polyhedron; raises YadeError for a polyhedron that YADE cannot build."""
     body = Body()
     box = case.boxes[block]
     if box is not None:
@@ -174,8 +184,8 @@ def _solid(case: Case, block: int) -> Body:
         body.state.pos = 0.5 * (box[0] + box[1])
     elif Polyhedra is None:
         raise YadeError(
-            f"block {block} is no box along the axes, and this YADE was built without polyhedra (CGAL); take one with them, such as "
-            'Debian 12\'s, or, where blocks meet only where they touch, [effects] displacement = "small"'
+            f"block {block} is not a box along the axes, and this YADE was built without polyhedra (CGAL); use a YADE with them, such as "
+            'Debian 12\'s, or set displacement = "small" in [effects] where no new contact can form'
         )
     else:
         # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
@@ -188,15 +198,15 @@ def _solid(case: Case, block: int) -> Body:
 
 def _check_polyhedron(case: Case, block: int, body: Body) -> None:
     placed = np.array([body.state.pos + body.state.ori * vertex for vertex in body.shape.v])
-    asked = case.vertices[block]
-    gaps = np.linalg.norm(asked[:, None, :] - placed[None, :, :], axis=2)
+    wanted = case.vertices[block]
+    gaps = np.linalg.norm(wanted[:, None, :] - placed[None, :, :], axis=2)
     error = max(gaps.min(axis=0).max(), gaps.min(axis=1).max())
-    if len(placed) != len(asked) or error > _SHAPE_TOLERANCE * np.ptp(asked, axis=0).max():
-        raise YadeError(f"block {block}: YADE's polyhedron has {len(placed)} vertices, {error:.3g} m away from the {len(asked)} asked for")
+    if len(placed) != len(wanted) or error > _SHAPE_TOLERANCE * np.ptp(wanted, axis=0).max():
+        raise YadeError(f"block {block}: YADE's polyhedron has {len(placed)} vertices, up to {error:.3g} m off the block's {len(wanted)}")
 
 
 def _carrier(case: Case, block: int, material: ViscElMat) -> Body:
-    """A speck at the centroid with the block's mass and inertia that touches nothing."""
+    """Return a tiny body at the centroid that carries the block's mass and inertia and touches nothing."""
     body = Body()
     body.shape = Box(extents=1e-3 * np.ptp(case.vertices[block], axis=0))
     body.material = material
@@ -218,8 +228,8 @@ def _quaternion(axes: np.ndarray) -> Quaternion:
 def _set_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
     """Make every clump's inertia that of its block.
 
-    YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. So where a clump comes out wrong, its
-    carrier is turned the other way and the clump's properties are asked for again; a YADE without that slip needs no turn.
+    YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. Where a clump's inertia is wrong, its carrier is
+    turned the other way and YADE computes the clump again; a YADE without that error needs no turn.
     """
     bodies = Omega().bodies
     turned = [carrier for carrier, block in zip(carriers, _wrong_inertias(case, clumps), strict=True) if block]
@@ -228,7 +238,7 @@ def _set_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
             bodies[carrier].state.ori = bodies[carrier].state.ori.conjugate()
         bodies.updateClumpProperties(discretization=0)
         if any(_wrong_inertias(case, clumps)):
-            raise YadeError("YADE's clumps do not take the inertia of their blocks; this version of YADE is not understood")
+            raise YadeError("the inertia of YADE's clumps is not that of their blocks; this version of YADE cannot be used")
     if case.plane:
         # With freedoms blocked YADE divides global torques by the sorted principal inertias; make their order irrelevant.
         for block, clump in enumerate(clumps):
@@ -255,13 +265,13 @@ def _blocked(case: Case, block: int) -> str:
 
 
 def _pair(spheres: list[int], faces: list[int]) -> None:
-    """Set every sphere against its target's face for good: without a collider a pair that opens stays listed and may close again."""
+    """Pair every sphere with its target's face: without a collider, a pair that opens stays listed and may close again."""
     for sphere, face in zip(spheres, faces, strict=True):
         createInteraction(sphere, face, virtualI=True)
 
 
 def _collider(settings: Settings) -> InsertionSortCollider:
-    """Looks for spheres and faces that come near each other, once something has moved by the margin of their bounds."""
+    """Return the engine that finds spheres and faces near each other, each time a body has moved by the margin of the bounds."""
     bounds = [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), *([Bo1_Polyhedra_Aabb()] if Polyhedra else [])]
     collider = InsertionSortCollider(bounds)
     collider.verletDist = _BOUND_MARGIN * settings.sphere_radius
@@ -270,7 +280,7 @@ def _collider(settings: Settings) -> InsertionSortCollider:
 
 
 def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
-    """Set YADE's engines; the support's drive runs before the integrator, at rest until its velocity is set."""
+    """Set YADE's engines; the drive is at rest until its velocity is set. command: statement of both PyRunners."""
     colliders = [_collider(settings)] if case.displacement == "finite" else []
     contacts = InteractionLoop(
         [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Polyhedra else [])],

@@ -1,4 +1,4 @@
-"""One case as YADE needs it: blocks, contact points and the support's unit motion, from the fields of `case.h5`."""
+"""One case as YADE needs it, from the fields of `case.h5`: blocks, contact points and the supports' unit motion."""
 
 import json
 from collections.abc import Mapping
@@ -15,24 +15,63 @@ _JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag")
 
 
 class CaseError(Exception):
-    """The case cannot be run; the message says what is wrong, the value and the rule."""
+    """The case cannot be run; the message says where, the value and the rule."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """B blocks, C contact points. SI units, z up; contact normals point from the lower block index a to the higher b.
+    """B blocks and C contact points, in SI units with z up; blocks set aside without a contact point are left out.
 
-    Blocks set aside that carry no contact point are left out: `index` (B,) is where each block stands among the `total` of the file.
-
-    The sphere of a contact point sits on block `host` (C,), its face is that of block `target` (C,).
-
-    role (B,): 0 free, 1 fixed, 2 support. boxes: low and high corner of axis-aligned boxes, None for others.
-    mass (B,) kg; centroid (B, 3) m; inertia (B, 3, 3) kg m2, global axes.
-    displacement: "small" (contacts are those listed) or "finite" (new ones are looked for). recording: "plateau" or "states".
-    vertices: one (n, 3) array per block, m. block_a, block_b (C,); normal (C, 3); position (C, 3) m; friction (C,).
-    support_twist (6,): velocity of the global origin and angular velocity per unit settlement.
-    normal_stiffness, shear_stiffness: of one contact point, N/m. travel: largest settlement, m or rad. sag: largest displacement
-    of a centroid under the weights with joints glued at the normal stiffness, m.
+    Attributes
+    ----------
+    name : str
+        Name of the scene.
+    plane : bool
+        Whether motion is restricted to the plane x-z.
+    displacement : str
+        "small": contacts are those listed; "finite": YADE looks for new ones, too.
+    recording : str
+        "plateau" or "states": which states are stored.
+    inset : float
+        Inset of the contact points, m.
+    gravity : np.ndarray
+        Acceleration (3,), m/s2.
+    support_twist : np.ndarray
+        Velocity of the global origin and angular velocity (6,) of the supports per unit settlement.
+    overrides : dict
+        Settings of the scene's table [yade], by name.
+    role : np.ndarray
+        Role (B,) of each block: 0 free, 1 fixed, 2 support.
+    mass : np.ndarray
+        Mass (B,), kg.
+    centroid : np.ndarray
+        Centroid (B, 3), m.
+    inertia : np.ndarray
+        Inertia (B, 3, 3) about the centroid in global axes, kg m2.
+    vertices : tuple of np.ndarray
+        Vertices (n, 3) of each block, m.
+    block_a, block_b : np.ndarray
+        Blocks (C,) of each contact point; a is the lower index.
+    normal : np.ndarray
+        Unit contact normal (C, 3), from a to b.
+    position : np.ndarray
+        Contact points (C, 3), m.
+    friction : np.ndarray
+        Friction coefficient (C,).
+    normal_stiffness, shear_stiffness : float
+        Stiffness of one contact point, N/m.
+    travel : float
+        Largest settlement, m or rad.
+    sag : float
+        Largest displacement of a centroid under the weights with joints glued at the normal stiffness, m.
+    boxes : tuple
+        Low and high corner (3,) of each axis-aligned box, m; None for other blocks.
+    host : np.ndarray
+        Block (C,) that carries the sphere of each contact point.
+    index : np.ndarray
+        Index (B,) of each block among all blocks of the file.
+    total : int
+        Number of blocks in the file.
     """
 
     name: str
@@ -96,7 +135,7 @@ class Case:
 
 
 def from_fields(data: Mapping[str, Any]) -> Case:
-    """Case from the fields of `case.h5`. Raises CaseError when it has nothing to run."""
+    """Return the case from the fields of `case.h5` by path; raises CaseError when it cannot be run."""
     start, interface = data["blocks/vertex_start"], data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
     total = len(data["blocks/role"])
@@ -135,7 +174,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
 
 
 def _hosts(data: Mapping[str, Any], boxes: np.ndarray) -> np.ndarray:
-    """Host (C,) of each contact point, in the file's numbers as are the `boxes`."""
+    """Return the host (C,) of each contact point; hosts and `boxes` are block numbers of the file."""
     interface = data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
     position, normal, plane = data["contacts/position"], data["interfaces/normal"][interface], bool(data["scene/plane"])
@@ -159,7 +198,7 @@ def _overrides(text: str) -> dict[str, Any]:
 
 def _refuse_unrunnable(case: Case) -> None:
     if not case.inset > 0.0:
-        raise CaseError(f"scene/inset is {case.inset}: contact spheres need room, give an inset greater than 0")
+        raise CaseError(f"scene/inset is {case.inset}: contact spheres need an inset greater than 0")
     if len(case.free) == 0:
         raise CaseError("blocks/role: no free block, nothing to simulate")
     if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
@@ -167,7 +206,8 @@ def _refuse_unrunnable(case: Case) -> None:
     if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
         raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
     if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
-        raise CaseError(f"scene: displacement is {case.displacement!r}, recording {case.recording!r}; not known here")
+        given = f"displacement is {case.displacement!r} and recording {case.recording!r}"
+        raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
     for name in _JOINT_NUMBERS:

@@ -1,4 +1,4 @@
-"""The loading protocol: rest under gravity, then one steady settlement of the support until the reaction is flat."""
+"""The loading protocol: rest under gravity, then one steady settlement of the support until the reaction is constant."""
 
 import math
 import time
@@ -25,7 +25,7 @@ Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, s
 
 
 class Status(Enum):
-    """How a run ended, as `run.h5` says it."""
+    """How a run ended, as stored in `run.h5`."""
 
     PLATEAU = "plateau"
     NO_PLATEAU = "no plateau"
@@ -36,7 +36,31 @@ class Status(Enum):
 
 @dataclass
 class Protocol:
-    """One run of a model: `run` takes it through both stages; `watch` is what YADE calls at every recorded step."""
+    """One run of a model: `run` takes it through both stages, and YADE calls `watch` at every recorded step.
+
+    Attributes
+    ----------
+    case : Case
+        The case that runs.
+    settings : Settings
+        Every setting of the run.
+    model : Model
+        Its bodies in YADE.
+    record : Record
+        Rows and poses so far.
+    progress : callable
+        Receives stage, fraction, settlement, reaction and message of each row.
+    status : Status or None
+        How the run ended; None while it runs.
+    message : str
+        Why it ended, as a phrase.
+    plateau : Plateau
+        The last fit; NaN where there is none.
+    asked_settlement : float
+        Settlement imposed so far, m or rad.
+    error : BaseException or None
+        Exception raised in `watch`.
+    """
 
     case: Case
     settings: Settings
@@ -58,7 +82,7 @@ class Protocol:
     _began: float = field(default_factory=time.monotonic)
 
     def run(self) -> None:
-        """Both stages; afterwards `status`, `message` and `plateau` say how it ended. Re-raises what went wrong in `watch`."""
+        """Run both stages; afterwards `status`, `message` and `plateau` say how it ended. Re-raises an exception of `watch`."""
         settings, dt = self.settings, self.settings.time_step
         if settings.wedging > 0.0:
             self._wedge()
@@ -66,8 +90,8 @@ class Protocol:
         self._advance(longest, max(1, longest // GRAVITY_ROWS))
         if self.status is None and self._at_rest < ROWS_AT_REST:
             last = self.record.rows[-1]
-            left = f"unbalanced force {last.unbalanced:.2g} of a block's weight, kinetic energy {last.kinetic_energy:.2g} J"
-            self._end(Status.FAILED, f"not at rest under gravity after {settings.gravity_time:.3g} s: {left}")
+            motion = f"unbalanced force {last.unbalanced:.2g} of a block's weight, kinetic energy {last.kinetic_energy:.2g} J"
+            self._end(Status.FAILED, f"not at rest under gravity after {settings.gravity_time:.3g} s: {motion}")
         self.record.store_pose()
         if self.status is None:
             self._settle()
@@ -77,9 +101,9 @@ class Protocol:
             self.record.keep_plateau(self.plateau.start)
 
     def _wedge(self) -> None:
-        """Close the joints against the settlement while nothing has weight yet.
+        """Close the joints by a motion against the settlement, before gravity acts.
 
-        Blocks between parallel joints stand by friction on a thrust that weights alone cannot call up.
+        Blocks between parallel joints stand by friction on a thrust that their weights alone cannot create.
         """
         settings = self.settings
         steps = math.ceil(settings.wedging / settings.speed / settings.time_step)
@@ -111,7 +135,7 @@ class Protocol:
             raise self.error
 
     def watch(self) -> None:
-        """Record a row and decide whether to go on. Runs in YADE's thread: an exception is kept for `run`."""
+        """Record a row and decide whether to go on. Runs in YADE's thread: `run` raises an exception that occurs here."""
         if self.status is not None or self.error is not None:
             return
         try:
@@ -125,7 +149,7 @@ class Protocol:
             self._pause()
 
     def _pause(self) -> None:
-        """End with this step, whose motion is done: YADE's clock may be read before it has counted the step."""
+        """End the stage with this step; its end time is computed, because YADE's clock may not have counted the step yet."""
         self._end_time = Omega().time + self.settings.time_step
         Omega().pause()
 
@@ -164,7 +188,7 @@ class Protocol:
                 self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {row.settlement:.3g}")
 
     def _set_speed(self, elapsed: float) -> None:
-        """Cosine ramp from rest to full speed, in steps of one recorded row."""
+        """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
         ramp = self.settings.ramp_time
         share = 0.5 - 0.5 * math.cos(math.pi * elapsed / ramp) if elapsed < ramp else 1.0
         self._speed = share * self.settings.speed
@@ -186,7 +210,9 @@ class Protocol:
             self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {reached:.3g}")
         else:
             share = self.plateau.uncertainty / abs(self.plateau.reaction) if self.plateau.reaction else math.nan
-            self._end(Status.NO_PLATEAU, f"travel of {reached:.3g} used up: reaction known to {share:.2g} of itself only")
+            self._end(
+                Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself"
+            )
 
     def _end(self, status: Status, message: str) -> None:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):

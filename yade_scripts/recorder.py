@@ -1,4 +1,4 @@
-"""What a run remembers: rows of reaction and energy, poses with contact forces, and contacts the case does not list."""
+"""The record of a run: rows of reaction and energy, poses with contact forces, and contacts that the case does not list."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -15,8 +15,31 @@ GRAVITY, SETTLEMENT = 0, 1
 
 @dataclass(frozen=True)
 class Row:
-    """One recorded instant; units as in `run.h5`. `speed`: of the fastest free block, m/s; `weight_work`:
-    work of the weights since the start, J; `displacement`: of the free block that moved most, m."""
+    """One recorded instant.
+
+    Attributes
+    ----------
+    stage : int
+        GRAVITY or SETTLEMENT.
+    time : float
+        Simulated time, s.
+    settlement : float
+        Settlement of the supports, m or rad.
+    reaction : float
+        Reaction, N or N m.
+    support_wrench : np.ndarray
+        Force and moment about the origin (6,) of the supports on the structure, N and N m.
+    kinetic_energy : float
+        Kinetic energy of the free blocks, J.
+    unbalanced : float
+        Largest unbalanced force over the mean block weight.
+    speed : float
+        Speed of the fastest free block, m/s.
+    weight_work : float
+        Work of the weights since the start, J.
+    displacement : float
+        Displacement of the free block that moved most, m.
+    """
 
     stage: int
     time: float
@@ -31,13 +54,27 @@ class Row:
 
 
 def _array(vectors: Iterable[Vector3]) -> np.ndarray:
-    """YADE's vectors as (N, 3); taken apart by index, because numpy asks each one ten times as long for its entries."""
+    """Return YADE's vectors as an array (N, 3); reading them by index is ten times as fast as numpy's own conversion."""
     return np.array([(vector[0], vector[1], vector[2]) for vector in vectors]).reshape(-1, 3)
 
 
 @dataclass
 class Record:
-    """Rows and poses of one run, read from YADE's scene of `model`."""
+    """Rows and poses of one run, read from YADE's scene.
+
+    Attributes
+    ----------
+    case : Case
+        The case that runs.
+    model : Model
+        Its bodies in YADE.
+    rows : list of Row
+        Recorded instants.
+    poses : list of tuple
+        Stored states: settlement, displacements (B, 3) m, rotations (B, 3) rad, contact forces (C, 3) N.
+    extra : dict
+        First contact position (3,), m, by pair of blocks that the case does not list.
+    """
 
     case: Case
     model: Model
@@ -46,7 +83,7 @@ class Record:
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """What every row asks for: clumps of the free blocks and supports, their states, which YADE updates in place, and constants."""
+        """Look up what every row needs: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
@@ -55,7 +92,7 @@ class Record:
         self._direction = case.support_twist[3:] if case.is_rotation else case.support_twist[:3]
 
     def read_row(self, stage: int) -> Row:
-        """Read the present instant from YADE and keep it."""
+        """Read the present instant from YADE, add it to the rows and return it. stage: GRAVITY or SETTLEMENT."""
         case, omega, states = self.case, Omega(), self._states
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
         vectors = _array(chain(*read)).reshape(len(read), -1, 3)
@@ -82,7 +119,7 @@ class Record:
         return row
 
     def support_wrench(self) -> np.ndarray:
-        """Force and moment about the global origin (6,), N and N m, of the supports on the structure."""
+        """Return force and moment about the global origin (6,), N and N m, of the supports on the structure."""
         forces, supports = Omega().forces, self._supports
         read = [map(forces.f, supports), map(forces.t, supports), (state.pos for state in self._support_states)]
         force, torque, place = _array(chain(*read)).reshape(len(read), -1, 3)
@@ -90,7 +127,7 @@ class Record:
         return -np.concatenate([force, moment], axis=1).sum(axis=0)
 
     def settlement(self) -> float:
-        """Motion of the supports (m, or rad) along their unit twist, read from the first support's pose."""
+        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the first support."""
         block, direction = int(self.case.supports[0]), self._direction
         if self.case.is_rotation:
             moved = self.rotation(block)
@@ -100,20 +137,20 @@ class Record:
         return float(moved @ direction) / float(direction @ direction)
 
     def rotation(self, block: int) -> np.ndarray:
-        """Rotation vector (3,), rad, of the block from the case's geometry."""
+        """Return the rotation vector (3,), rad, of a block relative to the case's geometry."""
         turn = Omega().bodies[self.model.clump[block]].state.ori * self.model.rotation[block].conjugate()
         vector = np.array([turn[0], turn[1], turn[2]]) * (1.0 if turn[3] >= 0.0 else -1.0)
         sine = float(np.linalg.norm(vector))
         return vector * (2.0 * np.arctan2(sine, abs(turn[3])) / sine if sine > 0.0 else 2.0)
 
     def contact_forces(self) -> np.ndarray:
-        """Force (C, 3), N, on block b at every contact point: what the contact's sphere feels, or its opposite."""
+        """Return the force (C, 3), N, on block b at every contact point, from the force on the contact's sphere."""
         forces = Omega().forces
         on_host = _array(forces.f(sphere) for sphere in self.model.sphere)
         return np.where(self.case.host == self.case.block_b, 1.0, -1.0)[:, None] * on_host
 
     def store_pose(self) -> None:
-        """Keep displacements, rotations and contact forces of the present state, and look for contacts nobody listed."""
+        """Store displacements, rotations and contact forces of the present state, and note contacts that the case does not list."""
         bodies = Omega().bodies
         moved = _array(bodies[clump].state.pos for clump in self.model.clump) - self.model.position
         turned = np.array([self.rotation(block) for block in range(len(self.case.role))])
@@ -121,7 +158,7 @@ class Record:
         self._note_extra_contacts()
 
     def keep_plateau(self, start: float) -> None:
-        """Forget the states between rest and the settlement `start` where the plateau begins; the last one stays."""
+        """Drop the states between rest and the settlement `start`, where the plateau begins; the last state stays."""
         first, last = 0, len(self.poses) - 1
         self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose[0] >= start]
 

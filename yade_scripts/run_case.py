@@ -28,7 +28,7 @@ _PR_SET_PDEATHSIG = 1  # prctl(2)
 
 
 def load_package(name: str) -> ModuleType:
-    """Load package `name` from beside this file's folder, leaving sys.path alone: other packages there must not be seen."""
+    """Load package `name` from beside this file's folder, without a change of sys.path: other packages there must stay hidden."""
     folder = _ROOT / name
     spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
@@ -40,14 +40,14 @@ def load_package(name: str) -> ModuleType:
 
 
 def find_yade() -> str:
-    """Folder of YADE's Python modules. Raises ImportError, saying how to get it, when there is none."""
-    asked = os.environ.get("YADE_MODULES")
+    """Return the folder of YADE's Python modules; raises ImportError with the command that installs it when there is none."""
+    named = os.environ.get("YADE_MODULES")
     # Debian ships builds of several precisions side by side: double comes first.
     installed = sorted(Path("/usr/lib").glob("*/yade*/py"), key=lambda path: ("double" not in str(path), str(path)))
-    for folder in [Path(asked)] if asked else installed:
+    for folder in [Path(named)] if named else installed:
         if (folder / "yade" / "__init__.py").is_file():
             return str(folder)
-    where = f"in $YADE_MODULES = {asked}" if asked else "below /usr/lib"
+    where = f"in $YADE_MODULES = {named}" if named else "below /usr/lib"
     raise ImportError(f"no YADE {where}; install it (apt-get install yade python3-h5py) or set YADE_MODULES to its module folder")
 
 
@@ -84,15 +84,15 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    one = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS))
-    chosen = settings.derive(one)
+    problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS))
+    chosen = settings.derive(problem)
     if options.time_limit is not None:
         chosen = dataclasses.replace(chosen, time_limit=options.time_limit)
     sys.path.append(find_yade())
     from yade_scripts import bodies, protocol, recorder, run_fields  # noqa: PLC0415
 
-    model = bodies.build(one, chosen, "watch()")
-    steps = protocol.Protocol(one, chosen, model, recorder.Record(one, model), reporter.progress)
+    model = bodies.build(problem, chosen, "watch()")
+    steps = protocol.Protocol(problem, chosen, model, recorder.Record(problem, model), reporter.progress)
     _expose(steps.watch)
     steps.run()
     values = run_fields.fields(steps, time.monotonic() - began)
@@ -106,13 +106,13 @@ def _expose(watch: Callable[[], Any]) -> None:
 
 
 def _end_with_parent() -> None:
-    """Have the system end this process with the one that started it, however that ends: nobody is left to read its result."""
+    """Have the system kill this process when its parent ends, because nobody is left to read its result."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def _reason(error: Exception) -> str:
-    """One line; an error that nobody here foresaw says its kind, too."""
+    """Return the error as one line; an unforeseen error is given with its type."""
     text = " ".join(str(error).split())
     foreseen = isinstance(error, ImportError) or type(error).__module__.split(".")[0] in ("la_core", "yade_scripts")
     return text if foreseen and text else f"{type(error).__name__}: {text}"

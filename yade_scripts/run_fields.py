@@ -1,4 +1,4 @@
-"""What a finished run writes: every field of `run.h5` from the protocol's record."""
+"""Every field of `run.h5`, from the record of a finished run."""
 
 import dataclasses
 import json
@@ -11,11 +11,11 @@ from yade import Omega, config
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
-_NO_WORK = 1e-6  # of the most work the weights could do: below it nothing but the joints' elasticity works
+_NO_WORK = 1e-6  # of the largest possible work of the weights: below it only the joints' elastic strain does work
 
 
 def fields(run: Protocol, seconds: float) -> dict[str, Any]:
-    """Values of all fields of `run.h5` by path. `seconds`: wall time of the run."""
+    """Return the values of all fields of `run.h5` by path. seconds: wall time of the run."""
     values: dict[str, Any] = {
         "result/status": run.status.value if run.status else "failed",
         "result/reaction": run.plateau.reaction,
@@ -35,7 +35,7 @@ def fields(run: Protocol, seconds: float) -> dict[str, Any]:
 
 
 def kinetic_ratio(run: Protocol) -> float:
-    """Largest kinetic energy on the plateau over the size of the weights' work there; NaN without plateau or without work."""
+    """Return the largest kinetic energy on the plateau over the absolute work of the weights there; NaN without either."""
     fitted = [row for row in run.record.rows if row.stage == SETTLEMENT and row.settlement >= run.plateau.start]
     if not fitted:
         return float("nan")
@@ -52,7 +52,7 @@ def _rows(rows: list[Row]) -> dict[str, Any]:
 
 
 def _poses(run: Protocol) -> dict[str, Any]:
-    """Stored states; blocks that the case leaves out rest."""
+    """Return the stored states by path; blocks that the case leaves out are at rest."""
     names = ("settlement", "displacement", "rotation", "forces")
     poses = {name: np.array([pose[i] for pose in run.record.poses]) for i, name in enumerate(names)}
     for name in ("displacement", "rotation"):
@@ -63,8 +63,8 @@ def _poses(run: Protocol) -> dict[str, Any]:
 
 
 def _extra(run: Protocol) -> dict[str, Any]:
-    found = sorted(run.record.extra.items())
+    contacts = sorted(run.record.extra.items())
     return {
-        "extra_contacts/blocks": run.case.index[np.array([pair for pair, _ in found], dtype=int).reshape(-1, 2)],
-        "extra_contacts/position": np.array([point for _, point in found], dtype=float).reshape(-1, 3),
+        "extra_contacts/blocks": run.case.index[np.array([pair for pair, _ in contacts], dtype=int).reshape(-1, 2)],
+        "extra_contacts/position": np.array([point for _, point in contacts], dtype=float).reshape(-1, 3),
     }

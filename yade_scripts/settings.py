@@ -1,4 +1,4 @@
-"""Every setting of a run: read or derived from the case so that any size and weight of block runs alike, or asked for by name."""
+"""Every setting of a run: derived from the case so that blocks of any size and weight run alike, or set by the scene."""
 
 import dataclasses
 import difflib
@@ -55,12 +55,12 @@ class Settings:
 
 
 def derive(case: Case) -> Settings:
-    """Settings for the case, its own overrides put first. Raises CaseError for an unknown name or an impossible value."""
-    asked = _checked(case.overrides)
+    """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value."""
+    overrides = _checked(case.overrides)
     chosen: dict[str, Any] = {}
 
     def set_default(**values: float) -> None:
-        chosen.update({name: asked.get(name, value) for name, value in values.items()})
+        chosen.update({name: overrides.get(name, value) for name, value in values.items()})
 
     set_default(
         damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES
@@ -83,7 +83,7 @@ def derive(case: Case) -> Settings:
     period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
     set_default(travel_periods=TRAVEL_PERIODS)
     set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
-    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # what an asked-for speed comes to
+    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     set_default(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
@@ -107,7 +107,7 @@ def _checked(overrides: dict[str, Any]) -> dict[str, float]:
 
 
 def _broken_rule(name: str, value: Any, whole: bool) -> str:
-    """What the value of a setting must be and is not; "" when all is well."""
+    """Return the rule that a setting's value breaks, or "". whole: whether it must be a whole number."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not is_number or (whole and not isinstance(value, int)):
         return "a whole number" if whole else "a finite number"
@@ -128,6 +128,6 @@ def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
     normal, shear = chosen["normal_stiffness"], chosen["shear_stiffness"]
     # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
     frequency = math.sqrt(1.0 + chosen["gravity_damping"]) * stable_step.highest_frequency(stable_step.springs(case, normal, shear))
-    # Asked-for viscosities need not be proportional to the stiffnesses: the larger ratio is on the safe side.
+    # Viscosities from the overrides need not be proportional to the stiffnesses: the larger ratio is on the safe side.
     ratios = [chosen["normal_damping"] / normal] + ([chosen["shear_damping"] / shear] if shear > 0.0 else [])
     return stable_step.stable_time_step(frequency, max(ratios))

@@ -1,15 +1,15 @@
-"""Which block carries the contact sphere of each contact point, and which one offers its face."""
+"""Choose the block that carries the sphere of each contact point; the other block offers its face."""
 
 import itertools
 
 import numpy as np
 
 _BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
-_DEEPER = 1e-6  # relative: equal depths must not be told apart by rounding
+_DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
 def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Low and high corner (3,), m, when the vertices are those of an axis-aligned box, else None."""
+    """Return low and high corner (3,), m, of an axis-aligned box with these vertices (n, 3), or None for any other block."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     tolerance = _BOX_TOLERANCE * float((high - low).max())
     at_high = np.abs(vertices - high) <= tolerance
@@ -19,11 +19,19 @@ def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    """Block (C,) that carries the sphere of each contact point; the other block offers its face.
+    """Return the block (C,) that carries the sphere of each contact point; the other block offers its face.
 
-    Prefers a box for the face (YADE's exact and cheapest target), then the block in whose face the point lies deeper:
-    the sphere then stands for an arris of its host, and slip does not carry it off the face.
-    is_box (B,); block_a, block_b (C,); depth (C, 2): distance, m, of each point to the nearest edge of the face on a and on b.
+    A box is preferred for the face, because it is YADE's exact and cheapest target. Otherwise the face is that of the block in which
+    the point lies farther from the edges, so that slip does not carry the sphere off it.
+
+    Parameters
+    ----------
+    is_box : np.ndarray
+        Whether each block (B,) is an axis-aligned box.
+    block_a, block_b : np.ndarray
+        Blocks (C,) of each contact point.
+    depth : np.ndarray
+        Distance (C, 2) of each point to the nearest edge of the face on a and on b, m.
     """
     a_box, b_box = is_box[block_a], is_box[block_b]
     a_deeper = depth[:, 0] > depth[:, 1] * (1.0 + _DEEPER)
@@ -38,24 +46,37 @@ def depth_in_faces(
     faces: tuple[np.ndarray, np.ndarray, np.ndarray],
     plane: bool,
 ) -> np.ndarray:
-    """Distance (C,), m, of every contact point to the nearest face plane of its `block`, the face in contact left out.
+    """Return the distance (C,), m, of every contact point to the nearest face plane of its block, without the face in contact.
 
-    position (C, 3), m; normal (C, 3): outward from `block` (C,); faces: owning block (F,), outward normal (F, 3), offset (F,).
-    In plane cases the faces across y do not count: all points lie at mid depth.
+    Parameters
+    ----------
+    position : np.ndarray
+        Contact points (C, 3), m.
+    normal : np.ndarray
+        Contact normals (C, 3), outward from the block.
+    block : np.ndarray
+        Block (C,) of each contact point.
+    faces : tuple of np.ndarray
+        Owning block (F,), outward unit normal (F, 3) and offset (F,), m, of each face.
+    plane : bool
+        Whether the case is plane; faces across y then do not count, because all points lie at mid depth.
     """
     owner, face_normal, face_offset = faces
     depth = np.empty(len(position))
-    for one in np.unique(block):
-        rows, own = np.flatnonzero(block == one), np.flatnonzero(owner == one)
-        distance = face_offset[own] - position[rows] @ face_normal[own].T
-        in_contact = normal[rows] @ face_normal[own].T > 1.0 - 1e-6
-        across = plane & (np.abs(face_normal[own, 1]) > 0.5)
+    for number in np.unique(block):
+        rows, of_block = np.flatnonzero(block == number), np.flatnonzero(owner == number)
+        distance = face_offset[of_block] - position[rows] @ face_normal[of_block].T
+        in_contact = normal[rows] @ face_normal[of_block].T > 1.0 - 1e-6
+        across = plane & (np.abs(face_normal[of_block, 1]) > 0.5)
         depth[rows] = np.where(in_contact | across, np.inf, distance).min(axis=1)
     return depth
 
 
 def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise from outside."""
+    """Return outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise seen from outside.
+
+    vertices (V, 3), m; face_vertex: vertex numbers of all loops; face_start (F + 1,): where each loop begins in it.
+    """
     normals, offsets = np.empty((len(face_start) - 1, 3)), np.empty(len(face_start) - 1)
     for face, (first, last) in enumerate(itertools.pairwise(face_start)):
         points = vertices[face_vertex[first:last]]

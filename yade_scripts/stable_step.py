@@ -1,6 +1,6 @@
-"""The assembly as elastic springs at its contact points: highest frequency, stable time step.
+"""Stable time step from the highest frequency of the assembly, with elastic springs at its contact points.
 
-Matrix-free over contact arrays: a vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
+No matrix is built. A vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
 """
 
 from dataclasses import dataclass
@@ -15,9 +15,20 @@ _POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highes
 
 @dataclass(frozen=True)
 class Springs:
-    """Bilateral springs at every contact point: K as an operator, M block-diagonal.
+    """Bilateral springs at every contact point, as stiffness operator K and block-diagonal mass matrix M.
 
-    stiffness (3,)-weights are `normal` along the contact normal and `shear` across it, N/m.
+    Attributes
+    ----------
+    case : Case
+        B blocks and C contact points.
+    normal, shear : float
+        Stiffness of one contact point along its normal and across it, N/m.
+    arm_a, arm_b : np.ndarray
+        Arms (C, 3) from the centroids of blocks a and b to the contact points, m.
+    freedoms : np.ndarray
+        1.0 for each free component of the twists (B, 6), else 0.0.
+    inverse_inertia : np.ndarray
+        Inverse of the inertia (B, 3, 3), 1/(kg m2).
     """
 
     case: Case
@@ -29,7 +40,7 @@ class Springs:
     inverse_inertia: np.ndarray
 
     def contact_forces(self, twists: np.ndarray) -> np.ndarray:
-        """Spring forces (C, 3), N, on block b (against its displacement relative to a, hence the sign is that of the gap)."""
+        """Return the spring forces (C, 3), N, as stiffness times the displacement of b relative to a; twists (B, 6), m and rad."""
         case = self.case
         of_a, of_b = twists[case.block_a], twists[case.block_b]
         relative = of_b[:, :3] + np.cross(of_b[:, 3:], self.arm_b) - of_a[:, :3] - np.cross(of_a[:, 3:], self.arm_a)
@@ -37,7 +48,7 @@ class Springs:
         return self.shear * relative + (self.normal - self.shear) * along
 
     def stiffness(self, twists: np.ndarray) -> np.ndarray:
-        """K times twists: generalised forces (B, 6), N and N m."""
+        """Return K times twists (B, 6): generalised forces (B, 6), N and N m."""
         force = self.contact_forces(twists)
         case = self.case
         on_b = np.hstack([force, np.cross(self.arm_b, force)])
@@ -48,14 +59,14 @@ class Springs:
         return total * self.freedoms
 
     def compliance_of_mass(self, wrenches: np.ndarray) -> np.ndarray:
-        """M^-1 times wrenches: accelerations (B, 6)."""
+        """Return M^-1 times wrenches (B, 6), N and N m: accelerations (B, 6), m/s2 and rad/s2."""
         linear = wrenches[:, :3] / self.case.mass[:, None]
         angular = np.einsum("bij,bj->bi", self.inverse_inertia, wrenches[:, 3:])
         return np.hstack([linear, angular]) * self.freedoms
 
 
 def springs(case: Case, normal: float, shear: float) -> Springs:
-    """Springs of `normal` and `shear` stiffness (N/m) at every contact point of the case."""
+    """Return springs of `normal` and `shear` stiffness (N/m) at every contact point of the case."""
     freedoms = np.outer(np.isin(np.arange(len(case.mass)), case.free), _PLANE_FREEDOMS if case.plane else np.ones(6))
     inertia = case.inertia
     if case.plane:
@@ -65,7 +76,7 @@ def springs(case: Case, normal: float, shear: float) -> Springs:
 
 
 def highest_frequency(system: Springs) -> float:
-    """Highest natural frequency (rad/s) by power iteration on M^-1 K with a fixed starting vector."""
+    """Return the highest natural frequency (rad/s), by power iteration on M^-1 K from a fixed starting vector."""
     twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
     twists[:, 3:] /= np.median(np.linalg.norm(np.concatenate([system.arm_a, system.arm_b]), axis=1))
     twists *= system.freedoms
@@ -80,10 +91,10 @@ def highest_frequency(system: Springs) -> float:
 
 
 def stable_time_step(frequency: float, damping_time: float) -> float:
-    """Largest stable step (s) of the leapfrog scheme whose viscous force lags half a step.
+    """Return the largest stable step (s) of the leapfrog scheme with viscous forces that lag half a step: 2/w (sqrt(1 + x^2) - x).
 
-    frequency: highest natural frequency (rad/s); damping_time: viscosity over stiffness (s), the same at every contact,
-    so that every mode is damped by the ratio damping_time * frequency / 2 and the limit is 2/w (sqrt(1 + x^2) - x).
+    frequency: highest natural frequency w, rad/s. damping_time: viscosity over stiffness, s, the same at every contact; the damping ratio
+    of the mode with the highest frequency is then x = damping_time * w / 2.
     """
     ratio = 0.5 * damping_time * frequency
     return float(2.0 / frequency * (np.hypot(1.0, ratio) - ratio))

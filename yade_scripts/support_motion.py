@@ -1,4 +1,4 @@
-"""How the supports move: one engine of YADE for all of them, and its speed."""
+"""Motion of the supports: one engine of YADE for all of them, and its speed."""
 
 import numpy as np
 from yade import HelixEngine, KinematicEngine, TranslationEngine
@@ -7,7 +7,7 @@ from yade_scripts.case import Case
 
 
 def drive_of(case: Case, ids: list[int]) -> KinematicEngine:
-    """Rigid motion of all supports with the direction of the unit twist: a translation, or a screw about its axis."""
+    """Return the engine that moves the supports along the unit twist: a translation, or a screw about its axis. ids: of clumps."""
     velocity, spin = case.support_twist[:3], case.support_twist[3:]
     if not case.is_rotation:
         return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)

@@ -1,4 +1,4 @@
-"""One judgement: what was compared, how far apart, how far it may be, and why."""
+"""A check: one comparison of the two methods, with its numbers, tolerance, verdict and reason."""
 
 import enum
 import math
@@ -58,7 +58,7 @@ class Check:
 
 
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
-    """The gravest verdict of all checks, with its reasons unless it is agree; None when nothing was judged."""
+    """Return the most severe verdict of all checks and the reasons for it, "" for agree; without checks the verdict is None."""
     for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
         reasons = [check.reason for check in checks if check.verdict is verdict]
         if reasons:
@@ -66,29 +66,59 @@ def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
     return (Verdict.AGREE, "") if checks else (None, "")
 
 
-def within(name: str, expected: float, found: float, tolerance: float, unit: str, reason: str) -> Check:
-    """Compare two numbers; an undefined one makes the check inconclusive, never agree."""
-    difference = found - expected
+def within(name: str, expected: float, observed: float, tolerance: float, unit: str, reason: str) -> Check:
+    """Compare two numbers; an undefined one makes the check inconclusive, never agree.
+
+    Parameters
+    ----------
+    name : str
+        Name of the check.
+    expected, observed : float
+        Values of limit analysis and of YADE, in `unit`.
+    tolerance : float
+        Largest size of their difference that still agrees, in `unit`.
+    unit : str
+        Unit of the three numbers.
+    reason : str
+        Sentence for the check where the numbers differ by more than the tolerance.
+    """
+    difference = observed - expected
     if not (math.isfinite(difference) and math.isfinite(tolerance)):
-        missing = f"{name}: a value does not exist."
-        return Check(name, Verdict.INCONCLUSIVE, finite_or_none(expected), finite_or_none(found), None, tolerance, unit, missing)
+        missing = f'The check "{name}" could not be made, because one of its values is undefined.'
+        return Check(name, Verdict.INCONCLUSIVE, finite_or_none(expected), finite_or_none(observed), None, tolerance, unit, missing)
     verdict = Verdict.AGREE if abs(difference) <= tolerance else Verdict.DISAGREE
-    return Check(name, verdict, expected, found, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
+    return Check(name, verdict, expected, observed, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
 
 
-def inside(name: str, bounds: tuple[float, float], found: float, tolerance: float, unit: str, reason: str) -> Check:
-    """Compare a number with a range: the check shows the nearer bound, and the range in its reason."""
+def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: float, unit: str, reason: str) -> Check:
+    """Compare a number with a range: the check shows the nearer bound, and its reason names the range.
+
+    Parameters
+    ----------
+    name : str
+        Name of the check.
+    bounds : tuple of float
+        Lower and upper bound from limit analysis, in `unit`; the upper one may be infinite.
+    observed : float
+        Value of YADE, in `unit`.
+    tolerance : float
+        Largest distance beyond a bound that still agrees, in `unit`.
+    unit : str
+        Unit of all numbers.
+    reason : str
+        Sentence for the check where the number lies outside.
+    """
     low, high = bounds
-    if any(math.isnan(bound) for bound in (low, high, tolerance)) or not math.isfinite(found):
-        return within(name, math.nan, found, tolerance, unit, reason)
-    fits = low - tolerance <= found <= high + tolerance
-    nearer = low if found - low <= high - found else high
+    if any(math.isnan(bound) for bound in (low, high, tolerance)) or not math.isfinite(observed):
+        return within(name, math.nan, observed, tolerance, unit, reason)
+    fits = low - tolerance <= observed <= high + tolerance
+    nearer = low if observed - low <= high - observed else high
     span = f"Range: {low:.6g} to {high:.6g} {unit}." if math.isfinite(high) else f"Range: {low:.6g} {unit} and more."
-    shown = span if fits else f"{reason} {span}"
+    message = span if fits else f"{reason} {span}"
     verdict = Verdict.AGREE if fits else Verdict.DISAGREE
-    return Check(name, verdict, finite_or_none(nearer), found, finite_or_none(found - nearer), tolerance, unit, shown)
+    return Check(name, verdict, finite_or_none(nearer), observed, finite_or_none(observed - nearer), tolerance, unit, message)
 
 
 def finite_or_none(value: float) -> float | None:
-    """The value, None where it is not finite."""
+    """Return the value, or None where it is not finite."""
     return value if math.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""Every effect of a scene as on or off: how it is modelled, why, what leaving it out saves and what keeping it took."""
+"""Table of effects: on or off, how each is modelled and why, the savings of leaving it out and the cost of keeping it."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from la_core.scene import Scene
 SEARCH = len(STATIONS) + 1  # programmes that look for a sliding joint
 BODIES_OF_BLOCK = 3  # clump, carrier and face
 
-EFFECTS: dict[str, tuple[bool | str, ...]] = {  # as it is modelled where the effect is left out
+EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices that leave the effect out
     "plane": (True,),
     "friction": ("none-slides", "associated"),
     "elasticity": ("none",),
@@ -20,7 +20,7 @@ EFFECTS: dict[str, tuple[bool | str, ...]] = {  # as it is modelled where the ef
     "displacement": ("small",),
     "recording": ("plateau",),
 }
-WORDS = {  # what is on or off
+WORDS = {  # the physical effect that is on or off
     "plane": "motion out of the plane",
     "friction": "sliding without dilatancy",
     "elasticity": "strain of the joints",
@@ -31,11 +31,21 @@ WORDS = {  # what is on or off
 
 
 def effects_summary(scene: Scene, whole: Assembly, assembly: Assembly, analysis: LimitAnalysis | None = None) -> dict[str, Any]:
-    """Choices and reasons by effect, and `table`: one row an effect, in the order of EFFECTS.
+    """Return the choice of each effect, all reasons, and `table` with one row for each effect, in the order of EFFECTS.
 
-    whole: the assembly with every block. assembly: as it is modelled. analysis: None before it.
-    A row: effect, what it is, on, modelled, reason, saved (counts by name, where it is off), seconds (measured, where it is on and
-    limit analysis spent time on it alone; else null).
+    A row has effect, what (its meaning), on, modelled, reason, saved (counts by name, where it is off) and seconds (measured, where it
+    is on and limit analysis spent time on it alone; else None).
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene of the analysis.
+    whole : Assembly
+        Assembly of every block.
+    assembly : Assembly
+        Assembly as it is modelled.
+    analysis : LimitAnalysis or None
+        Its result, None before it was made.
     """
     effects = assembly.effects
     saved, seconds = _saved(scene, whole, assembly), _seconds(analysis)
@@ -62,7 +72,7 @@ def _modelled(name: str, choice: bool | str) -> str:
 
 
 def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[str, int]]:
-    """What each effect saves where it is left out, against the same model with it."""
+    """Return the counts that each effect saves where it is left out, compared with the same model with it."""
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
@@ -91,9 +101,9 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
 
 
 def _seconds(analysis: LimitAnalysis | None) -> dict[str, float]:
-    """Solver seconds that an effect alone took."""
+    """Return the solver's seconds that an effect alone took, by effect."""
     if analysis is None or analysis.coulomb is None or analysis.sharp.coulomb is None:
         return {}
-    answers = {id(one): one for one in (analysis.coulomb, analysis.sharp.coulomb)}
-    seconds = {"friction": sum(one.seconds for one in answers.values())}
+    solutions = {id(solution): solution for solution in (analysis.coulomb, analysis.sharp.coulomb)}
+    seconds = {"friction": sum(solution.seconds for solution in solutions.values())}
     return seconds | ({"elasticity": analysis.path.seconds} if analysis.path is not None else {})

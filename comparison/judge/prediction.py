@@ -1,6 +1,7 @@
-"""YADE's plateau against what limit analysis predicts: reaction, interval of the mechanism, friction state, mechanism.
+"""Compare YADE's plateau with the prediction of limit analysis: reaction, interval, friction state and mechanism.
 
-The prediction is Coulomb's where the scene calls for it, else the associated answer; where joints slide, the latter is a bound.
+The prediction is the Coulomb prediction where there is one, and the associated answer elsewhere. Where joints slide, the associated
+answer is only a lower bound.
 """
 
 import math
@@ -18,22 +19,37 @@ from la_core.limit import Drive, Status, consistent_reaction
 from la_core.measures import mechanism, residuals
 
 REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within the mechanism's interval"
-SIMILAR = 0.95  # mass-weighted assurance of two mechanisms that are the same to the eye
+SIMILAR = 0.95  # modal assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
-DOUBTFUL = 1e-2  # dilatancy residual: an iteration that leaves more of it predicts nothing, one that leaves less may confirm
+DOUBTFUL = 1e-2  # dilatancy residual: an iteration with a larger one predicts nothing, one with a smaller one may confirm YADE
 STEADY = 5e-3  # of the reaction: scatter about the plateau's line above this is stick-slip
 CONSISTENT = 1e-2  # of the reaction: slow steady runs are within 1e-4, runs that stick and slip miss by per cents
 
-BOUND_ONLY = ", so the associated answer is only a lower bound: YADE may lie above it, and nothing sharper is known here."
+BOUND_ONLY = "The associated answer is then only a lower bound of the reaction, and YADE may lie above it."
+MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """What YADE's plateau is held against, in N or N m. obstacle: why it is no sharp prediction, "" where it is one.
+    """The prediction that YADE's plateau is compared with.
 
-    interval: what the mechanism alone allows. slides: whether loaded joints slide. share: tolerance of the reaction.
-    doubt: why it may confirm YADE but not contradict it, "" where it may do both.
+    Attributes
+    ----------
+    value : float
+        Predicted reaction, N or N m.
+    interval : tuple of float
+        Least and greatest reaction that the predicted mechanism allows, N or N m; NaN where unknown.
+    twists : np.ndarray
+        Predicted mechanism (B, 6): twist of each block for a unit motion of the support.
+    slides : bool
+        Whether loaded joints slide.
+    share : float
+        Tolerance of the reaction, as a share of it.
+    obstacle : str
+        Why the value is no sharp prediction; "" where it is one.
+    doubt : str
+        Why the value may confirm YADE but not contradict it; "" where it may do both.
     """
 
     value: float
@@ -46,43 +62,51 @@ class Prediction:
 
 
 def predicted(results: Results) -> Prediction:
-    """The sharpest prediction that limit analysis has for this scene."""
+    """Return the sharpest prediction that limit analysis has for this scene."""
     analysis = results.analysis
     least, coulomb, assembly = analysis.bounds[Drive.YIELDING], analysis.coulomb, analysis.assembly
     if slides_unforeseen(results):
-        obstacle = 'Joints slide in YADE and in no mechanism of limit analysis; ask for effects.friction = "coulomb".'
+        obstacle = f"Joints slide in YADE, but in no mechanism of limit analysis. {MODEL_SLIDING}"
         return Prediction(least.value, (math.nan, math.nan), least.twists, True, REACTION, obstacle)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         share = HISTORY + abs(coulomb.drift) if slides else REACTION
         share += REACH if assembly.effects.reach else 0.0
-        left = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
-        doubt = "" if coulomb.status is Status.SOLVED else f"The Coulomb iteration has not converged ({left})."
+        accuracy = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
+        unconverged = f"The Coulomb iteration has not converged ({accuracy}), so its value cannot contradict YADE."
+        doubt = "" if coulomb.status is Status.SOLVED else unconverged
         if doubt and not (coulomb.dilatancy_residual <= DOUBTFUL and abs(coulomb.drift) <= DOUBTFUL):
             return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
         share += _spurious_share(analysis, coulomb) if doubt else 0.0
         return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, "", doubt)
     slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(results)
-    what = {"none-slides": "Joints slide in YADE, which the scene excludes in limit analysis"}
-    obstacle = what.get(assembly.effects.friction, "Joints slide in the mechanism and real friction does not dilate") + BOUND_ONLY
-    return Prediction(least.value, (math.nan, math.nan), least.twists, slides, REACTION, obstacle if slides else "")
+    obstacle = _associated_obstacle(assembly.effects.friction) if slides else ""
+    return Prediction(least.value, (math.nan, math.nan), least.twists, slides, REACTION, obstacle)
+
+
+def _associated_obstacle(friction: str) -> str:
+    """Why the associated answer is no prediction where joints slide, for the modelled effect `friction`."""
+    if friction == "none-slides":
+        return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY} {MODEL_SLIDING}"
+    dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY}"
+    return dilates if friction == "coulomb" else f"{dilates} {MODEL_SLIDING}"
 
 
 def _spurious_share(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
-    """By how much of the reaction the dilation that is left may shift it: its work, by the balance of power of one mechanism."""
+    """Share of the reaction by which the remaining dilation may shift it: its work, by the balance of power of one mechanism."""
     settling = float(np.maximum(np.sum(analysis.assembly.dead_load * coulomb.twists, axis=1), 0.0).sum())
     return coulomb.dilatancy_residual * settling / abs(coulomb.value) if coulomb.value else math.inf
 
 
 def slides_unforeseen(results: Results) -> bool:
-    """Whether joints slide in YADE though limit analysis found none that does, so that friction was left out."""
+    """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore left sliding out."""
     analysis = results.analysis
     effects = analysis.assembly.effects
     return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
 
 
 def _slides_in_yade(results: Results) -> bool:
-    """Whether joints slide in YADE's mechanism as limit analysis does not allow: faster than they part, without penetrating."""
+    """Return whether joints of YADE's mechanism slide faster than they open, without penetrating: limit analysis excludes that."""
     analysis, run = results.analysis, results.recorded
     twists = run.mechanism()
     if np.isnan(twists).any():
@@ -92,7 +116,7 @@ def _slides_in_yade(results: Results) -> bool:
 
 
 def check_prediction(results: Results) -> Iterator[Check]:
-    """Reaction against prediction and interval, YADE's friction state, and the mechanisms."""
+    """Yield the checks of the reaction, its interval, YADE's friction state and the mechanism."""
     analysis, run = results.analysis, results.recorded
     prediction = predicted(results)
     alike = mechanism.similarity(analysis.assembly.blocks, prediction.twists, run.mechanism())
@@ -111,13 +135,15 @@ def _check_reaction(results: Results, prediction: Prediction, alike: float) -> C
     misses = abs(reaction - value) > tolerance
     low, high = prediction.interval
     apart, least = abs(reaction - value), least_reaction(analysis)
-    by = f"YADE differs from the Coulomb prediction by {f'{apart / abs(value):.1%}' if abs(value) > least else f'{apart:.4g} {scene.unit}'}"
+    distance = f"{apart / abs(value):.1%}" if abs(value) > least else f"{apart:.4g} {scene.unit}"
+    by = f"YADE differs from the Coulomb prediction by {distance}"
     if prediction.obstacle:
         return Check(name, Verdict.INCONCLUSIVE, value, reaction, reaction - value, None, scene.unit, prediction.obstacle)
     if is_broad(results):
-        reason = "YADE's own uncertainty is too large to judge the prediction."
+        size = f"{run.result.uncertainty:.3g} {scene.unit}"
+        reason = f"YADE's uncertainty of {size} is too large to judge the prediction. Run it slower ([yade] speed)."
     elif not prediction.slides:
-        reason = "No joint slides, so limit analysis predicts the reaction, but YADE's differs by more than both uncertainties."
+        reason = f"YADE differs from limit analysis by {distance}, more than both uncertainties, although no joint slides."
         return within(name, value, reaction, tolerance, scene.unit, reason)
     elif misses and prediction.doubt:
         reason = f"{by}. {prediction.doubt}"
@@ -125,23 +151,23 @@ def _check_reaction(results: Results, prediction: Prediction, alike: float) -> C
         ends = f"{low:.6g} to {high:.6g} {scene.unit}"
         reason = f"{by}, but both lie in the interval {ends} within which friction's history decides{_stick_slip(run)}."
     elif misses and not alike >= SIMILAR:
-        reason = f"{by} and moves by another mechanism (assurance {alike:.3f}): the history of friction decides between them."
+        reason = f"{by} and moves by another mechanism (modal assurance {alike:.3f}). Friction's history decides which one forms."
     else:
-        reason = f"{by}, more than friction's history and both uncertainties explain."
+        reason = f"{by}. Friction's history and both uncertainties explain at most {tolerance:.4g} {scene.unit}."
         return within(name, value, reaction, tolerance, scene.unit, reason)
     return Check(name, Verdict.INCONCLUSIVE, value, reaction, reaction - value, tolerance, scene.unit, reason)
 
 
 def _check_interval(results: Results, prediction: Prediction, alike: float) -> Iterator[Check]:
-    """The interval binds every method that moves by the same mechanism."""
+    """Yield the check that YADE's reaction lies in the interval, which binds every method with the same mechanism."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if any(math.isnan(end) for end in prediction.interval):
         return
-    reason = "YADE's reaction lies outside what the Coulomb mechanism allows, whatever the history of friction."
+    reason = "YADE's reaction lies outside the interval that the Coulomb mechanism allows for any history of friction."
     tolerance = reaction_tolerance(results, max(REACTION, accuracy_share(analysis)))
     check = inside(INTERVAL_CHECK, prediction.interval, run.result.reaction, tolerance, scene.unit, reason)
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
-        other = f"YADE moves by another mechanism (assurance {alike:.3f}), which the interval of this one does not bind."
+        other = f"YADE moves by another mechanism (modal assurance {alike:.3f}), to which the Coulomb interval does not apply."
         reason = f"{prediction.doubt or other} {check.reason}"
         check = Check(check.name, Verdict.INCONCLUSIVE, *_numbers(check), check.unit, reason)
     yield check
@@ -152,30 +178,32 @@ def _numbers(check: Check) -> tuple[float | None, float | None, float | None, fl
 
 
 def _check_consistency(results: Results) -> Check:
-    """The least reaction with friction limited by YADE's own normal forces is YADE's where every joint that should slide does."""
+    """Compare YADE's reaction with the least one that its own normal forces allow; they agree where every joint slides that should."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     forces = run.plateau_forces()
     normal = np.maximum(analysis.assembly.split(forces)[0], 0.0)
-    found, sharp = residuals.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
+    reaction, least = residuals.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
     name = "YADE's friction state"
-    if sharp.status is not Status.SOLVED:
-        reason = "YADE's mean normal forces on the plateau are not those of one quasi-static state."
-        return Check(name, Verdict.INCONCLUSIVE, None, found, None, None, scene.unit, reason)
-    tolerance = max(CONSISTENT * abs(found), reaction_tolerance(results, 0.0))
-    reason = "With friction limited by YADE's own normal forces a lower reaction is possible: not every joint slides that should."
-    check = within(name, sharp.value, found, tolerance, scene.unit, reason + _stick_slip(run))
+    if least.status is not Status.SOLVED:
+        ended = f"Limit analysis with YADE's mean normal forces on the plateau ended as {least.status}"
+        reason = f"{ended}, so these forces are not those of one quasi-static state."
+        return Check(name, Verdict.INCONCLUSIVE, None, reaction, None, None, scene.unit, reason)
+    tolerance = max(CONSISTENT * abs(reaction), reaction_tolerance(results, 0.0))
+    possible = f"With friction limited by YADE's own normal forces, the reaction could be as low as {least.value:.6g} {scene.unit}"
+    reason = f"{possible}: not every joint slides that should{_stick_slip(run)}."
+    check = within(name, least.value, reaction, tolerance, scene.unit, reason)
     return check if check.verdict is Verdict.AGREE else Check(name, Verdict.INCONCLUSIVE, *_numbers(check), check.unit, check.reason)
 
 
 def _check_steadiness(run: Run) -> Check:
-    """Names stick-slip; it is no fault, the plateau's uncertainty counts it."""
+    """Report stick-slip, which is no fault: the plateau's uncertainty includes it."""
     scatter = run.scatter()
-    named = (
-        f"Stick-slip: the reaction scatters by {scatter:.1%} about its plateau, which its uncertainty counts." if scatter > STEADY else ""
-    )
-    verdict = Verdict.AGREE if math.isfinite(scatter) else Verdict.INCONCLUSIVE
-    reason = named or ("" if math.isfinite(scatter) else "YADE recorded too little of the plateau to tell its scatter.")
-    return Check("steadiness of the plateau", verdict, None, scatter if math.isfinite(scatter) else None, None, STEADY, "of R", reason)
+    name, unit = "steadiness of the plateau", "of R"
+    if not math.isfinite(scatter):
+        reason = "YADE recorded too few rows on the plateau to measure its scatter."
+        return Check(name, Verdict.INCONCLUSIVE, None, None, None, STEADY, unit, reason)
+    slips = f"Stick-slip: the reaction scatters by {scatter:.1%} about its plateau; the uncertainty of the reaction includes this."
+    return Check(name, Verdict.AGREE, None, scatter, None, STEADY, unit, slips if scatter > STEADY else "")
 
 
 def _stick_slip(run: Run) -> str:
@@ -185,32 +213,32 @@ def _stick_slip(run: Run) -> str:
 
 def _check_mechanism(results: Results, prediction: Prediction, alike: float) -> Iterator[Check]:
     analysis, run = results.analysis, results.recorded
-    found, blocks = run.mechanism(), analysis.assembly.blocks
-    if np.isnan(found).any():
-        reason = "YADE stored fewer than two states on the plateau, so its mechanism is not known."
+    twists, blocks = run.mechanism(), analysis.assembly.blocks
+    if np.isnan(twists).any():
+        reason = "YADE stored fewer than two states on the plateau, so its mechanism is unknown. Store more states ([yade] poses)."
         yield Check("mechanism similarity", Verdict.INCONCLUSIVE, reason=reason)
         return
-    differ = mechanism.moving(blocks, prediction.twists) != mechanism.moving(blocks, found)
+    differ = mechanism.moving(blocks, prediction.twists) != mechanism.moving(blocks, twists)
     mass = float(blocks.mass[differ].sum() / analysis.assembly.movable_mass)
     if prediction.slides and analysis.coulomb is None:
-        other, why = Verdict.INCONCLUSIVE, " The associated mechanism dilates where joints slide; real friction does not."
+        other, why = Verdict.INCONCLUSIVE, " Sliding joints dilate in the associated mechanism and not in YADE."
     elif prediction.slides:
-        other, why = Verdict.INCONCLUSIVE, " With friction that does not dilate, the mechanism need not be unique."
-    elif _is_collapse_mechanism(results, found):
-        other, why = Verdict.AGREE, " YADE's is admissible and does the same work, so the collapse mechanism is not unique."
+        other, why = Verdict.INCONCLUSIVE, " Where joints slide without dilatancy, the mechanism need not be unique."
+    elif _is_collapse_mechanism(results, twists):
+        other, why = Verdict.AGREE, " YADE's mechanism is admissible and does the same work, so the collapse mechanism is not unique."
     else:
         other, why = Verdict.DISAGREE, ""
     same = alike >= SIMILAR
-    reason = "" if same else f"The mechanisms differ (assurance {alike:.3f}).{why}"
+    reason = "" if same else f"The mechanisms differ (modal assurance {alike:.3f}, at least {SIMILAR} for agreement).{why}"
     yield Check("mechanism similarity", Verdict.AGREE if same else other, 1.0, alike, alike - 1.0, 1.0 - SIMILAR, "", reason)
     same = mass <= SAME_MASS
-    reason = "" if same else f"Blocks with {mass:.0%} of the mass move in one method only.{why}"
-    shares = [mechanism.moving_mass_share(analysis.assembly, twists) for twists in (prediction.twists, found)]
+    reason = "" if same else f"Blocks with {mass:.0%} of the mass move in one method only ({SAME_MASS:.0%} accepted).{why}"
+    shares = [mechanism.moving_mass_share(analysis.assembly, motion) for motion in (prediction.twists, twists)]
     yield Check("moving blocks", Verdict.AGREE if same else other, shares[0], shares[1], mass, SAME_MASS, "of the mass", reason)
 
 
 def _is_collapse_mechanism(results: Results, twists: np.ndarray) -> bool:
-    """Whether twists (B, 6) for the support's unit motion solve limit analysis, too: they obey the flow rule and do its work."""
+    """Return whether twists (B, 6) for a unit motion of the support solve limit analysis, too: they obey the flow rule and do its work."""
     analysis = results.analysis
     work = float(np.sum(analysis.assembly.dead_load * twists))
     misses = abs(work - analysis.bounds[Drive.YIELDING].value)

@@ -1,4 +1,4 @@
-"""The judge: each check compares one thing, with a tolerance and the reason for it, and says agree, disagree or inconclusive."""
+"""The checks of one run: each compares one quantity and says agree, disagree or inconclusive, with a reason."""
 
 import math
 from collections.abc import Iterator
@@ -12,62 +12,70 @@ from comparison.judge.prediction import check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
 from comparison.judge.tolerances import REACTION, UNBALANCED, accuracy_share, reaction_tolerance
+from comparison.numbers import plural
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
 from la_core.scene import Scene
 
-SETTLEMENT = 1e-3  # of the settlement asked for: the support is driven, so only round-off may separate the two
+SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only round-off may separate the two
 
 
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
-    """The scene's own expected values against limit analysis for sharp arrises.
+    """Yield a check of limit analysis for sharp arrises against each value of the scene's table [expected].
 
-    Reaction and multiplier are judged with the scene's own friction, the greatest reaction and what is named so as associated.
+    Reaction and multiplier are compared with the answer for the scene's own friction; the greatest reaction and the values with
+    "associated" in their names are compared with the associated answer.
     """
     scene = analysis.scene
     expected = scene.expected
     if expected is None:
         return
     main, greatest = analysis.sharp.bounds[analysis.main], analysis.sharp.bounds.get(Drive.PUSHING)
-    own = analysis.sharp.coulomb or main
+    answer = analysis.sharp.coulomb or main
     value, associated = expected.reaction_over_weight, expected.associated_reaction_over_weight
     if scene.live is not None:
         value, associated = expected.multiplier, expected.associated_multiplier
-    asked = (
-        (f"expected {scene.quantity}", value, own),
+    comparisons = (
+        (f"expected {scene.quantity}", value, answer),
         (f"expected associated {scene.quantity}", associated, main),
         ("expected greatest reaction", expected.reaction_max_over_weight, greatest),
     )
     divisor, unit = (1.0, "") if scene.live is not None else (scene.weight, "of W")
-    for name, number, solution in asked:
+    for name, number, solution in comparisons:
         if number is not None and solution is not None:
-            found = solution.value / divisor if solution.status is Status.SOLVED else math.nan
-            over = f" ({solution.status})" if solution.status is not Status.SOLVED else ""
-            reason = f"Limit analysis gives {found:.6g}{over} for sharp arrises, the scene expects {number:.6g}."
-            check = within(name, found, number, max(expected.tolerance, accuracy_share(analysis) * abs(number)), unit, reason)
-            yield replace(check, yade=None)  # what was compared is the scene's own number, which the report names as such
+            solved = solution.status is Status.SOLVED
+            computed = solution.value / divisor if solved else math.nan
+            tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
+            reason = f"Limit analysis gives {computed:.6g} for sharp arrises, but the scene expects {number:.6g}."
+            check = within(name, computed, number, tolerance, unit, reason)
+            if not solved:
+                unknown = f"Limit analysis for sharp arrises ended as {solution.status}, but the scene expects {number:.6g}."
+                check = replace(check, reason=unknown)
+            yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
 
 
 def check_run(results: Results) -> list[Check]:
-    """Everything YADE's run can say about limit analysis and limit analysis about YADE's run."""
+    """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     least = analysis.bounds[Drive.YIELDING]
     if run.status not in ("plateau", "no plateau", "collapsed"):
-        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=f"YADE's run ended as {run.status}: {run.result['message']}")]
+        reason = f"YADE's run ended as {run.status}: {run.result.message}."
+        more_time = " Allow more seconds with --time-limit." if run.status == "timeout" else ""
+        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason + more_time)]
     if least.status is Status.INFEASIBLE:
         return [_check_standing(results)]
     moved = list(check_displacement(results))
     if run.status == "collapsed":
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if least.status is not Status.SOLVED:
-        reason = f"Limit analysis ended as {least.status}, so there is nothing to judge by."
+        reason = f"Limit analysis ended as {least.status}, so YADE's reaction cannot be compared."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     checks = [_check_settlement(scene, run), *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
-        reason = f"YADE's reaction was not steady when the run ended: {run.result['message']}"
+        reason = f"YADE's reaction was not steady when the run ended: {run.result.message}. Run it slower ([yade] speed)."
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason)]
     checks.append(balance := _check_balance(results))
     is_on_its_way = balance.verdict is not Verdict.AGREE and balance.difference is not None
@@ -75,7 +83,7 @@ def check_run(results: Results) -> list[Check]:
 
 
 def _check_reaction(results: Results) -> Iterator[Check]:
-    """What a reaction says that is one of equilibrium."""
+    """Yield the checks of a reaction that belongs to a state of equilibrium."""
     yield _check_bounds(results)
     yield from check_reach(results)
     yield from check_prediction(results)
@@ -83,10 +91,10 @@ def _check_reaction(results: Results) -> Iterator[Check]:
 
 
 def _check_standing(results: Results) -> Check:
-    """One method, or both, say that the structure falls.
+    """Return the check of whether the structure stands, where one method or both say that it falls.
 
-    A proof that no equilibrium exists binds every method. An equilibrium that exists need not be found: with friction that does
-    not dilate the safe theorem fails, and blocks laid without thrust may slide although thrust could hold them.
+    A proof that no equilibrium exists binds every method. An equilibrium that exists need not be found: for friction without dilatancy
+    the safe theorem fails, and blocks laid without thrust may slide although a thrust could hold them.
     """
     analysis, run = results.analysis, results.recorded
     least, name = analysis.bounds[Drive.YIELDING], "the structure stands"
@@ -96,22 +104,19 @@ def _check_standing(results: Results) -> Check:
         proof = f"Limit analysis proves that the structure cannot stand ({', '.join(least.falling[:5])} would fall)"
         return Check(name, verdict, reason="" if verdict is Verdict.AGREE else f"{proof}, but {outcome}.")
     if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
-        return Check(name, Verdict.DISAGREE, reason=f"Without friction an equilibrium that exists holds, but {outcome}.")
-    found = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ends as {least.status}"
-    reason = f"{found}, but {outcome} ({run.result['message']}): friction holds only the thrust that the blocks were laid with."
+        reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
+        return Check(name, Verdict.DISAGREE, reason=reason)
+    limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
+    remedy = "Blocks laid without thrust may slide although a thrust could hold them: give them one ([yade] wedging)."
+    reason = f"{limit}, but {outcome} ({run.result.message}). {remedy}"
     return Check(name, Verdict.INCONCLUSIVE, reason=reason)
 
 
 def _check_settlement(scene: Scene, run: Run) -> Check:
-    asked, achieved = run.result.asked_settlement, run.result.settlement
-    return within(
-        "settlement achieved",
-        asked,
-        achieved,
-        SETTLEMENT * abs(asked),
-        "rad" if scene.is_rotation else "m",
-        "The support did not move as it was asked to.",
-    )
+    imposed, achieved = run.result.asked_settlement, run.result.settlement
+    unit = "rad" if scene.is_rotation else "m"
+    reason = f"YADE's support moved by {achieved:.6g} {unit}, but a settlement of {imposed:.6g} {unit} was imposed."
+    return within("settlement achieved", imposed, achieved, SETTLEMENT * abs(imposed), unit, reason)
 
 
 def _check_contacts(results: Results) -> Check:
@@ -121,7 +126,7 @@ def _check_contacts(results: Results) -> Check:
     if not len(extra):
         return Check("contact lists", Verdict.AGREE, float(listed), float(listed), 0.0, 0.0, "points")
     pairs = ", ".join(f"{names[a]} and {names[b]}" for a, b in extra[:3])
-    reason = f"In YADE {len(extra)} contacts appeared that limit analysis does not know ({pairs})."
+    reason = f"In YADE {plural(len(extra), 'contact')} formed where limit analysis lists no contact point ({pairs})."
     return Check("contact lists", Verdict.DISAGREE, float(listed), float(listed + len(extra)), float(len(extra)), 0.0, "points", reason)
 
 
@@ -131,7 +136,8 @@ def _check_equilibrium(results: Results) -> Check:
     residual = residuals.equilibrium_residual(analysis.assembly, forces)
     violation = residuals.cone_violation(analysis.assembly, forces)
     worst = max(residual, violation)
-    reason = "YADE's mean state on the plateau is out of equilibrium or breaks the friction law, so its reaction is not a quasi-static one."
+    state = f"YADE's mean state on the plateau is out of equilibrium or breaks the friction law by {worst:.2g} of the mean block weight"
+    reason = f"{state} ({UNBALANCED} accepted), so its reaction is not quasi-static. Run it slower ([yade] speed)."
     rests = worst <= UNBALANCED
     verdict = Verdict.AGREE if rests else Verdict.INCONCLUSIVE
     name, unit = "equilibrium of the YADE state", "of the mean block weight"
@@ -139,16 +145,18 @@ def _check_equilibrium(results: Results) -> Check:
 
 
 def _check_balance(results: Results) -> Check:
-    """What YADE's mean state is out of balance by, as a reaction: its power on limit analysis' mechanism for a unit motion of the support.
+    """Check the power of the unbalanced forces of YADE's mean state on limit analysis' mechanism for a unit motion of the support.
 
-    By virtual power the reaction of a state in equilibrium differs by that much; a slow sway under a tall block shows here alone.
+    By virtual power, these forces change the reaction by that amount. A slow sway under a tall block shows in this check alone.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     unbalanced = analysis.assembly.contact_wrenches(run.plateau_forces()) + analysis.assembly.dead_load
     free = analysis.assembly.blocks.free
     power = float(np.sum(unbalanced[free] * analysis.bounds[Drive.YIELDING].twists[free]))
-    reason = "YADE's mean state is on its way: what it is out of balance by would change the reaction. Run it slower ([yade] speed)."
-    check = within("balance along the mechanism", 0.0, power, reaction_tolerance(results), scene.unit, reason)
+    tolerance = reaction_tolerance(results)
+    worth = f"{abs(power):.3g} {scene.unit} of reaction, more than the tolerance of {tolerance:.3g} {scene.unit}"
+    reason = f"YADE's mean state is not in equilibrium: its unbalanced forces are worth {worth}. Run it slower ([yade] speed)."
+    check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason)
     return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
 
 
@@ -158,5 +166,5 @@ def _check_bounds(results: Results) -> Check:
     reaction, tolerance = run.result.reaction, reaction_tolerance(results, max(REACTION, accuracy_share(analysis)))
     least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]
     above = math.inf if greatest.status is Status.UNBOUNDED else greatest.value if greatest.status is Status.SOLVED else math.nan
-    reason = "YADE's reaction lies outside what equilibrium and friction allow on these contact points: one of the two models is wrong."
+    reason = "YADE's reaction lies outside the bounds of equilibrium and friction on these contact points, so one of the models is wrong."
     return inside("reaction within bounds", (least, above), reaction, tolerance, scene.unit, reason)

@@ -1,4 +1,4 @@
-"""Force sums over sections: what two methods must share although single contact forces are not determined."""
+"""Check force sums over sections, which both methods must share although single contact forces are not determined."""
 
 from collections.abc import Iterator
 
@@ -12,30 +12,30 @@ from la_core.limit import Drive, section_forces
 from la_core.measures import residuals
 from la_core.scene import Scene
 
-SECTION = 1e-2  # of the weight: a sum of YADE's forces, of which each carries its own unbalanced part
+SECTION = 1e-2  # of the weight: each of YADE's forces in the sum carries its own unbalanced part
 ALONG = 1e-6  # of a unit vector: round-off in telling a direction from an axis
 
 
 def check_sections(results: Results) -> Iterator[Check]:
-    """Force sums: through horizontal cuts, which equilibrium fixes, and across the reaction, which it limits to a range."""
+    """Yield the checks of force sums over horizontal cuts, which equilibrium fixes, and across the reaction, which it bounds."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly, forces = analysis.assembly, run.plateau_forces()
     expected = section_forces.level_sums(assembly, analysis.bounds[Drive.YIELDING].forces)
     difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
-    reason = "The force sums over horizontal cuts differ: the two methods do not carry the same weight."
+    reason = f"The force sums over horizontal cuts differ by {difference:.4g} N: the two methods do not carry the same weight."
     largest = float(np.linalg.norm(expected, axis=1).max())
     yield within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
     tolerance = reaction_tolerance(results)
     slack = SECTION * scene.weight
     for label, direction in _transverse_directions(scene, assembly.effects.plane):
         low, high = section_forces.support_force_range(assembly, direction, residuals.reaction(assembly, forces), tolerance)
-        found = float(section_forces.support_force(assembly, forces) @ direction)
-        reason = f"The support's force along {label} lies outside what equilibrium and friction allow."
-        yield inside(f"support's force along {label}, in its range", (low, high), found, slack, "N", reason)
+        component = float(section_forces.support_force(assembly, forces) @ direction)
+        reason = f"In YADE the support's force along {label} lies outside the range that equilibrium and friction allow."
+        yield inside(f"support's force along {label}, in its range", (low, high), component, slack, "N", reason)
 
 
 def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:
-    """Unit vectors across the reaction, with their names; all axes for a moment."""
+    """Yield names and unit vectors (3,) of the directions across the reaction; all axes where the reaction is a moment."""
     assert scene.support_twist is not None  # only a settlement has a YADE run
     motion = scene.support_twist[:3]
     across = np.eye(3) if scene.is_rotation else np.concatenate(plane_axes(motion[None, :]))

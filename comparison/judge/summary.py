@@ -1,4 +1,4 @@
-"""What a scene came to, as the JSON object of `comparison.json` and `solve --json`: undefined numbers are null."""
+"""The results of a scene as the JSON object of `comparison.json` and `solve --json`; undefined numbers are null."""
 
 import dataclasses
 import math
@@ -16,7 +16,7 @@ from la_core.measures import measure
 
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Scene, counts, effects and limit analysis: what `solve --json` prints."""
+    """Return scene, counts, effects and limit analysis: the object that `solve --json` prints."""
     scene = analysis.scene
     assembly, whole = analysis.assembly, analysis.whole
     summary = {
@@ -43,32 +43,44 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
 
 
 def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Measures of each method's mechanism, without its arrays."""
+    """Yield the numbers that measure each method's mechanism, by method."""
     analysis, run = results.analysis, results.run
     assembly, main = analysis.assembly, analysis.bounds[analysis.main]
-    found = {"associated": (main.twists, main.forces)}
+    mechanisms = {"associated": (main.twists, main.forces)}
     if analysis.coulomb is not None:
-        found["coulomb"] = (analysis.coulomb.twists, analysis.coulomb.forces)
+        mechanisms["coulomb"] = (analysis.coulomb.twists, analysis.coulomb.forces)
     if run is not None:
-        found["yade"] = (run.mechanism(), run.plateau_forces())
-    for method, (twists, forces) in found.items():
+        mechanisms["yade"] = (run.mechanism(), run.plateau_forces())
+    for method, (twists, forces) in mechanisms.items():
         measures = vars(measure(assembly, twists, forces))
         yield method, {name: value for name, value in measures.items() if isinstance(value, float)}
 
 
 def yade_summary(run: Run) -> dict[str, Any]:
-    """YADE's outcome, by the names of `la_core.exchange`."""
+    """Return YADE's result by the names of `la_core.exchange`."""
     return dataclasses.asdict(run.result)
 
 
 def without_run(status: str, message: str) -> dict[str, Any]:
-    """YADE's outcome where there is no run: why, and null for every value."""
+    """Return YADE's result where there is no run: status, message, and null for every value."""
     names = (field.path.removeprefix("result/") for field in RUN_FIELDS if field.path.startswith("result/"))
     return {**dict.fromkeys(names), "status": status, "message": message}
 
 
 def comparison_summary(results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str]) -> dict[str, Any]:
-    """The whole comparison: limit analysis, YADE, every check, the verdict and its reason."""
+    """Return the content of `comparison.json`: limit analysis, YADE, every check, the verdict and its reason.
+
+    Parameters
+    ----------
+    results : Results
+        Limit analysis and, where there is one, YADE's run.
+    yade : dict or None
+        Summary of YADE's run, which says why where there is no run; None where YADE was not requested.
+    checks : list of Check
+        Every check that was made; the verdict follows from them.
+    notes : list of str
+        Sentences for the reader of the report.
+    """
     analysis, run = results.analysis, results.run
     verdict, reason = overall(checks)
     summary = limit_analysis_summary(analysis)
@@ -87,7 +99,7 @@ def comparison_summary(results: Results, yade: dict[str, Any] | None, checks: li
 
 
 def without_undefined(value: Any) -> Any:
-    """The same structure with null for every number that is not finite."""
+    """Return the same structure with None for every number that is not finite."""
     if isinstance(value, dict):
         return {key: without_undefined(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

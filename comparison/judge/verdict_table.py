@@ -1,4 +1,4 @@
-"""The row of `crosscheck run` as texts: bounds, prediction and YADE's reaction over the weight, and the time of each method."""
+"""The row of the table of `crosscheck run`: bounds, prediction and YADE's reaction over the weight, and the time of each method."""
 
 import math
 from typing import Any
@@ -11,7 +11,7 @@ SYMBOLS = {"agree": "✓ agree", "disagree": "✗ disagree", "inconclusive": "? 
 
 
 def verdict_cells(comparison: dict[str, Any]) -> list[str]:
-    """Cells of a row of the verdict table but for the verdict itself."""
+    """Return the cells of a row of the verdict table, without the verdict itself. comparison: the content of `comparison.json`."""
     answer, yade, weight = comparison["limit_analysis"]["associated"], comparison["yade"] or {}, comparison["weight"]
     coulomb = comparison["limit_analysis"]["coulomb"] or {}
     if "multiplier" in answer:
@@ -35,7 +35,7 @@ def _over(value: float | None, weight: float) -> str:
 
 
 def with_uncertainty(value: float | None, uncertainty: float | None) -> str:
-    """A value to the last digit that its uncertainty, given to one digit, leaves meaningful."""
+    """Return a value and its uncertainty as text, rounded to the first digit of the uncertainty."""
     if value is None or uncertainty is None:
         return number_text(value, 5)
     digits = 6 if uncertainty <= 0.0 else min(6, max(0, -math.floor(math.log10(uncertainty))))

@@ -1,4 +1,4 @@
-"""Before YADE is said to contradict the Coulomb prediction, the prediction is held against itself: again in shorter steps."""
+"""Repeat a Coulomb prediction that YADE contradicts in shorter steps, before the verdict."""
 
 from collections.abc import Iterator
 
@@ -8,16 +8,16 @@ from comparison.yade import Results
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import FIRST_SAGS, STEPS, PredictionSettings
 
-# Steps, and travel of the first over the elastic sag. More steps leave less of the dilation, which may hold up blocks by a thrust that is
-# not there; within a first step that is too long, blocks may jam that slide past each other in shorter ones. The order was chosen on
-# cases of the campaign seed_paper, whose agreement it therefore does not prove; finer values scatter by per cents and need not converge.
+# Steps, and travel of the first over the elastic sag. Remaining dilation may create a spurious thrust that holds blocks up; more steps
+# leave less of it. In a first step that is too long, blocks may jam that slide past each other in shorter ones. The order was chosen on
+# cases of the campaign seed_paper, so their agreement does not confirm it; finer values scatter by per cents and need not converge.
 FINER = ((2 * STEPS, FIRST_SAGS), (2 * STEPS, FIRST_SAGS / 8.0), (4 * STEPS, FIRST_SAGS / 8.0), (8 * STEPS, FIRST_SAGS / 64.0))
 
 
 def predictions(results: Results) -> Iterator[tuple[int, LimitAnalysis]]:
-    """Steps and the analysis with them, finer and finer, while a plateau of YADE's contradicts it.
+    """Yield the number of steps and the analysis with them, each finer than the last, while YADE's plateau contradicts the prediction.
 
-    Nothing where the prediction was made in more steps before, or by an accuracy that was asked for.
+    Nothing where the prediction was made in more steps before, or where a requested accuracy chose its steps.
     """
     analysis, run = results.analysis, results.recorded
     if run.status != "plateau" or analysis.accuracy or analysis.coulomb is None or analysis.coulomb.steps != STEPS:
@@ -33,18 +33,18 @@ def predictions(results: Results) -> Iterator[tuple[int, LimitAnalysis]]:
 
 
 def note(analysis: LimitAnalysis) -> list[str]:
-    """What a reader must know of a prediction that was made again: it is no longer blind to YADE."""
+    """Return a note for the reader on a repeated prediction, which is no longer blind to YADE; no note for any other."""
     if analysis.accuracy or analysis.coulomb is None or analysis.coulomb.steps in (0, STEPS):
         return []
     return [
-        f"YADE contradicted the Coulomb prediction in {STEPS} steps, so it was made again in up to {analysis.coulomb.steps}, "
+        f"YADE contradicted the Coulomb prediction in {STEPS} steps, so it was repeated in up to {analysis.coulomb.steps} steps, "
         "until YADE no longer contradicted it, or the finest setting was reached. "
-        "An agreement reached so is weaker than one with a prediction made blind to YADE."
+        "An agreement with it is weaker evidence than one with a prediction made without knowledge of YADE's result."
     ]
 
 
 def _is_contradicted(results: Results) -> bool:
-    """Whether YADE disagrees, or misses the prediction and its mechanism's interval as well, be it by another mechanism."""
+    """Return whether YADE disagrees, or misses both the prediction and its mechanism's interval, by whichever mechanism."""
     checks = list(check_prediction(results))
     missed = [check.name for check in checks if None not in (check.difference, check.tolerance) and check.verdict is not Verdict.AGREE]
     return any(check.verdict is Verdict.DISAGREE for check in checks) or {REACTION_CHECK, INTERVAL_CHECK} <= set(missed)

@@ -1,4 +1,4 @@
-"""The straight line of one scene: limit analysis, YADE, comparison, figures; each stage is redone only when its inputs change."""
+"""One scene from start to end: limit analysis, YADE, comparison, figures; a stage is repeated only when its inputs change."""
 
 import dataclasses
 import hashlib
@@ -35,10 +35,18 @@ Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # how to draw ea
 
 @dataclasses.dataclass(frozen=True)
 class SceneOutcome:
-    """What both methods gave in one call, before it is judged.
+    """Results of both methods in one call, before the comparison.
 
-    yade: YADE's summary, which says why where the results have no run; None where YADE was not asked. notes: sentences for the reader.
-    inputs: digest of what made the latest stage.
+    Attributes
+    ----------
+    results : Results
+        Limit analysis and YADE's run.
+    yade : dict or None
+        Summary of YADE's run, which says why where there is no run; None where YADE was not requested.
+    notes : list of str
+        Sentences for the reader of the report.
+    inputs : str
+        Digest of the inputs of the latest stage.
     """
 
     results: Results
@@ -55,10 +63,24 @@ def run_scene(
     time_limit: float | None = None,
     figures: Figures | None = None,
 ) -> dict[str, Any]:
-    """Take a scene through both methods in `folder`, where every file is whole or absent; returns what comparison.json holds.
+    """Run a scene through both methods and return the content of comparison.json; every file in the folder is whole or absent.
 
-    scene: or its model, so that it is not assembled twice. time_limit: wall seconds for YADE; None takes the scene's own, or TIME_LIMIT.
-    figures: which pictures to draw, None for all. Raises FolderInUseError where another process works in the folder.
+    Raises FolderInUseError where another process works in the folder.
+
+    Parameters
+    ----------
+    scene : Scene or StructuralModel
+        The scene, or its model where it is assembled already.
+    folder : Path
+        Folder of the scene's results; made where it does not exist.
+    listener : Listener
+        Receives the progress.
+    with_yade : bool
+        Whether YADE runs; a live load is always limit analysis alone.
+    time_limit : float or None
+        Time limit of a YADE run, s of wall time; None for the scene's own, or TIME_LIMIT.
+    figures : callable or None
+        Returns the drawing functions by figure name; None for all figures.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     folder.mkdir(parents=True, exist_ok=True)
@@ -68,11 +90,12 @@ def run_scene(
 
 
 def report_again(folder: Path, listener: Listener, figures: Figures | None = None) -> dict[str, Any]:
-    """Judge and draw the stored results of a run's folder again; raises exchange.ExchangeError where limit analysis is missing.
+    """Compare and draw the stored results of a run's folder again, and return the content of comparison.json.
 
-    Raises FolderInUseError where another process works in the folder.
+    Raises exchange.ExchangeError where limit analysis is missing, and FolderInUseError where another process works in the folder.
+    folder, listener, figures: as in `run_scene`.
     """
-    if not (folder / "case.h5").is_file():  # nothing is touched in a folder that is somebody else's
+    if not (folder / "case.h5").is_file():  # a folder of other files is not touched
         raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`")
     with alone_in(folder):
         results = read_results(folder)
@@ -84,12 +107,12 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
 
 
 def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> SceneOutcome:
-    """Both methods' results, stored or new; limit analysis alone for a live load, or where YADE is not asked."""
+    """Return both methods' results, stored or new; limit analysis alone for a live load or without YADE."""
     scene = model.scene
     analysis, inputs = limit_analysis_stage(model, folder, listener)
     notes = _notes(analysis)
     if scene.live is not None:
-        notes.append("A live load is a matter of limit analysis alone, so YADE was not run.")
+        notes.append("YADE was not run, because only limit analysis treats live loads.")
     if scene.live is not None or not with_yade:
         return SceneOutcome(Results(analysis), None, notes, inputs)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
@@ -99,7 +122,7 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
         analysis = store_changed(analysis, better, inputs, folder)
         run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
     for steps, finer in finer_prediction.predictions(Results(analysis, run)) if run is not None else ():
-        listener.stage(scene.name, "limit analysis", f"prediction made again in {steps} steps, for YADE contradicts it")
+        listener.stage(scene.name, "limit analysis", f"prediction repeated in {steps} steps, because YADE contradicts it")
         case_file.write_case(folder / "case.h5", finer, inputs)
         analysis = finer
     notes += finer_prediction.note(analysis)
@@ -107,11 +130,11 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
 
 
 def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis | None:
-    """What to model again after a run: with effects that it shows to be needed, or slower, for a requested accuracy; None for neither."""
+    """Return the analysis for another run, with effects that this one shows to be needed or with slower settings; None for neither."""
     scene, analysis = results.scene, results.analysis
     if needed := restored_effects.needed(results):
         reasons = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
-        listener.stage(scene.name, "limit analysis", f"done again with what was left out ({reasons})")
+        listener.stage(scene.name, "limit analysis", f"repeated with effects that were left out ({reasons})")
         whole = restored_effects.analyse_with(analysis, restored_effects.restored(analysis) | needed)
         return accuracy_settings.initial_settings(accuracy_settings.carry_attempts_over(results, whole))
     if slower := accuracy_settings.slower_settings(results, limit):
@@ -123,11 +146,12 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
     scene, shared = analysis.scene, analysis.assembly.inset
     if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
         return []
-    return [f"The scene has sharp arrises (inset 0); YADE takes its smallest inset, {shared:g} m, and is judged by limit analysis with it."]
+    rounded = f"YADE needs an inset and uses its smallest, {shared:g} m"
+    return [f"The scene has sharp arrises (inset 0). {rounded}; its result is compared with limit analysis at the same inset."]
 
 
 def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
-    """Judge, draw the figures, and write comparison.json last; nothing is done when it was made from the same."""
+    """Compare both methods, draw the figures, and write comparison.json last; nothing is done when its inputs are unchanged."""
     results = outcome.results
     scene, analysis = results.scene, results.analysis
     effects = dataclasses.asdict(analysis.assembly.effects)
@@ -154,7 +178,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:
-    """Checks of a run, or the one sentence on why there are none."""
+    """Return the checks of a run, or one check that says why there is no comparison."""
     results = outcome.results
     if results.run is not None:
         return check_run(results)
@@ -163,15 +187,15 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason)]
     associated, coulomb = results.analysis.bounds[results.analysis.main], results.analysis.coulomb
     if associated.status not in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {associated.status}.")]
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {associated.status}, so it has no answer.")]
     if coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
-        reason = f"Coulomb limit analysis ended as {coulomb.status} (strain residual {coulomb.strain_residual:.1e})."
+        reason = f"Coulomb limit analysis ended as {coulomb.status} with a strain residual of {coulomb.strain_residual:.1e}."
         return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     return []
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:
-    """What comparison.json says, or nothing where there is none, or where it is not as this program wrote it."""
+    """Return the content of comparison.json, or an empty dict where it is missing or was changed since this program wrote it."""
     try:
         stored = json.loads((folder / "comparison.json").read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -180,6 +204,6 @@ def _stored_summary(folder: Path) -> dict[str, Any]:
 
 
 def _sum_of(summary: dict[str, Any]) -> str:
-    """Digest of everything else that comparison.json says."""
+    """Return the digest of the content of comparison.json, without the digest itself."""
     content = {name: value for name, value in summary.items() if name != "sum"}
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

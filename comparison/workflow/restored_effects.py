@@ -1,4 +1,4 @@
-"""Effects that were left out by themselves and that YADE's run shows to be needed: they are turned back on, and say why."""
+"""Restore effects that the program left out and that YADE's run shows to be needed."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -11,31 +11,41 @@ from la_core.limit import Status
 
 
 def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
-    """Choice and reason by effect: what the scene leaves to "auto" and the run does not allow to be left out.
+    """Return choice and reason by effect, for each effect that the scene leaves to "auto" and that the run shows to be needed.
 
-    Only a plateau can be judged by more than how far blocks moved. Nothing is turned back where the scene forbids joints to strain, or
-    where the structure is proven to fall.
+    Without a plateau, only the displacements are judged. Nothing is restored where the scene sets rigid joints, or where the structure
+    is proven to fall.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if scene.effects.elasticity == "none" or analysis.bounds[analysis.main].status is Status.INFEASIBLE:
         return {}
     guards: dict[str, tuple[bool | str, Iterable[Check]]] = {"displacement": ("finite", check_displacement(results))}
-    found: dict[str, tuple[bool | str, str]] = {}
+    needs: dict[str, tuple[bool | str, str]] = {}
     if run.status == "plateau":
         guards |= {"plane": (False, check_plane(analysis)), "reach": (False, check_reach(results))}
         if slides_unforeseen(results):
-            found["friction"] = ("coulomb", "joints slide in YADE's mechanism")
+            needs["friction"] = ("coulomb", "joints slide in YADE's mechanism")
     for effect, (choice, checks) in guards.items():
         reasons = [check.reason for check in checks if check.verdict is not Verdict.AGREE]
         if reasons:
-            found[effect] = (choice, " ".join(reasons))
-    return {effect: answer for effect, answer in found.items() if getattr(scene.effects, effect) == "auto"}
+            needs[effect] = (choice, " ".join(reasons))
+    return {effect: need for effect, need in needs.items() if getattr(scene.effects, effect) == "auto"}
 
 
 def analyse_with(
     before: LimitAnalysis, restored: dict[str, tuple[bool | str, str]], prediction: PredictionSettings | None = None
 ) -> LimitAnalysis:
-    """Limit analysis of the same scene again, with these effects modelled for these reasons; interfaces are not searched again."""
+    """Repeat limit analysis of the same scene with other effects; its interfaces are used again.
+
+    Parameters
+    ----------
+    before : LimitAnalysis
+        The earlier analysis.
+    restored : dict
+        Choice and reason by effect to be restored.
+    prediction : PredictionSettings or None
+        Steps of the Coulomb prediction; None for the usual ones.
+    """
     choices = {effect: choice for effect, (choice, _) in restored.items() if effect != "friction"}
     scene = replace(before.scene, effects=before.scene.effects.model_copy(update=choices))
     sliding_reason = restored["friction"][1] if "friction" in restored else ""
@@ -48,6 +58,6 @@ def analyse_with(
 
 
 def restored(analysis: LimitAnalysis) -> dict[str, tuple[bool | str, str]]:
-    """Choice and reason by effect of what was restored in an analysis before."""
+    """Return choice and reason by effect, for the effects that were restored in an analysis."""
     effects = analysis.assembly.effects
     return {effect: (getattr(effects, effect), effects.reasons[effect]) for effect in effects.called_back}

@@ -1,4 +1,4 @@
-"""Stages of one scene whose results are stored: limit analysis and YADE. A stage whose inputs did not change is not run again."""
+"""The stored stages of one scene, limit analysis and YADE; a stage whose inputs did not change is not run again."""
 
 import dataclasses
 import hashlib
@@ -15,31 +15,34 @@ from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, analyse, case_file
 from la_core.digests import code_digest
 
-REPEATED = ("timeout", "failed")  # outcomes of a machine, not of a scene: tried again by the next call
+REPEATED = ("timeout", "failed")  # outcomes that depend on the machine, not the scene: the next call tries again
 YADE_CODE = (ROOT / "yade_scripts",)
-COMPARISON_CODE = tuple(  # of the rooms that make comparison.json and the figures; the command line, studies and campaigns only use them
+COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the command line, studies and campaigns only use it
     ROOT / "comparison" / name
     for name in ("numbers.py", "provenance.py", "run_folder.py", "settings.py", "yade", "judge", "figures", "report", "workflow")
 )
 
 
 class Listener(Protocol):
-    """Hears what happens while it happens."""
+    """Receives what happens in the stages while they run."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
-        """A stage began, was found cached, or ended in a way worth a word."""
+        """Receive that a stage of a scene began, was found cached, or ended unusually; state: as one phrase."""
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """YADE reports where it is."""
+        """Receive a progress report of YADE: stage, fraction, settlement, reaction, message and unit by name."""
 
 
 def stage_digest(made_of: str, code: tuple[Path, ...]) -> str:
-    """Digest of a stage's inputs: what it is made of, and the code that makes it."""
+    """Return the digest of a stage's inputs: its data as text, and the files or folders of the code that makes it."""
     return hashlib.sha256((made_of + code_digest(*code)).encode()).hexdigest()
 
 
 def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
-    """Limit analysis, stored or new, and the digest of its inputs; a new one makes a run on the old one worthless."""
+    """Return limit analysis, stored or new, and the digest of its inputs; a new one deletes `run.h5`, made from the old one.
+
+    model: of the scene. folder: of its results. listener: receives the progress.
+    """
     scene, path = model.scene, folder / "case.h5"
     inputs = case_file.scene_digest(scene)
     if exchange.inputs_digest(path) == inputs:
@@ -48,7 +51,7 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
             listener.stage(scene.name, "limit analysis", "cached")
             return stored, inputs
         except exchange.ExchangeError as error:
-            listener.stage(scene.name, "limit analysis", f"done again: {error}")
+            listener.stage(scene.name, "limit analysis", f"repeated, because the stored result cannot be read: {error}")
     else:
         listener.stage(scene.name, "limit analysis", "running")
     analysis = analyse(model)
@@ -60,7 +63,19 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
 
 
 def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
-    """Write the analysis that YADE's next run is made from, where it is not the one before, whose run is worthless with it."""
+    """Store the analysis for YADE's next run, and delete the run of the earlier one; nothing where both are the same object.
+
+    Parameters
+    ----------
+    before : LimitAnalysis
+        The analysis in `case.h5`.
+    analysis : LimitAnalysis
+        The analysis for the next run, which is returned.
+    inputs : str
+        Digest of the scene's inputs, to be stored with it.
+    folder : Path
+        Folder of the scene's results.
+    """
     if analysis is not before:
         (folder / "run.h5").unlink(missing_ok=True)
         case_file.write_case(folder / "case.h5", analysis, inputs)
@@ -68,7 +83,7 @@ def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, f
 
 
 def run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
-    """Digest of what makes a run in YADE: the scene's, which model of it `case.h5` carries, and with which settings."""
+    """Return the digest of the inputs of a YADE run: the scene's digest `inputs`, the model in `case.h5`, and YADE's settings."""
     effects, aside, record = analysis.assembly.effects, analysis.assembly.aside, analysis.accuracy
     model = [effects.plane, effects.displacement, effects.recording, np.flatnonzero(aside).tolist()]
     model += [analysis.assembly.inset, dataclasses.asdict(analysis.stiffness), record and record.settings]
@@ -78,7 +93,21 @@ def run_inputs(inputs: str, analysis: LimitAnalysis) -> str:
 def yade_stage(
     analysis: LimitAnalysis, inputs: str, folder: Path, listener: Listener, time_limit: float
 ) -> tuple[Run | None, dict[str, Any]]:
-    """YADE's run, stored or new, and its summary; no run when YADE is missing or failed. inputs: digest of the run's inputs."""
+    """Return YADE's run, stored or new, and its summary; the run is None when YADE is missing or failed.
+
+    Parameters
+    ----------
+    analysis : LimitAnalysis
+        The analysis in `case.h5`.
+    inputs : str
+        Digest of the run's inputs.
+    folder : Path
+        Folder of the scene's results.
+    listener : Listener
+        Receives the progress.
+    time_limit : float
+        Time limit of the run, s of wall time.
+    """
     scene, path = analysis.scene, folder / "run.h5"
     if exchange.inputs_digest(path) == inputs:
         try:
@@ -87,7 +116,7 @@ def yade_stage(
                 listener.stage(scene.name, "YADE", "cached")
                 return stored, yade_summary(stored)
         except exchange.ExchangeError as error:
-            listener.stage(scene.name, "YADE", f"done again: {error}")
+            listener.stage(scene.name, "YADE", f"repeated, because the stored run cannot be read: {error}")
     path.unlink(missing_ok=True)
     try:
         yade = find_yade()
@@ -96,7 +125,7 @@ def yade_stage(
         run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
-            raise exchange.ExchangeError(f"{path}: not of the run that was started; run it again")
+            raise exchange.ExchangeError(f"{path}: its digest is not that of the run that was started; run the scene again")
         return run, yade_summary(run)
     except YadeMissingError as error:
         listener.stage(scene.name, "YADE", f"missing: {error}")

@@ -12,19 +12,22 @@ from la_core.limit import Status
 from la_core.scene import Scene
 
 FIT, INERTIA = "fitted plateau", "inertia"
-# Of the reaction, at the derived speed, and in proportion to it: what friction's history owes to speed where joints slide.
+# Of the reaction, at the derived speed and in proportion to it: the effect of speed on friction's history where joints slide.
 HISTORY_OF_SPEED = 0.0033
-HISTORY_SHARE = 0.5  # of the accuracy, for that
-INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio, a speed: the most that it adds to a reaction beyond its plateau's scatter
-FASTEST, FAST_ACCURACY = 8.0, 0.01  # times the derived speed, and the accuracy for which runs without history may be as fast
+HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
+INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
+FASTEST, FAST_ACCURACY = 8.0, 0.01  # times the derived speed; the accuracy at which runs without history may be that fast
 STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
-LIGHT_DAMPING, LIGHT_FROM = 0.1, 5e-3  # damping ratio that allows longer time steps, and the accuracy from which on it serves
-SLOWER, MOST_SLOWER = 2.0, 8.0  # times, from one attempt to the next
+LIGHT_DAMPING, LIGHT_FROM = 0.1, 5e-3  # damping ratio that allows longer time steps; the finest accuracy for which it is used
+SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
 MOST_ATTEMPTS = 4
 
 
 def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
-    """The analysis with settings for YADE's first run, where an accuracy is requested; what the scene's [yade] sets stays its own."""
+    """Return the analysis with settings for YADE's first run at the requested accuracy; settings of the scene's [yade] go first.
+
+    Without a requested accuracy, or without a solution, the analysis is returned unchanged.
+    """
     scene = analysis.scene
     record = analysis.accuracy
     if record is None or record.settings or analysis.bounds[analysis.main].status is not Status.SOLVED:
@@ -38,19 +41,19 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
 
 
 def may_slide(analysis: LimitAnalysis) -> bool:
-    """Whether joints may slide in YADE: unless limit analysis found by itself that none does."""
+    """Return whether joints may slide in YADE: always, unless limit analysis itself found that no joint slides."""
     scene = analysis.scene
     return has_history(analysis) or (scene.effects.friction != "auto" and bool(analysis.assembly.points.friction.any()))
 
 
 def _left_open(scene: Scene, settings: dict[str, float]) -> dict[str, float]:
-    """Settings that the scene leaves to the program; its own speed stands for the travel's periods, too."""
-    own = set(scene.yade) | ({"travel_periods"} if "speed" in scene.yade else set())
-    return {name: value for name, value in settings.items() if name not in own}
+    """Return the settings that the scene leaves to the program; a speed in the scene also fixes the travel's periods."""
+    fixed = set(scene.yade) | ({"travel_periods"} if "speed" in scene.yade else set())
+    return {name: value for name, value in settings.items() if name not in fixed}
 
 
 def attempt_of(results: Results) -> Attempt:
-    """What a run tells of its own error; undefined without a plateau."""
+    """Return a run as an attempt: its settings, reaction, seconds and estimated error, which is NaN without a plateau."""
     analysis, run = results.analysis, results.recorded
     assert analysis.accuracy is not None
     earlier, reaction = analysis.accuracy.yade, run.result.reaction
@@ -67,7 +70,7 @@ def attempt_of(results: Results) -> Attempt:
 
 
 def _kinetic_ratio(results: Results) -> float:
-    """Largest kinetic energy on the plateau over the work of the weights there, or of the reaction where the weights do none."""
+    """Return the largest kinetic energy on the plateau over the work of the weights there, or of the reaction where that is 0."""
     analysis, run = results.analysis, results.recorded
     if math.isfinite(run.result.kinetic_ratio) or run.status != "plateau":
         return float(run.result.kinetic_ratio)
@@ -77,9 +80,16 @@ def _kinetic_ratio(results: Results) -> float:
 
 
 def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
-    """The analysis with settings for a slower run; None where this one is good enough, or a slower one would not help.
+    """Return the analysis with settings for a slower YADE run; None where this run is good enough or a slower one cannot help.
 
-    limit: wall seconds that a run may take; one that would take longer is not begun, for its answer would be none.
+    A slower run cannot help after a timeout, where the scene fixes the speed, or where it would exceed the time limit.
+
+    Parameters
+    ----------
+    results : Results
+        Results with the run to be judged.
+    limit : float
+        Time limit of a run, s of wall time.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     record = analysis.accuracy
@@ -92,7 +102,7 @@ def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
     if math.isfinite(attempt.error):
         slower = min(max(SLOWER, attempt.error / record.asked), MOST_SLOWER)
     elif periods < TRAVEL_PERIODS:
-        slower = min(TRAVEL_PERIODS / periods, MOST_SLOWER)  # no plateau: it may be the speed's doing
+        slower = min(TRAVEL_PERIODS / periods, MOST_SLOWER)  # the speed may be why there is no plateau
     else:
         return None
     if attempt.seconds * slower > limit:
@@ -103,7 +113,15 @@ def slower_settings(results: Results, limit: float) -> LimitAnalysis | None:
 
 
 def carry_attempts_over(rejected: Results, analysis: LimitAnalysis) -> LimitAnalysis:
-    """The analysis of another model, with the attempts on the rejected one: they took time, and estimate no error here."""
+    """Return the analysis with the attempts of a rejected model put first: they took time, but their errors do not apply here.
+
+    Parameters
+    ----------
+    rejected : Results
+        Results of the rejected model, with its run.
+    analysis : LimitAnalysis
+        Limit analysis of the model that replaces it.
+    """
     before = rejected.analysis.accuracy
     if before is None or analysis.accuracy is None:
         return analysis

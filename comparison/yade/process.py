@@ -1,4 +1,4 @@
-"""Find YADE on this machine and run one case in its own interpreter: clean environment, time limit, log, typed failures."""
+"""Find YADE on this machine and run one case in its interpreter, with a clean environment, a time limit and a log."""
 
 import contextlib
 import json
@@ -18,9 +18,9 @@ from typing import Any, TextIO
 from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.settings import PREFIX, load_settings
 
-TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were held against known values: Debian 12's and Debian 13's
+TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values: those of Debian 12 and 13
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
-HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` holds it against known values"
+HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` compares it with known values"
 LOG_TAIL = 8  # lines of the log that an error quotes
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
 PROBE_SECONDS = 60.0
@@ -43,7 +43,7 @@ version = yade.config.version
 needed, wanted = [], []
 for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
     body = ast.parse(source.read_text(encoding="utf-8")).body
-    tried = [node for one in body if isinstance(one, ast.Try) for node in one.body]
+    tried = [node for block in body if isinstance(block, ast.Try) for node in block.body]
     for nodes, lacking in ((body, needed), (tried, wanted)):
         for node in nodes:
             if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
@@ -53,15 +53,27 @@ for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
                     module = None
                 lacking += [name.name for name in node.names if not hasattr(module, name.name)]
 if needed:
-    sys.exit(f"loads YADE {version}, which lacks what is used of it: {', '.join(needed)}")
+    sys.exit(f"loads YADE {version}, which lacks names that crosscheck uses: {', '.join(needed)}")
 print("lacks", *wanted)
 print(version)
-"""  # what is used of YADE is what our scripts import of it: a list of its own would grow old
+"""  # the probe reads the names that our scripts import of YADE, because a separate list would grow old
 
 
 @dataclass(frozen=True)
 class Yade:
-    """A YADE that loads: its interpreter, its module folder, its version, and what it lacks of what is used where it is there."""
+    """A YADE that loads on this machine.
+
+    Attributes
+    ----------
+    python : Path
+        Interpreter that loads it.
+    modules : Path
+        Folder that holds its Python package.
+    version : str
+        Its version.
+    lacks : tuple of str
+        Optional names that this build lacks, such as Polyhedra.
+    """
 
     python: Path
     modules: Path
@@ -70,26 +82,26 @@ class Yade:
 
     @property
     def caution(self) -> str:
-        """What to say of a YADE that lacks something or was never tried, or nothing; a version's number alone is never refused."""
-        words = []
+        """Warning about a build that lacks something or an untested version, else ""; a version is never refused for its number."""
+        warnings = []
         if "Polyhedra" in self.lacks:
-            words.append(
-                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes need small displacements"
+            warnings.append(
+                f"{self.version} was built without polyhedra (CGAL): blocks that are not boxes along the axes need small displacements"
             )
         if self.version not in TESTED:
-            words.append(f"{self.version} is not among the versions this was tested with ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
-        return "; ".join(words)
+            warnings.append(f"{self.version} is not among the tested versions ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
+        return "; ".join(warnings)
 
 
 def find_yade() -> Yade:
-    """Locate YADE's interpreter and modules and check that they load; raises YadeMissingError with the remedy.
+    """Return the YADE of this machine, after a check that it loads; raises YadeMissingError with the command that installs it.
 
     YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
     The settings `yade` and `yade_python` name another module folder and another interpreter.
     """
     configuration = load_settings()
-    asked, named = configuration.settings.yade_python, configuration.settings.yade
-    python = Path(shutil.which(asked) or asked).absolute()  # it will run in a folder of results
+    interpreter, named = configuration.settings.yade_python, configuration.settings.yade
+    python = Path(shutil.which(interpreter) or interpreter).absolute()  # it will run in a folder of results
     modules = _module_folder(named)
     if modules is None and named is not None:
         where = configuration.source("yade")
@@ -104,42 +116,55 @@ def find_yade() -> Yade:
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
-    said = answer.stderr.strip().splitlines() or ["gives no reason"]
+    complaint = answer.stderr.strip().splitlines() or ["fails without a message"]
     if answer.returncode != 0:
-        raise YadeMissingError(f"{python} {said[-1]}; get what is missing with: {HOW_TO_GET_YADE}")
+        raise YadeMissingError(f"{python} {complaint[-1]}; install what is missing with: {HOW_TO_GET_YADE}")
     version = answer.stdout.strip().splitlines()
     if not version:
-        raise YadeMissingError(f"{python} does not say which YADE it loads; get one that does with: {HOW_TO_GET_YADE}")
+        raise YadeMissingError(f"{python} does not say which YADE it loads; install another one with: {HOW_TO_GET_YADE}")
     lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])
     return Yade(python, modules, version[-1], tuple(lacks))
 
 
 def _module_folder(named: Path | None) -> Path | None:
-    """Folder that holds the `yade` package: as a setting names it, else as YADE's launcher does."""
+    """Return the folder that holds the `yade` package: the one of the setting `named`, else the one in YADE's launcher, or None."""
     if named is not None:
         return named.absolute() if (named / "yade").is_dir() else None
     launcher = shutil.which("yade")
     if launcher is None:
         return None
     text = Path(launcher).read_text(errors="replace")
-    words = dict(re.findall(r"^\s*(prefix|libPATH|suffix)\s*=\s*['\"]([^'\"]*)['\"]", text, re.MULTILINE))
-    root = Path(words.get("prefix", "/usr"))
-    candidates = [root / words.get("libPATH", "lib") / f"yade{words.get('suffix', '')}" / "py"]
+    names = dict(re.findall(r"^\s*(prefix|libPATH|suffix)\s*=\s*['\"]([^'\"]*)['\"]", text, re.MULTILINE))
+    root = Path(names.get("prefix", "/usr"))
+    candidates = [root / names.get("libPATH", "lib") / f"yade{names.get('suffix', '')}" / "py"]
     candidates += sorted(root.glob("lib/*/yade*/py"))
     return next((folder for folder in candidates if (folder / "yade").is_dir()), None)
 
 
 def yade_environment() -> dict[str, str]:
-    """What YADE gets of the environment: one thread, a home (it asks for one), nothing of Python's or this program's own."""
+    """Return YADE's environment: one thread, a home (YADE needs one), and no variable of Python or of this program."""
     kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
     one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
     return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread}
 
 
 def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
-    """Run `case.h5` of a folder to its end; writes `run.h5` and `yade.log` there. `progress` gets each report on the way.
+    """Run `case.h5` of a folder in YADE to its end, and write `run.h5` and `yade.log` there.
 
-    Raises YadeFailedError when no result was written. An interruption ends YADE, too.
+    Raises YadeFailedError when no result was written. An interruption of this call ends YADE, too.
+
+    Parameters
+    ----------
+    yade : Yade
+        The YADE to run.
+    folder : Path
+        Folder of the scene's results, which holds `case.h5`.
+    inputs : str
+        Digest of the run's inputs, to be stored in `run.h5`.
+    time_limit : float
+        Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
+    progress : callable
+        Receives each progress report: stage, fraction, settlement, reaction and message by name.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
@@ -150,7 +175,7 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
         log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
         with log.open("x") as record:
             code = _followed(command, variables, folder, time_limit + GRACE, record, progress)
-    except OSError as error:  # the log's own does not say so
+    except OSError as error:  # an error of the log itself does not name its file
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
@@ -166,7 +191,7 @@ def _followed(
     record: TextIO,
     progress: Callable[[dict[str, Any]], None],
 ) -> int:
-    """Exit code of a process that is ended after so many seconds, and with this call however that ends; `record` keeps what it says."""
+    """Run a process and return its exit code; it is killed after `seconds`, or when this call ends. `record` receives its output."""
     process = subprocess.Popen(
         command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, errors="replace", start_new_session=True,
@@ -187,18 +212,18 @@ def _followed(
 
 
 def _report(line: str) -> dict[str, Any] | None:
-    """The report in a line of YADE's, None for any other line."""
+    """Return the progress report in a line of YADE's output, None for any other line."""
     try:
         report = json.loads(line.removeprefix("progress ")) if line.startswith("progress ") else None
     except ValueError:
-        return None  # it only begins like one
+        return None  # a line that only begins like a report
     return report if isinstance(report, dict) else None
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
-    """End a process and whatever it started."""
+    """Kill a process and every process that it started."""
     if process.poll() is None:
-        with contextlib.suppress(ProcessLookupError):  # it may end by itself just now
+        with contextlib.suppress(ProcessLookupError):  # it may have ended in this moment
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
 

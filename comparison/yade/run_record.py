@@ -1,4 +1,4 @@
-"""YADE's record of a run, as read from `run.h5`."""
+"""The record of a YADE run, as read from `run.h5`."""
 
 import json
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
 
 class _Named:
-    """Values by attribute, and by name as in `run.h5`: `run.result.reaction` is `run.result["reaction"]`."""
+    """Access to attributes by their name in `run.h5`, too: `run.result["reaction"]` is `run.result.reaction`."""
 
     def __getitem__(self, name: str) -> Any:
         return getattr(self, name)
@@ -22,11 +22,34 @@ class _Named:
 
 @dataclass(frozen=True)
 class RunResult(_Named):
-    """How a run ended and its plateau; NaN where undefined.
+    """End of a run and its plateau; numbers are NaN where undefined.
 
-    status: one of STATUSES. reaction, uncertainty: of the plateau, N or N m, extrapolated to zero settlement. settlement: reached by the
-    support, m or rad; asked_settlement: imposed. plateau_start: settlement where the fitted plateau begins. slope: of the fitted line, N/m.
-    kinetic_ratio: largest kinetic energy on the plateau over the work of the weights there. steps: time steps. seconds: inside YADE.
+    Attributes
+    ----------
+    status : str
+        One of STATUSES.
+    reaction : float
+        Reaction on the plateau, extrapolated to zero settlement, N or N m.
+    uncertainty : float
+        Half width of the interval that holds the reaction 19 times in 20, N or N m.
+    settlement : float
+        Settlement that the support reached, m or rad.
+    asked_settlement : float
+        Settlement that was imposed, m or rad.
+    plateau_start : float
+        Settlement where the fitted plateau begins, m or rad.
+    slope : float
+        Slope of the line fitted to the plateau, N/m, or N m/rad.
+    kinetic_ratio : float
+        Largest kinetic energy on the plateau over the work of the weights there.
+    steps : int
+        Number of time steps.
+    seconds : float
+        Wall time inside YADE, s.
+    version : str
+        Version of YADE.
+    message : str
+        Why the run ended, as a phrase.
     """
 
     status: str
@@ -45,10 +68,24 @@ class RunResult(_Named):
 
 @dataclass(frozen=True)
 class RunSeries(_Named):
-    """Series (T,) recorded over time.
+    """Series recorded over time, in T rows.
 
-    stage: 0 gravity, 1 settlement. time: s. settlement: of the support, m or rad. reaction: N or N m. support_wrench (T, 6): of the
-    supports on the structure about the origin. kinetic_energy: of the free blocks, J. unbalanced: largest force over the mean block weight.
+    Attributes
+    ----------
+    stage : np.ndarray
+        0 during gravity, 1 during settlement (T,).
+    time : np.ndarray
+        Simulated time (T,), s.
+    settlement : np.ndarray
+        Settlement of the support (T,), m or rad.
+    reaction : np.ndarray
+        Reaction (T,), N or N m.
+    support_wrench : np.ndarray
+        Force and moment about the origin (T, 6) of the supports on the structure, N and N m.
+    kinetic_energy : np.ndarray
+        Kinetic energy of the free blocks (T,), J.
+    unbalanced : np.ndarray
+        Largest unbalanced force over the mean block weight (T,).
     """
 
     stage: np.ndarray
@@ -65,9 +102,18 @@ class RunSeries(_Named):
 
 @dataclass(frozen=True)
 class Poses(_Named):
-    """Stored states (P,), the first at rest under gravity.
+    """The P stored states of B blocks and C contact points; the first state is at rest under gravity.
 
-    settlement (P,): m or rad. displacement (P, B, 3): of centroids, m. rotation (P, B, 3): rotation vectors. forces (P, C, 3): on b, N.
+    Attributes
+    ----------
+    settlement : np.ndarray
+        Settlement of the support (P,), m or rad.
+    displacement : np.ndarray
+        Displacements of the centroids (P, B, 3), m.
+    rotation : np.ndarray
+        Rotation vectors of the blocks (P, B, 3), rad.
+    forces : np.ndarray
+        Contact forces on block b of each contact point (P, C, 3), N.
     """
 
     settlement: np.ndarray
@@ -142,7 +188,7 @@ class Run:
         return getattr(self.record, series)[self.record.stage == 1]
 
     def _on_plateau(self) -> np.ndarray:
-        """Indices of the stored states on the plateau; a comparison with an undefined start finds none."""
+        """Return the indices of the stored states on the plateau; empty without a plateau, because its start is NaN."""
         return np.flatnonzero(self.poses.settlement >= self.result.plateau_start)
 
     def scatter(self) -> float:
@@ -194,7 +240,10 @@ class Run:
 
 
 def read_run(path: Path, assembly: Assembly) -> Run:
-    """Read `run.h5`; raises exchange.ExchangeError when it is not whole or belongs to another assembly."""
+    """Read `run.h5`; raises exchange.ExchangeError when it is damaged or belongs to another assembly.
+
+    assembly: the one that the run was made from, whose numbers of blocks and contact points are checked.
+    """
     data = exchange.read(path, exchange.RUN_FIELDS)
     groups: dict[str, dict[str, Any]] = {}
     for field_path, value in data.items():
@@ -203,11 +252,11 @@ def read_run(path: Path, assembly: Assembly) -> Run:
     states, blocks, points = groups["poses"]["forces"].shape[0], len(assembly.blocks), len(assembly.points)
     extra = groups["extra_contacts"]["blocks"]
     if groups["poses"]["displacement"].shape[1] != blocks or groups["poses"]["forces"].shape[1] != points:
-        raise exchange.ExchangeError(f"{path}: recorded on another assembly; run it again")
+        raise exchange.ExchangeError(f"{path}: its numbers of blocks and contact points are those of another assembly; run the scene again")
     with exchange.values_of(path):
         settings = json.loads(groups["settings"]["json"])
         if not isinstance(settings, dict) or not set(exchange.SETTINGS) <= set(settings):
-            raise ValueError("settings/json lacks settings")
+            raise ValueError("settings are missing in settings/json")
         if states == 0 or groups["result"]["status"] not in STATUSES or not np.all((extra >= 0) & (extra < blocks)):
-            raise ValueError("a state, a status or a block is none")
+            raise ValueError("no stored state, an unknown status, or a block number out of range")
     return Run(RunResult(**groups["result"]), RunSeries(**groups["record"]), Poses(**groups["poses"]), extra, settings)

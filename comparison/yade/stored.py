@@ -1,4 +1,4 @@
-"""Results of both methods as they lie in a scene's folder: where, and read back."""
+"""Stored results of both methods: find the folder of a scene and read them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +12,14 @@ from la_core.scene import Scene, load_scene, shipped
 
 @dataclass(frozen=True)
 class Results:
-    """Results of both methods on one scene: what the judge, the figures and the report work with.
+    """Results of both methods on one scene, the input of the judge, the figures and the report.
 
-    analysis: limit analysis, which carries the scene. run: YADE's, None where YADE gave none or was not asked.
+    Attributes
+    ----------
+    analysis : LimitAnalysis
+        Limit analysis, which carries the scene.
+    run : Run or None
+        YADE's run; None where it failed or was not requested.
     """
 
     analysis: LimitAnalysis
@@ -27,16 +32,16 @@ class Results:
 
     @property
     def recorded(self) -> Run:
-        """YADE's run; raises ValueError where there is none."""
+        """YADE's run, without None; raises ValueError where there is no run."""
         if self.run is None:
-            raise ValueError(f"{self.scene.name}: YADE gave no run")
+            raise ValueError(f"{self.scene.name}: there is no YADE run in these results")
         return self.run
 
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
-    """Stored results of a scene's folder; raises exchange.ExchangeError where limit analysis is missing.
+    """Read the results in a scene's folder; raises exchange.ExchangeError where limit analysis is missing or a file is damaged.
 
-    interfaces: of the scene's blocks, where they are known.
+    interfaces: those of the scene's blocks, where they are known already; they are searched for otherwise.
     """
     analysis = case_file.read_case(folder / "case.h5", load_scene(folder / "scene.toml", name=folder.name), interfaces)
     path = folder / "run.h5"
@@ -44,9 +49,9 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
 
 
 def locate_results(source: str) -> Path | None:
-    """Folder of a scene's results: the one given, or the only one in it; None where the source is no folder of results but a scene.
+    """Return the folder of a scene's results: `source`, or the only one inside it; None where `source` names a scene instead.
 
-    Raises SceneError for a folder without results, or with those of several scenes.
+    Raises SceneError for a folder without results, or with the results of several scenes.
     """
     folder = Path(source)
     if not folder.is_dir():

@@ -437,7 +437,7 @@ def test_two_campaigns_in_one_folder_are_refused(tmp_path: Path, capsys: pytest.
     out.mkdir()
     with alone_in(out):
         assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == 3
-    assert "another crosscheck works in this folder" in capsys.readouterr().err
+    assert "in use by another crosscheck process" in capsys.readouterr().err
 
 
 def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figures: None) -> None:

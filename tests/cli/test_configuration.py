@@ -147,7 +147,7 @@ WRONG = {
     "a path that is none": ("output = 3", ("output = 3", "path", "text in quotes")),
     "an empty path": ('output = ""', ("output", "path")),
     "what a terminal obeys": ('output = "\\u001b[2J"', ("output", "path")),
-    "a stranger's home": ('output = "~nobody-of-that-name/x"', ("output", "home")),
+    "a stranger's home": ('output = "~nobody-of-that-name/x"', ("output", "no such user")),
     "not TOML": ("output = ", ("not valid TOML",)),
 }
 

@@ -122,7 +122,7 @@ def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr("comparison.cli.scene_verbs.solve.solve", hungry)
     assert main(["solve", "two_pads"]) == TOOL
-    one_message(capsys.readouterr().err, "the memory does not suffice")
+    one_message(capsys.readouterr().err, "out of memory")
 
 
 @pytest.mark.parametrize("where", ["below a file", "below /proc", "a file for a scene's folder", "a folder for a result"])

@@ -97,7 +97,7 @@ def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, capsys
     with alone_in(copy / "two_pads"):
         for command in (["run", "two_pads", "-o", str(copy), "-q"], ["report", str(copy), "-q"]):
             assert main(command) == TOOL
-            one_message(capsys.readouterr().err, "another crosscheck works in this folder")
+            one_message(capsys.readouterr().err, "in use by another crosscheck process")
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
 
 

@@ -133,7 +133,7 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
             pass
 
     summary = one_scene.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
-    assert any("done again with what was left out (friction: joints slide" in one for one in heard)
+    assert any("repeated with effects that were left out (friction: joints slide" in one for one in heard)
     assert summary["effects"]["friction"] == "coulomb"
     assert summary["effects"]["reasons"]["friction"] == "joints slide in YADE's mechanism"
     assert summary["verdict"] == "agree"
@@ -145,7 +145,7 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     assembly = found.analysis.assembly
     wrong = found.analysis.with_effects(assembly.effects.with_effect("friction", "none-slides", "made up"))
     assert prediction.slides_unforeseen(Results(wrong, found.run))
-    assert "ask for effects.friction" in prediction.predicted(Results(wrong, found.run)).obstacle
+    assert 'Set friction = "coulomb"' in prediction.predicted(Results(wrong, found.run)).obstacle
     arch_run = cross_checked("arch_spreading")
     assert not prediction.slides_unforeseen(Results(arch_run.analysis, arch_run.run))
 

@@ -82,7 +82,7 @@ def test_h5py_missing_in_yade_s_python_is_named_with_the_remedy(
 
 
 OTHER_YADES = {
-    "lacks what is used": ('version = "9999"', "YADE: missing", "YADE 9999, which lacks what is used of it: Bo1_Box_Aabb"),
+    "lacks what is used": ('version = "9999"', "YADE: missing", "YADE 9999, which lacks names that crosscheck uses: Bo1_Box_Aabb"),
     "has no version": ("", "YADE: missing", "version"),
     "does not load": ("1 / 0", "YADE: missing", "ZeroDivisionError"),
 }

@@ -153,7 +153,7 @@ def test_a_small_run_that_went_too_far_is_run_again_with_finite_displacements(tm
             pass
 
     summary = run_scene(scene, tmp_path / scene.name, Listener(), with_yade=True)
-    assert sum("done again with what was left out (displacement: In YADE block" in one for one in heard) == 1
+    assert sum("repeated with effects that were left out (displacement: In YADE block" in one for one in heard) == 1
     assert summary["effects"]["displacement"] == "finite"
     assert "moved" in summary["effects"]["reasons"]["displacement"]
     assert summary["yade"]["reaction"] == pytest.approx(-scene.friction * scene.weight, rel=HALF_PER_CENT)
