@@ -200,7 +200,8 @@ def _whole_building(entries: dict[str, Entry]) -> str:
         f"(`--full`, and `[yade]` with {model['settings']}) "
         f"the prediction took {number_text(model['limit_analysis_seconds'])} s and did not quite converge "
         f"({number_text(model['predicted'], 5)}, dilatancy residual {percent(model['dilatancy_residual'])}); "
-        f"after {number_text(model['yade_seconds'] / 60.0)} minutes YADE knew its reaction to {percent(model['uncertainty'] / model['yade'])} ({number_text(model['yade'], 5)})."
+        f"after {number_text(model['yade_seconds'] / 60.0)} minutes YADE knew its reaction "
+        f"to {percent(model['uncertainty'] / model['yade'])} ({number_text(model['yade'], 5)})."
     )
     return fill(text, WIDTH) + "\n"
 
