@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 import scenes
-from runs import made_up_run
+from runs import made_up_run, with_answers
 
 from comparison.judge import prediction as check_prediction
 from comparison.judge import run_checks, sections, tolerances
@@ -59,7 +59,7 @@ def arch() -> tuple[Scene, LimitAnalysis]:
 
 
 def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(*arch, _perfect_run(arch[1]))
+    found = check_run(Results(arch[1], _perfect_run(arch[1])))
     assert {check.verdict for check in found} == {Verdict.AGREE}
     assert {check.name.split(" along")[0] for check in found} == {
         "settlement achieved", "displacements within the least gap", "equilibrium of the YADE state", "plane answer in space",
@@ -178,7 +178,7 @@ def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, Limit
 
 def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
     scene, analysis = _case("two_blocks")
-    analysis = dataclasses.replace(analysis, coulomb=None, coulomb_sharp=None)
+    analysis = dataclasses.replace(with_answers(analysis, coulomb=None), sharp=dataclasses.replace(analysis.sharp, coulomb=None))
     run = _perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "reaction against prediction")
     assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
@@ -193,7 +193,7 @@ def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysi
 
 
 def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
-    verdict, reason = overall(check_run(*arch, _perfect_run(arch[1], status="collapsed")))
+    verdict, reason = overall(check_run(Results(arch[1], _perfect_run(arch[1], status="collapsed"))))
     assert verdict is Verdict.INCONCLUSIVE and "thrust" in reason
 
 
@@ -248,14 +248,15 @@ def _coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object
     assert analysis.coulomb is not None
     coulomb = analysis.coulomb
     stand_in = dataclasses.replace(analysis.bounds[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
-    run = _perfect_run(dataclasses.replace(analysis, rounded={**analysis.bounds, Drive.YIELDING: stand_in}), **result)
+    run = _perfect_run(with_answers(analysis, bounds={**analysis.bounds, Drive.YIELDING: stand_in}), **result)
     settlement = np.linspace(0.0, TRAVEL, 400)
     reaction = run.result.reaction * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
-    return dataclasses.replace(run, record={"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction})
+    record = {"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction}
+    return dataclasses.replace(run, record=made_up_run(record=record).record)
 
 
 def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(*wall, _coulomb_run(wall[1]))
+    found = check_run(Results(wall[1], _coulomb_run(wall[1])))
     assert {check.verdict for check in found} == {Verdict.AGREE}, [check for check in found if check.reason]
     assert {"reaction within the mechanism's interval", "YADE's friction state", "steadiness of the plateau"} <= {c.name for c in found}
 
@@ -293,7 +294,7 @@ def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, 
 
 def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, LimitAnalysis]) -> None:
     for scatter, named in ((0.001, False), (0.02, True)):
-        found = check_run(*wall, _coulomb_run(wall[1], scatter=scatter))
+        found = check_run(Results(wall[1], _coulomb_run(wall[1], scatter=scatter)))
         check = next(c for c in found if c.name == "steadiness of the plateau")
         assert check.yade == pytest.approx(scatter, rel=0.05)
         assert ("Stick-slip" in check.reason) is named
@@ -323,7 +324,7 @@ def test_an_iteration_that_did_not_converge_may_confirm_but_not_contradict(
     _scene, analysis = wall
     assert analysis.coulomb is not None
     coulomb = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, dilatancy_residual=residual)
-    found = check_run(Results(dataclasses.replace(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value)))
+    found = check_run(Results(with_answers(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value)))
     check = next(c for c in found if c.name == "reaction against prediction")
     assert check.verdict is verdict and ("not converged" in check.reason) is (verdict is not Verdict.AGREE)
     assert Verdict.DISAGREE not in {c.verdict for c in found}
@@ -345,7 +346,8 @@ def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> Non
     doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.bounds.items()}
     assert analysis.sharp.coulomb is not None
     coulomb = dataclasses.replace(analysis.sharp.coulomb, status=Status.INACCURATE)
-    verdicts = {check.verdict for check in check_expected(dataclasses.replace(analysis, sharp=doubtful, coulomb_sharp=coulomb))}
+    sharp = dataclasses.replace(analysis.sharp, bounds=doubtful, coulomb=coulomb)
+    verdicts = {check.verdict for check in check_expected(dataclasses.replace(analysis, sharp=sharp))}
     assert verdicts == {Verdict.INCONCLUSIVE}
 
 
@@ -354,11 +356,11 @@ def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene
     _scene, analysis = arch
     for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
         greatest = dataclasses.replace(analysis.bounds[Drive.PUSHING], status=status)
-        doubtful = dataclasses.replace(analysis, rounded={**analysis.bounds, Drive.PUSHING: greatest})
+        doubtful = with_answers(analysis, bounds={**analysis.bounds, Drive.PUSHING: greatest})
         assert _verdict("reaction within bounds", check_run(Results(doubtful, _perfect_run(analysis)))) is verdict
 
 
 def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(*arch, _perfect_run(arch[1], uncertainty=math.nan))
+    found = check_run(Results(arch[1], _perfect_run(arch[1], uncertainty=math.nan)))
     assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
     assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE

@@ -14,7 +14,7 @@ import pytest
 from conftest import CrossChecked
 from scenes import load, shipped
 
-from comparison.figures.canvas import size
+from comparison.figures.canvas import structure_size
 from comparison.figures.motion import DRAWN, motions
 from comparison.report import viewer
 from comparison.report.report import write_report
@@ -71,7 +71,7 @@ def test_the_fastest_point_is_drawn_to_move_a_fixed_share_of_the_size(two_pads: 
     moved = shown.magnification * method.at(shown.end)
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
     speed = np.linalg.norm(moved[owner, :3] + np.cross(moved[owner, 3:], blocks.vertices - blocks.centroid[owner]), axis=1)
-    assert speed.max() == pytest.approx(DRAWN * size(blocks))
+    assert speed.max() == pytest.approx(DRAWN * structure_size(blocks))
     assert not np.any(method.at(0.0))
     assert method.at(0.25 * shown.end) == pytest.approx(0.25 * method.at(shown.end))
 
@@ -80,12 +80,11 @@ def test_a_collapse_stays_in_the_picture(cross_checked: Callable[[str], CrossChe
     found = cross_checked("two_pads")
     blocks = found.analysis.assembly.blocks
     (free,) = np.flatnonzero(blocks.free)
-    for fall, drawn in ((0.01, 0.5 * size(blocks)), (3.0, 3.0)):  # m
+    for fall, drawn in ((0.01, 0.5 * structure_size(blocks)), (3.0, 3.0)):  # m
         displacement = found.run.poses.displacement.copy()
         displacement[-1, free, 2] -= fall
-        run = replace(
-            found.run, result={**found.run.result, "plateau_start": np.nan}, poses={**found.run.poses, "displacement": displacement}
-        )
+        result = replace(found.run.result, plateau_start=np.nan)
+        run = replace(found.run, result=result, poses=replace(found.run.poses, displacement=displacement))
         shown = motions(Results(found.analysis, run))
         moved = shown.magnification * shown.methods[1].at(shown.end)[free]
         assert np.linalg.norm(moved[:3]) == pytest.approx(drawn, rel=0.05)  # its corners move a little more

@@ -1,4 +1,4 @@
-"""Runs of YADE made up for tests: what a test does not give is undefined, or empty."""
+"""Results made up for tests: runs of YADE, where what a test does not give is undefined or empty, and changed limit analyses."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from comparison.yade.run_record import Poses, Run, RunResult, RunSeries
+from la_core.analysis.result import LimitAnalysis
 
 WORDS = {"status": "plateau", "version": "made up", "message": "made up"}
 COUNTS = {"steps": 0}
@@ -26,3 +27,8 @@ def made_up_run(
     ended = filled(RunResult, WORDS | COUNTS | dict(result or {}), float("nan"))
     empty = np.zeros(0)
     return Run(ended, filled(RunSeries, record, empty), filled(Poses, poses, empty), np.zeros((0, 2), dtype=int), dict(settings or {}))
+
+
+def with_answers(analysis: LimitAnalysis, **changes: Any) -> LimitAnalysis:
+    """The analysis with other answers, or another assembly, at the shared inset."""
+    return dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, **changes))
