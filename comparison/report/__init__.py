@@ -2,7 +2,8 @@
 
 from comparison.report import viewer
 from comparison.report.paraview import export
-from comparison.report.report import VERDICTS, stored_report, write_report
+from comparison.report.report import stored_report, write_report
+from comparison.report.scene_view import VERDICTS
 from comparison.report.templating import flat, template_environment
 
 __all__ = [

@@ -16,12 +16,13 @@ from comparison.figures import reaction as plot_reaction
 from comparison.figures import structure
 from comparison.figures.line_labels import ROW, Word, write_words
 from comparison.judge.summary import limit_analysis_summary
-from comparison.report import report
+from comparison.numbers import format_number
+from comparison.report import report, scene_view
 from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene, load_scene
 from la_core.scene.shipped import find
@@ -124,7 +125,7 @@ def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: 
     figure = structure.mechanism_figure(analysis.assembly, {"one": twists, "YADE": 0.5 * twists})
     drawn = [float(word) for word in re.findall(r"([0-9.]+) mm", figure.get_suptitle())]
     # The block turns about (0.4, 0) by 1/0.6 of the settlement at x = 1; its upper right corner is the fastest, by hypot(0.6, 0.5)/0.6.
-    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
+    assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.structure_size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
 
 
 def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
@@ -209,8 +210,10 @@ def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float
     least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
     settlement = np.linspace(0.0, 8e-4, 9)
-    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
-    return replace(analysis, coulomb=coulomb, path=path)
+    path = EquilibriumPath(
+        settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
+    )
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb), path=path)
 
 
 def labels_of(axes: Any) -> dict[str, Any]:
@@ -274,8 +277,11 @@ def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None
 def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = structure.reaction_figure(Results(replace(analysis, **missing)))
+    if "coulomb" not in known:
+        analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=None))
+    if "path" not in known:
+        analysis = replace(analysis, path=None)
+    figure = structure.reaction_figure(Results(analysis))
     structure.save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:
@@ -323,7 +329,7 @@ def test_words_keep_off_lines_and_each_other() -> None:
     ],
 )  # fmt: skip
 def test_numbers(value: Any, shown: str) -> None:
-    assert report.number(value) == shown
+    assert format_number(value) == shown
 
 
 HOSTILE = '<script>alert(1)</script> | `a` "b" https://example.org'
@@ -431,7 +437,7 @@ def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
         "34233 steps",
         "7 iterations",
         "8.1",
-        "takes the associated reaction from 359.70 N",
+        "changes the associated reaction from 359.70 N",
         "+1.0 %",
     ):
         assert words in page
@@ -582,7 +588,7 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 
 def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
     scene = load_scene(find("two_blocks"))
-    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
+    rows = {row["name"]: row for row in scene_view._expected(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
 
