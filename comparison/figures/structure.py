@@ -1,13 +1,10 @@
-"""Figures of a comparison: the structure, its mechanisms by both methods, and the reaction against the settlement.
+"""Figures of the structure: what it is made of and what drives it, and its mechanisms by both methods.
 
-Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's global state; `save` writes it.
+Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's global state.
 """
 
-import io
 import textwrap
-import warnings
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,37 +30,18 @@ from comparison.figures.canvas import (
     window,
 )
 from comparison.figures.motion import DRAWN, drawn_motion
-from comparison.figures.reaction import reaction_figure
-from la_core.exchange import FIXED, FREE, SUPPORT, write_whole
+from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.measures import mechanism
 from la_core.model import Assembly
 from la_core.scene import Scene
 
-__all__ = ["assembly_figure", "looks", "mechanism_figure", "reaction_figure", "save", "wrapped"]
-
-DPI = 130
 SHORT = 0.2  # of the longest arrow: shorter ones of a turning support are left out
 ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
 SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
-    write_whole(path, rendered(figure, path.suffix))
-
-
-def rendered(figure: Figure, suffix: str) -> bytes:
-    """What a file of a figure holds whose name ends with ".png", ".svg" or ".pdf"."""
-    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
-        content = io.BytesIO()
-        figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
-    return content.getvalue()
 
 
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scenes
 
-from comparison.figures.structure import save
+from comparison.figures import save
 from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
 from la_core.limit.associated import Status, solve_associated
