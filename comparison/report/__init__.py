@@ -1,4 +1,4 @@
-"""What a person opens: HTML, Markdown and JSON pages, the 3D view, ParaView files."""
+"""What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
 from comparison.report.paraview import export

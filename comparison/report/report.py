@@ -1,4 +1,4 @@
-"""The report of a run: one self-contained offline HTML page, the same as Markdown that diffs well, and as JSON."""
+"""The report of a run: one self-contained offline HTML page, the same content as Markdown, and as JSON."""
 
 import json
 from pathlib import Path
@@ -11,28 +11,39 @@ from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
 
 LIMITATIONS = (
-    "Contact forces are not compared one by one. Rigid blocks on more than the fewest contacts are hyperstatic: many force states "
-    "balance the same weights, and each method picks its own. Reactions and force sums over sections are what both must share.",
-    "Where joints slide, the associated answer is a bound and not a prediction: its flow rule dilates (u_n = mu u_t), dry stone does "
-    "not. The Coulomb prediction does not dilate, but what its mechanism carries may depend on friction's history: the interval says how "
-    "far, and elastic joints under one steady settlement select within it. Another history, such as repeated settlement, may end "
-    "elsewhere.",
-    "Limit analysis keeps the undeformed geometry; its bounds know no stiffness, its Coulomb prediction and its path take that of YADE's "
-    "joints. In YADE the support has moved and the blocks have inertia: "
-    "the plateau is extrapolated to zero settlement, but what stiffness and speed leave behind is only covered by the tolerances.",
-    "Contact points are drawn in from the arrises by the inset, the same in both methods, which shortens every lever arm. "
-    "Agreement at that inset says nothing on sharp arrises; the sharp reaction stands beside it for that reason.",
-    "A mechanism need not be unique, least of all in a large wall: two that differ may both belong to the right reaction.",
-    "Compressive strength is infinite, joints carry no tension or cohesion, blocks neither crush, crack nor chip; "
-    "forces act at points, so a corner's resistance to torsion is that of the friction at its points.",
-    "YADE's uncertainty is that of its fitted plateau and 0.02 % for its settings; friction's history may depend on them by more.",
+    "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
+    "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "
+    "forces over sections.",
+    "Where joints slide, the associated answer is a bound and not a prediction: its flow rule makes sliding joints open "
+    "(u_n = mu u_t), and those of dry stone do not. The Coulomb prediction has no dilatancy, but its reaction may depend on the "
+    "history of friction. The interval shows how much. Elastic joints under one steady settlement select a value within it. "
+    "Another history, such as repeated settlement, may select another value.",
+    "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path use the "
+    "stiffness of YADE's joints. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
+    "settlement; only the tolerances cover the remaining influence of stiffness and speed.",
+    "Contact points lie inside the arrises by the inset, the same in both methods. This shortens every lever arm. "
+    "Agreement at that inset does not prove the answer for sharp arrises; the report therefore gives that reaction too.",
+    "A mechanism need not be unique, least of all in a large wall: two different mechanisms may both belong to the right reaction.",
+    "Compressive strength is infinite. Joints carry neither tension nor cohesion. Blocks do not crush, crack or chip. "
+    "Forces act at points, so only friction at these points resists torsion at a corner.",
+    "YADE's uncertainty covers its fitted plateau, and 0.02 % for its settings; the influence of its settings on the history of "
+    "friction may be larger.",
 )
 
 
 def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> Path:
-    """Write report.html, report.md and report.json into `folder`, from comparison.json objects; returns the page's path.
+    """Write report.html, report.md and report.json into a folder and return the path of the HTML page.
 
-    Figures and interactive views are taken from `folder/<scene>/`, where they exist. Each file is whole or the one that was there before.
+    Figures and interactive views come from `folder/<scene>/`, where they exist. Each file is replaced as a whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the run.
+    comparisons : list of dict
+        The content of each scene's `comparison.json`, in the order of the page.
+    provenance : dict
+        Versions and machine, shown at the end of the page; may be nested.
     """
     scenes = [view_of_scene(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)]
     page = {
@@ -50,13 +61,15 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
 
 
 def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:
-    """What report.json holds."""
+    """Return the content of report.json; undefined numbers are None."""
     return dict(without_undefined({"comparisons": comparisons, "provenance": provenance}))
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """How many scenes came to each verdict, verdicts without scenes left out."""
-    found = [comparison.get("verdict") for comparison in comparisons]
+    """Count the scenes of each verdict; verdicts without scenes are left out."""
+    verdicts = [comparison.get("verdict") for comparison in comparisons]
     return [
-        {"symbol": symbol, "word": word, "count": found.count(verdict)} for verdict, (symbol, word) in VERDICTS.items() if verdict in found
+        {"symbol": symbol, "word": word, "count": verdicts.count(verdict)}
+        for verdict, (symbol, word) in VERDICTS.items()
+        if verdict in verdicts
     ]

@@ -1,4 +1,4 @@
-"""Everything the templates show of one scene: its verdict, numbers, figures and evidence, ready to lay out."""
+"""The content of one scene in the report: verdict, numbers, figures and evidence, ready for the templates."""
 
 import base64
 from collections.abc import Iterator
@@ -13,31 +13,41 @@ from comparison.report.viewer import embedded
 
 VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
 FIGURES = {
-    "assembly": "The structure: blocks by role, interfaces with their contact points, and what drives it.",
-    "mechanisms": "Mechanisms for the same motion of the support; contact points that open and that slide are marked.",
-    "reaction": "Reaction against settlement from rest, or a live load against its displacement: YADE's record and its plateau, "
-    "extrapolated to the undeformed geometry; limit analysis' bounds (associated), and where known its Coulomb prediction, the "
-    "interval that the mechanism leaves open, and the path from rest on joints of the same stiffness.",
-    "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by what they do.",
-    "animation": "The settlement as an animation: mechanisms by both methods, and YADE's reaction as it was recorded.",
+    "assembly": "The structure: blocks by role, interfaces with their contact points, and the motion or load that drives it.",
+    "mechanisms": "Mechanisms of both methods for the same motion of the support; marks show contact points that open or slide.",
+    "reaction": "Reaction against settlement from rest, or live load against displacement. YADE: the record, and its plateau "
+    "extrapolated to the undeformed geometry. Limit analysis: the associated bounds and, where known, the Coulomb prediction, the "
+    "interval of reactions that its mechanism allows, and the path from rest on joints of the same stiffness.",
+    "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by state.",
+    "animation": "The settlement as an animation: mechanisms of both methods, and YADE's recorded reaction.",
 }
 EVIDENCE = {
-    "equilibrium_residual": "largest unbalanced force, of the mean block weight",
-    "cone_violation": "largest tension or excess of friction, of the mean block weight",
-    "mechanism_violation": "largest violation of the flow rule, of the fastest block's speed",
-    "duality_gap": "reaction from forces less reaction from work, of the mean block weight",
+    "equilibrium_residual": "largest unbalanced force, over the mean block weight",
+    "cone_violation": "largest tension or excess of friction, over the mean block weight",
+    "mechanism_violation": "largest violation of the flow rule, over the fastest block's speed",
+    "duality_gap": "reaction from forces less reaction from work, over the mean block weight",
 }
 COULOMB_EVIDENCE = {
     "equilibrium_residual": EVIDENCE["equilibrium_residual"],
     "cone_violation": EVIDENCE["cone_violation"],
-    "dilatancy_residual": "work of the dilation left, over the work of the settling weights",
-    "strain_residual": "work of the dilation left, over the elastic energy of the joints",
+    "dilatancy_residual": "work of the remaining dilation, over the work of the settling weights",
+    "strain_residual": "work of the remaining dilation, over the elastic energy of the joints",
     "drift": "relative change of the reaction over the last step",
 }
 
 
 def view_of_scene(folder: Path, index: int, comparison: dict[str, Any]) -> dict[str, Any]:
-    """Everything the templates show of one scene, by name; they only lay it out."""
+    """Return everything that the templates show of one scene, by name; the templates only lay it out.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the run; the scene's figures and its interactive view are in `folder/<scene>/`.
+    index : int
+        Number of the scene on the page, from 1; its section has the anchor `scene-<index>`.
+    comparison : dict
+        The content of the scene's `comparison.json`. Parts that are missing leave their part of the view empty.
+    """
     scene = str(comparison.get("scene"))
     symbol, word = VERDICTS.get(comparison.get("verdict"), VERDICTS[None])
     results = _results(comparison)
@@ -73,7 +83,7 @@ def _associated(comparison: dict[str, Any]) -> dict[str, Any]:
 
 
 def _results(comparison: dict[str, Any]) -> dict[str, Any]:
-    """Numbers of both methods at the inset they share: bounds, YADE's reaction, their difference, times. None for none."""
+    """Return both methods' numbers at the shared inset: bounds, YADE's reaction, difference, seconds; None where undefined."""
     associated, yade = _associated(comparison), comparison.get("yade") or {}
     shared = associated.get("shared_inset") or associated
     live = "multiplier" in associated
@@ -82,15 +92,15 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
     shared_coulomb = coulomb.get("shared_inset") or coulomb
     predicted, (low, high) = shared_coulomb.get(quantity), shared_coulomb.get(f"{quantity}_interval") or (None, None)
     unit = comparison.get("unit", "" if live else "N")
-    least, found = shared.get("reaction"), yade.get("reaction")
+    least, recorded = shared.get("reaction"), yade.get("reaction")
     nearest = predicted if exists(predicted) else least
     reactions = {
         "least": least,
         "greatest": shared.get("reaction_max"),
-        "yade": found,
+        "yade": recorded,
         "uncertainty": yade.get("uncertainty"),
         "coulomb": predicted,
-        "difference": found - nearest if exists(nearest) and exists(found) else None,
+        "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
     weight = comparison.get("weight")
     ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
@@ -115,12 +125,12 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sum(*values: Any) -> float | None:
-    found = [value for value in values if exists(value)]
-    return sum(found) if found else None
+    defined = [value for value in values if exists(value)]
+    return sum(defined) if defined else None
 
 
 def _sentence(comparison: dict[str, Any]) -> str:
-    """The verdict with its reason."""
+    """Return the verdict and its reason as sentences."""
     verdict, reason = comparison.get("verdict"), comparison.get("reason") or ""
     agreement = "The two methods agree." if comparison.get("yade") else "Limit analysis agrees with the expected value; YADE was not run."
     openings = {"agree": agreement, "disagree": "The comparison fails.", "inconclusive": "No verdict can be given."}
@@ -145,28 +155,28 @@ def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
 
 
 def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Each expected value beside what limit analysis gives for sharp arrises."""
+    """Yield each expected value beside limit analysis' value for sharp arrises."""
     expected, associated = comparison.get("expected") or {}, _associated(comparison)
-    own = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
+    prediction = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
     weight = comparison.get("weight")
 
     def over(value: Any) -> float | None:
         return value / weight if exists(value) and weight else None
 
-    found = {
-        "reaction_over_weight": ("R / W", over(own.get("reaction_sharp"))),
+    answers = {
+        "reaction_over_weight": ("R / W", over(prediction.get("reaction_sharp"))),
         "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
         "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
-        "multiplier": ("multiplier", own.get("multiplier_sharp")),
+        "multiplier": ("multiplier", prediction.get("multiplier_sharp")),
         "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
     }
-    for key, (name, value) in found.items():
+    for key, (name, value) in answers.items():
         if exists(expected.get(key)):
             yield {"name": name, "expected": expected[key], "found": value} | {k: expected.get(k) for k in ("tolerance", "kind")}
 
 
 def _rounding(comparison: dict[str, Any]) -> str:
-    """What rounding the arrises costs, as a sentence; "" where nothing was rounded."""
+    """Return the influence of the inset on the associated answer as a sentence; "" where the inset is 0 or unknown."""
     associated, results = _associated(comparison), _results(comparison)
     shared = associated.get("shared_inset") or associated
     quantity = "multiplier" if results["live"] else "reaction"
@@ -184,14 +194,14 @@ def _rounding(comparison: dict[str, Any]) -> str:
 
 
 def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Size of what was modelled, as pairs of name and words."""
+    """Yield the size of the model as pairs of name and text."""
     yield "weight of the free blocks, W", f"{format_number(comparison.get('weight'), 5)} N"
-    for name, words in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
-        yield words, format_number(comparison.get(name))
+    for name, label in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
+        yield label, format_number(comparison.get(name))
 
 
 def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
-    """Every effect: on or off, how it is modelled, why, what leaving it out saves or keeping it took."""
+    """Yield one row an effect: on or off, how it is modelled, why, and the savings without it or its time in seconds."""
     for row in (comparison.get("effects") or {}).get("table") or []:
         saved = ", ".join(f"{format_number(count)} {name}" for name, count in (row.get("saved") or {}).items())
         took = f"took {format_number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""
@@ -206,7 +216,7 @@ def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
 
 
 def _evidence(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Residuals of the associated and of the Coulomb answer, with their meanings."""
+    """Yield the residuals of the associated and of the Coulomb answer, with their meanings."""
     coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
     for method, answer, meanings in (("associated", _associated(comparison), EVIDENCE), ("Coulomb", coulomb, COULOMB_EVIDENCE)):
         for name, meaning in meanings.items():

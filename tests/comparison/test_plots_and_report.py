@@ -251,7 +251,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
     beside = {
         plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
         plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
-        plot_reaction.HISTORY: "friction's history decides within",
+        plot_reaction.HISTORY: "depends on the history of friction",
         plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
         plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
         r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
@@ -521,12 +521,12 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
             assert words in text
     for seconds in ("0.010", "0.23", "0.57", "8.1"):
         assert f'<td class="number">{seconds}</td>' in page
-    assert "Coulomb: work of the dilation left, over the elastic energy of the joints" in page
+    assert "Coulomb: work of the remaining dilation, over the elastic energy of the joints" in page
 
 
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
-    table = page[page.index("Mechanisms, measured") :]
+    table = page[page.index("Measures of the mechanisms") :]
     table = table[: table.index("</table>")]
     assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
         "associated",
@@ -570,7 +570,7 @@ def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> 
     assert "less R_min" in page
     del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
     page, _ = page_and_markdown(tmp_path, comparison)
-    assert "Mechanisms, measured" not in page
+    assert "Measures of the mechanisms" not in page
     comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
     comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
     page, _ = page_and_markdown(tmp_path, comparison)
