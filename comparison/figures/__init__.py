@@ -1,4 +1,4 @@
-"""Every picture of one scene; matplotlib is known here, in the studies and in the campaign's figures alone."""
+"""Figures of one scene; only this room, the studies and the campaign's figures import matplotlib."""
 
 from comparison.figures import canvas
 from comparison.figures.animation import Story, write_animation

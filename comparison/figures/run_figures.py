@@ -1,4 +1,4 @@
-"""Which figures show a scene's results."""
+"""The figures of a scene's results, by name."""
 
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +13,7 @@ from la_core.measures import measure
 
 
 def scene_figures(results: Results) -> dict[str, Callable[[], Any]]:
-    """How to draw each figure, by its name; limit analysis shows its sharpest mechanism."""
+    """Return a function that draws each figure, by the figure's name; limit analysis shows its Coulomb mechanism where it has one."""
     scene, analysis, run = results.scene, results.analysis, results.run
     main = analysis.bounds[analysis.main]
     method, best = shown_answer(analysis)

@@ -1,4 +1,4 @@
-"""A figure as a file: PNG, SVG or PDF, the same bytes for the same figure."""
+"""A figure as a file: PNG, SVG or PDF, with the same bytes for the same figure."""
 
 import io
 import warnings
@@ -8,16 +8,16 @@ from matplotlib.figure import Figure
 
 from la_core.exchange import write_whole
 
-DPI = 130
+DPI = 130  # of a PNG
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
+    """Write a figure in the format of the path's suffix: .png, .svg or .pdf. The file stores no date."""
     write_whole(path, rendered(figure, path.suffix))
 
 
 def rendered(figure: Figure, suffix: str) -> bytes:
-    """What a file of a figure holds whose name ends with ".png", ".svg" or ".pdf"."""
+    """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf"."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box

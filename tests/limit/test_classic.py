@@ -155,7 +155,7 @@ def test_study_of_the_parameters_tells_how_every_run_ended(tmp_path: Path) -> No
     figure = sensitivity_figure(result, references)
     save(figure, tmp_path / "sensitivity.png")
     assert [text.get_text() for text in figure.legends[0].get_texts()][-3:] == [
-        "associated", "not converged, range of the last ten", "no equilibrium found: last value before",
+        "associated", "not converged, range of the last ten", "no equilibrium found: last value",
     ]  # fmt: skip
 
 
