@@ -20,7 +20,7 @@ class MatrixCell:
     """One case: how it ended, and the address of its own report, "" where there is none."""
 
     case: str
-    verdict_symbol: str
+    symbol: str
     word: str
     href: str
     words: str
