@@ -92,7 +92,7 @@ class Canvas:
         return position @ np.stack([self.right, self.up], axis=1)
 
     def solids(self, vertices: np.ndarray, face: Sequence[str], hatch: Sequence[str]) -> None:
-        """Draw the blocks with vertices (V, 3), and a face colour and a hatch for each block; only faces towards the viewer."""
+        """Draw the faces towards the viewer of blocks with vertices (V, 3), by each block's face colour and hatch."""
         blocks = self.blocks
         corners = vertices[blocks.face_vertex]
         normal = _normals(corners, blocks.face_start)
@@ -129,14 +129,17 @@ class Canvas:
         self.axes.add_collection(lines)
 
     def block_outlines(self, moved: np.ndarray, colour: str) -> None:
-        """Outline the blocks of the mask `moved` (B,) at rest; behind the other blocks where these are many, in space."""
+        """Outline the blocks of the mask `moved` (B,) at rest.
+
+        In space, the outlines of large structures are behind the blocks.
+        """
         blocks = self.blocks
         seen = np.flatnonzero((blocks.face_normal @ self.toward > 1e-6) & moved[blocks.face_block])
         polygons = loops(blocks.vertices[blocks.face_vertex], blocks.face_start)
         self.outlines([polygons[f] for f in seen], colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
 
     def seen(self, position: np.ndarray) -> np.ndarray:
-        """Return the mask (N,) of the positions that get a mark: all in a plane or small scene, else those that no block hides."""
+        """Return the mask (N,) of the visible positions: all in a plane or small scene, else those that no block hides."""
         if self.plane or self.few:
             return np.ones(len(position), dtype=bool)
         blocks = self.blocks
@@ -168,12 +171,15 @@ class Canvas:
         self.axes.annotate("", (0.975, 0.9), -32.0 * self.flat(direction), **place, arrowprops=arrow_style(FAINT))
 
     def text(self, position: np.ndarray, words: str, points: float) -> None:
-        """Write plain text, without markup, centred at a position (3,), with a white halo; `points` is the font size."""
+        """Write plain text, without markup, centred at a position (3,), with a white halo.
+
+        `points` is the font size.
+        """
         style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 7}
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Write each block's name at its centroid, as large as the block allows, one word a line where that is larger."""
+        """Write each block's name at its centroid, as large as the block allows."""
         extent = (self.blocks.high - self.blocks.low) * self.scale
         for name, centre, (width, _, height) in zip(self.blocks.names, self.blocks.centroid, extent, strict=True):
             whole = name if len(name) <= 24 else name[:23] + "…"
@@ -183,7 +189,7 @@ class Canvas:
             self.text(centre, largest, sizes[largest])
 
     def _scales(self) -> None:
-        """Draw axes in space, in m: x along the lower front edge, y along the lower right edge, z along the front left edge."""
+        """Draw axes in space, m: x on the lower front edge, y on the lower right edge, z on the front left edge."""
         low, high = self.blocks.low.min(axis=0), self.blocks.high.max(axis=0)
         gap = 0.03 * structure_size(self.blocks)
         edges = (
@@ -210,7 +216,7 @@ def arrow_style(colour: str) -> dict[str, Any]:
 
 
 def _font(words: str, width: float, height: float) -> float:
-    """Return the font size (pt) at which words fit into a width and a height (pt), between the smallest and the largest size."""
+    """Return the font size (pt) at which words fit into a width and a height (pt), within the allowed sizes."""
     lines = words.split("\n")
     return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
 

@@ -70,7 +70,7 @@ def _headings(canvas: Canvas, title: str, summary: str) -> None:
 
 
 def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
-    """Return dissipated power, its share of the settling weight's work, participation index and moving mass share as text."""
+    """Return the power, its share of the settling weight's work, participation index and moving mass as text."""
     moving = f"{100.0 * measures.moving_mass_share:.3g} % of the mass moves"
     if not measures.dissipated_power > 0.0:
         return f"friction dissipates nothing  ·  {moving}"
@@ -148,7 +148,7 @@ def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: M
 
 
 def _handles(measures: MechanismMeasures) -> list[Patch | Line2D]:
-    """Return legend entries: the moving blocks, their outlines at rest, and each state that occurs with its number of points."""
+    """Return legend entries: the moving blocks, their outlines at rest, and the states with their numbers of points."""
     handles: list[Patch | Line2D] = []
     if np.isfinite(measures.moving_mass_share):
         handles = [Patch(facecolor=MOVES, edgecolor=INK, linewidth=0.5, label="moves"), Line2D([], [], color=FAINT, label="before")]

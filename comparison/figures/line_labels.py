@@ -35,7 +35,7 @@ class Word:
 
 
 def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = ()) -> set[str]:
-    """Write the labels that fit, from the top down, lines before bands, and return the legend's names of those written.
+    """Write the labels that fit, from the top down, lines before bands; return the legend's names of these.
 
     Labels that do not fit are not written; the legend names their lines.
 
@@ -79,7 +79,10 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
 
 
 def _is_free(low: float, levels: Sequence[float], rows: Sequence[tuple[float, float]]) -> bool:
-    """Return whether a row that starts at `low` is inside the axes and covers no line and no other row; shares of the height."""
+    """Return whether a row that starts at `low` is inside the axes and covers no line and no other row.
+
+    All values are shares of the axes' height.
+    """
     high = low + ROW
     covers_line = any(low + TOUCHING < level < high - TOUCHING for level in levels)
     covers_row = any(low < end - 1e-9 and start < high - 1e-9 for start, end in rows)
@@ -87,7 +90,10 @@ def _is_free(low: float, levels: Sequence[float], rows: Sequence[tuple[float, fl
 
 
 def _widest_gap(low: float, high: float, levels: Sequence[float], rows: Sequence[tuple[float, float]], height: float) -> float | None:
-    """Return the middle of the highest free gap between `low` and `high`; None where the gap is lower than `height`."""
+    """Return the middle of the highest free gap between `low` and `high`.
+
+    The result is None where the gap is lower than `height`.
+    """
     taken = sorted([*((level, level) for level in levels), *rows, (low, low), (high, high)])
     best, reached = (0.0, 0.0), low
     for start, end in taken:

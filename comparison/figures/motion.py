@@ -80,14 +80,14 @@ class Motions:
 
 
 def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSolution]:
-    """Return the label and the answer of limit analysis that figures show: the Coulomb prediction, else the associated answer."""
+    """Return label and answer of limit analysis in figures: the Coulomb prediction, else the associated answer."""
     if analysis.coulomb is not None and np.isfinite(analysis.coulomb.value):
         return "limit analysis (Coulomb)", analysis.coulomb
     return "limit analysis (associated)", analysis.bounds[analysis.main]
 
 
 def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> float:
-    """Return the motion of the drive (m, rad, or 1) at which the fastest point of all mechanisms moves by DRAWN of the size.
+    """Return the motion of the drive (m, rad, or 1) at which the fastest point moves by DRAWN of the size.
 
     `mechanisms` has twists (B, 6) by label. The motion is 0 without any mechanism.
     """
@@ -121,7 +121,7 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
 
 
 def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | CoulombSolution, end: float) -> Motion:
-    """Return limit analysis' motion up to the settlement `end`: its mechanism grows linearly, its forces are constant."""
+    """Return limit analysis' motion up to the settlement `end`; displacements grow linearly."""
     twists, main = answer.twists, analysis.bounds[analysis.main]
     known = bool(np.isfinite(twists).all())
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])

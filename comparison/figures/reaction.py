@@ -1,4 +1,6 @@
-"""Figure of the reaction against the settlement: YADE's record and plateau; limit analysis' bounds, prediction, interval and path.
+"""Figure of the reaction against the settlement.
+
+YADE has its record and plateau; limit analysis has its bounds, prediction, interval and path.
 
 Under a live load the figure shows the load's multiplier against the displacement along the load.
 """
@@ -42,10 +44,10 @@ FITTED = "YADE, fitted plateau"
 
 
 def reaction_figure(results: Results) -> Figure:
-    """Draw the whole curve from rest on the left and the plateau close up on the right, at the inset that both methods share.
+    """Draw the whole curve from rest on the left, and the plateau close up on the right.
 
-    The bound of sharp arrises is dotted. Without a run and without a path the figure shows levels only. A second axis gives the
-    reaction over the weight of the free blocks.
+    All values are those at the inset that both methods share; the bound of sharp arrises is dotted. Without a run and
+    without a path the figure shows levels only. A second axis gives the reaction over the weight of the free blocks.
     """
     scene, analysis, run = results.scene, results.analysis, results.run
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
@@ -79,7 +81,10 @@ def reaction_figure(results: Results) -> Figure:
 
 
 def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
-    """Draw the whole curve's panel without YADE's record; return the axes' scales and the legend's names of labelled lines."""
+    """Draw the whole curve's panel without YADE's record.
+
+    Return the axes' scales and the legend's names of labelled lines.
+    """
     scene, analysis = results.scene, results.analysis
     scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
@@ -182,7 +187,7 @@ def _measured(value: float, uncertainty: float) -> str:
 
 
 def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
-    """Return values that labels must not cover: the ends of the interval, and the path's second half, where labels are."""
+    """Return values that labels must not cover: the ends of the interval and the second half of the path."""
     values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
     if analysis.path is not None:
         late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)

@@ -63,7 +63,10 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
 
 
 def largest_settlement(results: Results) -> float:
-    """Return the largest settlement of the run, else of the path, m or rad; 0 without both. A path beyond the run is cut."""
+    """Return the largest settlement of the run, else of the path, m or rad.
+
+    It is 0 without both. Figures cut a path that goes beyond the run.
+    """
     analysis, run = results.analysis, results.run
     recorded = float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
     return recorded or (float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0)
@@ -90,7 +93,10 @@ def _padded(low: float, high: float) -> tuple[float, float]:
 
 
 def whole_limits(results: Results) -> tuple[float, float]:
-    """Return the axis' limits for the whole run: with zero, the record and limit analysis; the greatest reaction where it is near."""
+    """Return the axis' limits for the whole run: zero, the record and limit analysis.
+
+    The greatest reaction is inside only where it is near.
+    """
     analysis, run = results.analysis, results.run
     lines = levels(analysis)
     alone = run is None and analysis.path is None
@@ -109,7 +115,7 @@ def whole_limits(results: Results) -> tuple[float, float]:
 
 
 def plateau_limits(results: Results) -> tuple[float, float]:
-    """Return the axis' limits around the fitted line, its uncertainty and the least reactions, with room for the record's noise."""
+    """Return the axis' limits around the fitted line, its uncertainty, the least reactions and the record's noise."""
     analysis, run = results.analysis, results.run
     values = [value for name, value in levels(analysis).items() if name != "greatest"]
     if run is not None and has_plateau(run):

@@ -13,7 +13,10 @@ from la_core.measures import measure
 
 
 def scene_figures(results: Results) -> dict[str, Callable[[], Any]]:
-    """Return a function that draws each figure, by the figure's name; limit analysis shows its Coulomb mechanism where it has one."""
+    """Return a function that draws each figure, by the figure's name.
+
+    Limit analysis shows its Coulomb mechanism where it has one.
+    """
     scene, analysis, run = results.scene, results.analysis, results.run
     main = analysis.bounds[analysis.main]
     method, best = shown_answer(analysis)

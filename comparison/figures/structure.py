@@ -45,7 +45,7 @@ SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 
 
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
-    """Draw the structure: blocks by role, interfaces, contact points, the support's motion or the live load, and gravity."""
+    """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load."""
     figure = _figure(assembly, 1, scene.title)
     (canvas,) = canvases(figure, assembly, 1)
     blocks, interfaces = assembly.blocks, assembly.interfaces

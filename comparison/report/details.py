@@ -72,7 +72,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
 
 
 def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
-    """Yield every attempt at the requested accuracy: method, chosen settings and why, error by its parts, success, seconds."""
+    """Yield every attempt at the requested accuracy: method, choice and reason, error by parts, success, seconds."""
     record = comparison.get("accuracy") or {}
     for method in (name for name in ACCURACY_METHODS if name in record):
         for attempt in record[method]["attempts"]:
@@ -99,7 +99,10 @@ ENERGIES = {
 
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover; empty without a run."""
+    """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover.
+
+    The list is empty without a run.
+    """
     audit = comparison.get("energy") or {}
     if not exists(audit.get("drift")):
         return []

@@ -13,7 +13,9 @@ from la_core.model import Assembly
 
 
 def export(results: Results, folder: Path) -> list[Path]:
-    """Write all results into a folder and return the files to open: `structure.pvd`, and `yade.pvd` where YADE stored states.
+    """Write all results into a folder and return the files to open.
+
+    These are `structure.pvd`, and `yade.pvd` where YADE stored states.
 
     - `blocks.vtu` has the faces of the blocks, with the mechanisms as vectors for the unit motion of the support.
     - `forces.vtu` has the contact points, with the forces on block b (N).
@@ -41,7 +43,10 @@ def export(results: Results, folder: Path) -> list[Path]:
 
 
 def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
-    """Write YADE's stored states as a series and return its path; remaining grids of an earlier, longer series are deleted."""
+    """Write YADE's stored states as a series and return its path.
+
+    Remaining grids of an earlier, longer series are deleted.
+    """
     rows = []
     for number, settlement in enumerate(run.poses.settlement):
         names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
@@ -69,7 +74,10 @@ def _mechanisms(results: Results) -> dict[str, np.ndarray]:
 
 
 def _forces(results: Results) -> dict[str, np.ndarray]:
-    """Return contact forces (C, 3) on block b by method, N; YADE's are the mean over its plateau, else its last state."""
+    """Return contact forces (C, 3) on block b by method, N.
+
+    YADE's are the mean over its plateau, else its last state.
+    """
     analysis, run = results.analysis, results.run
     forces = {"associated": analysis.bounds[analysis.main].forces}
     if analysis.coulomb is not None:
@@ -90,7 +98,10 @@ def _velocities(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
 
 
 def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Return the displacements (V, 3) of the vertices, m, for displacements (B, 3), m, and rotation vectors (B, 3), rad, of any size."""
+    """Return the displacements (V, 3) of the vertices, m.
+
+    The blocks move by displacements (B, 3), m, and rotation vectors (B, 3), rad, of any size.
+    """
     block, arm = _arms(blocks)
     return displacement[block] + Rotation.from_rotvec(rotation[block]).apply(arm) - arm
 

@@ -83,7 +83,10 @@ def _associated(comparison: dict[str, Any]) -> dict[str, Any]:
 
 
 def _results(comparison: dict[str, Any]) -> dict[str, Any]:
-    """Return both methods' numbers at the shared inset: bounds, YADE's reaction, difference, seconds; None where undefined."""
+    """Return both methods' numbers at the shared inset: bounds, YADE's reaction, difference, seconds.
+
+    Undefined numbers are None.
+    """
     associated, yade = _associated(comparison), comparison.get("yade") or {}
     shared = associated.get("shared_inset") or associated
     live = "multiplier" in associated

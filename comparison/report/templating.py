@@ -10,7 +10,10 @@ from comparison.numbers import DASH, first_sentence, format_number, plural
 
 
 def template_environment(name: str) -> jinja2.Environment:
-    """Return the templates for the page of this name. HTML escapes every text automatically; Markdown escapes by the filter `md`."""
+    """Return the templates for the page of this name.
+
+    HTML pages escape every text automatically; Markdown pages escape by the filter `md`.
+    """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("comparison.report", "templates"),
         autoescape=name.endswith(".html"),

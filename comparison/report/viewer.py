@@ -45,7 +45,10 @@ def viewer_text(results: Results) -> str:
 
 
 def embedded(folder: Path) -> str:
-    """Return a scene's stored view as text that cannot end its script element; "" where the view is missing or not JSON."""
+    """Return a scene's stored view as text that cannot end its script element.
+
+    The text is "" where the view is missing or not JSON.
+    """
     try:
         content = json.loads((folder / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -65,7 +68,10 @@ def scripts() -> dict[str, str]:
 
 
 def _travel(scene: Scene, shown: Motions) -> dict[str, Any]:
-    """Return the quantity that the slider moves, its unit and range; SI values times `unit_per_si` are in that unit."""
+    """Return the quantity that the slider moves, its unit and range.
+
+    SI values times `unit_per_si` are in that unit.
+    """
     quantity, unit, factor = "settlement", "mm", 1e3
     if scene.live is not None:
         quantity, unit, factor = "growth of the mechanism", "%", 100.0 / (shown.end or 1.0)
@@ -83,7 +89,7 @@ def _travel(scene: Scene, shown: Motions) -> dict[str, Any]:
 
 
 def _geometry(assembly: Assembly) -> dict[str, Any]:
-    """Return the blocks as triangles and edges of their faces, and the contact points with the blocks a and b of each."""
+    """Return the blocks as triangles and edges, and the contact points with their blocks a and b."""
     blocks = assembly.blocks
     middle = (blocks.low.min(axis=0) + blocks.high.max(axis=0)) / 2.0
     first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
@@ -105,7 +111,7 @@ def _geometry(assembly: Assembly) -> dict[str, Any]:
 
 
 def _method(assembly: Assembly, motion: Motion, colour: int) -> dict[str, Any]:
-    """Return a method's states in at most LARGEST bytes, and the look of each block and the state of each contact point.
+    """Return a method's states in at most LARGEST bytes, each block's look and each contact point's state.
 
     `colour` is the place in the palette of the blocks that move.
     """

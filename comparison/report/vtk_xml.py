@@ -58,7 +58,10 @@ def write_grid(path: Path, grid: Grid) -> None:
 
 
 def write_collection(path: Path, rows: Iterable[tuple[float, Sequence[str]]]) -> None:
-    """Write a .pvd file; each row is a time (here a settlement, m or rad) and the names of the grids beside the file, one a part."""
+    """Write a collection as a .pvd file.
+
+    Each row is a time (here a settlement, m or rad) and the names of its grids, which lie beside the file.
+    """
     entries = [
         _element("DataSet", [], timestep=repr(float(time)), part=part, file=name) for time, names in rows for part, name in enumerate(names)
     ]

@@ -122,12 +122,12 @@ def measure_study(scene: Scene, methods: Sequence[Method], progress: Callable[[i
 
 
 def prediction_inset(scene: Scene) -> float:
-    """Return the inset of limit analysis' predictions, m: 0 where the scene has an exact value, which holds for sharp arrises."""
+    """Return the predictions' inset, m: 0 where the scene has an exact value, which holds for sharp arrises."""
     return 0.0 if _known(scene)[PREDICTION] is not None else shared_inset(scene)
 
 
 def _measure(method: Method) -> tuple[MethodOutcome, list[float], list[tuple[float, float]]]:
-    """Run a rung and return its outcome, the total seconds of every run, and the seconds to build and to solve of every run."""
+    """Run a rung; return its outcome, and for every run the total seconds and those to build and to solve."""
     totals: list[float] = []
     parts: list[tuple[float, float]] = []
     while len(totals) < REPEATS and sum(totals) <= ENOUGH:
@@ -172,7 +172,7 @@ def _known(scene: Scene) -> dict[str, float | None]:
 
 
 def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> dict[str, tuple[float, str]]:
-    """Return the references of the errors, with their sources in words: the scene's exact value, else the finest rung."""
+    """Return the references of the errors and their sources: the scene's exact value, else the finest rung."""
     divisor = 1.0 if scene.live is not None else scene.weight
     known = _known(scene)
     finest = [(m, o) for m, o in measured if m.target == ASSOCIATED and m.family == "cone programme" and o.status == "solved"][-1]

@@ -1,4 +1,4 @@
-"""Figure of a cost study: error against seconds, on logarithmic axes, for the associated answer and for the prediction."""
+"""Figure of a cost study: error against seconds on logarithmic axes, one panel for each target."""
 
 import math
 import textwrap
@@ -20,7 +20,10 @@ PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, fric
 
 
 def cost_figure(ladder: CostStudy) -> Figure:
-    """Draw every rung as a mark of its method, and the Pareto fronts as lines; letters name the rungs of the fronts below."""
+    """Draw every rung as a mark of its method, and the Pareto fronts as lines.
+
+    Letters name the rungs of the fronts below.
+    """
     figure = Figure(figsize=(12.5, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(ladder.title, parse_math=False, fontsize=11)

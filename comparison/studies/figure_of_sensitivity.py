@@ -63,7 +63,7 @@ def _style(k: int, count: int) -> dict[str, Any]:
 
 
 def _draw_slope(axes: Any, trials: list[Trial], shift: float, values: list[float], style: dict[str, Any]) -> None:
-    """Draw a line through the converged runs of one slope, and a marker for each run: filled, hollow or crossed by its status."""
+    """Draw a line through the converged runs of one slope, and a marker of its status for each run."""
     place = np.array([trial.relaxation for trial in trials]) + shift
     joined = np.where([trial.status is Status.SOLVED for trial in trials], values, np.nan)
     axes.plot(place, joined, color=style["color"], linestyle=style["linestyle"], linewidth=1.2, zorder=3)
