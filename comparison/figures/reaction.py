@@ -39,7 +39,7 @@ LEAST = r"limit analysis, $R_{\min}$"
 GREATEST = r"limit analysis, $R_{\max}$"
 ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
-HISTORY = "interval: depends on the history of friction"
+HISTORY = "interval: value depends on friction's history"
 FITTED = "YADE, fitted plateau"
 
 
@@ -171,7 +171,7 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
             ends = f"{format_number(low, 4)} to {format_number(high, 4)}{unit}"
         else:
             ends = "without a least value" if np.isfinite(high) else "without a greatest value"
-        yield Word(low, high, f"interval, {ends}:\ndepends on the history of friction", LIMIT_ANALYSIS, (HISTORY,))
+        yield Word(low, high, f"interval, {ends}:\nvalue depends on friction's history", LIMIT_ANALYSIS, (HISTORY,))
         above = max(above, high) if above is not None else None
     greatest = lines.get("greatest", np.inf)
     if analysis.main is not Drive.LIVE and above is not None and above < greatest:

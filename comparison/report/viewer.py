@@ -28,18 +28,18 @@ SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
 def viewer_text(results: Results) -> str:
     """Return the text of `viewer.json`."""
     scene, analysis = results.scene, results.analysis
-    assembly, shown = analysis.assembly, motions(results)
+    assembly, moving = analysis.assembly, motions(results)
     _, _, toward = canvas.view_axes(assembly.effects.plane)
     content = {
         "title": scene.title,
         "toward": toward.tolist(),
         "see_through": assembly.effects.plane or len(assembly.blocks) <= canvas.FEW,
-        **_travel(scene, shown),
+        **_travel(scene, moving),
         **_geometry(assembly),
         "palette": [{"name": name, "colour": ROLE_FACE[role]} for role, name in ROLE_NAME.items()]
-        + [_key(method) for method in shown.methods],
-        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(shown.methods)],
-        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in shown.methods), default=0.0),
+        + [_key(method) for method in moving.methods],
+        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(moving.methods)],
+        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in moving.methods), default=0.0),
     }
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
@@ -67,23 +67,23 @@ def scripts() -> dict[str, str]:
     return texts | {"policy": " ".join(f"'sha256-{digest}'" for digest in digests)}
 
 
-def _travel(scene: Scene, shown: Motions) -> dict[str, Any]:
+def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
     """Return the quantity that the slider moves, its unit and range.
 
     SI values times `unit_per_si` are in that unit.
     """
     quantity, unit, factor = "settlement", "mm", 1e3
     if scene.live is not None:
-        quantity, unit, factor = "growth of the mechanism", "%", 100.0 / (shown.end or 1.0)
+        quantity, unit, factor = "growth of the mechanism", "%", 100.0 / (moving.end or 1.0)
     elif scene.is_rotation:
         quantity, unit = "rotation of the support", "mrad"
-    magnification = None if scene.live is not None else shown.magnification
+    magnification = None if scene.live is not None else moving.magnification
     return {
         "quantity": quantity,
         "unit": unit,
         "unit_per_si": factor,
-        "start": shown.start,
-        "end": shown.end,
+        "start": moving.start,
+        "end": moving.end,
         "magnification": magnification,
     }
 

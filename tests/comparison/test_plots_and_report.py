@@ -251,7 +251,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
     beside = {
         plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
         plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
-        plot_reaction.HISTORY: "depends on the history of friction",
+        plot_reaction.HISTORY: "value depends on friction's history",
         plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
         plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
         r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
