@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from runs import made_up_run
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
@@ -20,7 +21,7 @@ from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene, load_scene
 
@@ -89,7 +90,7 @@ def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
         "rotation": settlement[::20, None, None] * least.twists[None, :, 3:],
     }
     known = {"status": "plateau", "reaction": plateau, "uncertainty": 2.0, "plateau_start": 2e-4, "slope": 0.0, "message": "settled"}
-    return Run({**known, **result}, record, poses, np.zeros((0, 2), dtype=int), {})
+    return made_up_run({**known, **result}, record, poses)
 
 
 def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
@@ -224,8 +225,10 @@ def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float
     least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
     settlement = np.linspace(0.0, 8e-4, 9)
-    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
-    return replace(analysis, coulomb=coulomb, path=path)
+    path = EquilibriumPath(
+        settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
+    )
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb), path=path)
 
 
 def labels_of(axes: Any) -> dict[str, Any]:
@@ -289,8 +292,11 @@ def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None
 def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = reaction_figure(Results(replace(analysis, **missing)))
+    if "coulomb" not in known:
+        analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=None))
+    if "path" not in known:
+        analysis = replace(analysis, path=None)
+    figure = reaction_figure(Results(analysis))
     save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:

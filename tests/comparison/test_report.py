@@ -221,7 +221,7 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
 
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
-    table = page[page.index("Mechanisms, measured") :]
+    table = page[page.index("Measures of the mechanisms") :]
     table = table[: table.index("</table>")]
     assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
         "associated",
@@ -265,7 +265,7 @@ def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> 
     assert "less R_min" in page
     del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
     page, _ = page_and_markdown(tmp_path, comparison)
-    assert "Mechanisms, measured" not in page
+    assert "Measures of the mechanisms" not in page
     comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
     comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
     page, _ = page_and_markdown(tmp_path, comparison)
@@ -283,7 +283,7 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 
 def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
     scene = load_scene(find("two_blocks"))
-    rows = {row["name"]: row for row in scene_view._expected(limit_analysis_summary(scene, analyse(scene)))}
+    rows = {row["name"]: row for row in scene_view._expected(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
 
