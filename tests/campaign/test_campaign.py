@@ -79,7 +79,7 @@ WRONG = {
     "impossible parameter": (
         sweep('vary = { "classic.relaxation" = [nan] }'),
         "two_pads_relaxation=nan: classic: needs relaxation in (0, 1], slope from 0, iterations from 1, "
-        "and cohesion from 0 and below tolerance; given: relaxation = nan; the rest is as by default",
+        "and cohesion from 0 and below tolerance; given: relaxation = nan; the others have their defaults",
     ),
     "parameter beyond all numbers": (sweep(f'vary = {{ "classic.slope" = [1{"0" * 400}] }}'), "classic: needs relaxation in (0, 1]"),
     "impossible model": (sweep('vary = { "effects.plane" = [true] }', "slab_four_corners"), "effects.plane = true: "),
