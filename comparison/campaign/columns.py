@@ -1,4 +1,4 @@
-"""Columns of a campaign's tables: their names, units and meanings, and what each holds of one case."""
+"""Columns of a campaign's tables: their names, units and meanings, and their values for one case."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Literal, NamedTuple
@@ -7,7 +7,17 @@ Kind = Literal["text", "number", "count"]
 
 
 class Column(NamedTuple):
-    """What a column holds. kind: of every value in it, whatever the cases came to; an undefined one is none of that kind."""
+    """Description of a column.
+
+    Attributes
+    ----------
+    unit : str
+        Unit of its values; "" without one.
+    meaning : str
+        One phrase for the pages and the HDF5 file.
+    kind : str
+        Type of all its values: 'text', 'number' or 'count'. It does not depend on the outcomes; an undefined value is None.
+    """
 
     unit: str
     meaning: str
@@ -15,17 +25,17 @@ class Column(NamedTuple):
 
 
 METHODS = ("associated", "coulomb", "yade")
-ANSWER = "as column unit says"  # N, N m or a pure number, by what the scene asks for
+ANSWER = "as column unit says"  # N, N m or a pure number, depending on the scene
 
 BEFORE_KEYS = {
     "case": Column("", "name of the case, unique in the campaign"),
-    "sweep": Column("", "name of the sweep that the case is of: its own, or its scene's"),
-    "scene": Column("", "scene that the case is made from"),
+    "sweep": Column("", "name of the case's sweep; without a name of its own, that of its scene"),
+    "scene": Column("", "original scene of the case"),
 }
 AFTER_KEYS = {
     "state": Column("", "done or failed"),
     "verdict": Column("", "agree, disagree or inconclusive; empty where nothing was compared"),
-    "reason": Column("", "why not agree, or why the case failed"),
+    "reason": Column("", "reason for any other verdict than agree, or for the failure"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
     "weight": Column("N", "weight of the free blocks", "number"),
     "free_blocks": Column("", "free blocks of the scene", "count"),
@@ -34,17 +44,17 @@ AFTER_KEYS = {
     "greatest": Column(ANSWER, "greatest reaction by associated limit analysis at that inset", "number"),
     "coulomb_status": Column("", "how the Coulomb prediction ended"),
     "coulomb": Column(ANSWER, "Coulomb prediction at that inset", "number"),
-    "coulomb_low": Column(ANSWER, "least value that its mechanism allows", "number"),
-    "coulomb_high": Column(ANSWER, "greatest value that its mechanism allows", "number"),
+    "coulomb_low": Column(ANSWER, "least value that the mechanism of the prediction allows", "number"),
+    "coulomb_high": Column(ANSWER, "greatest value that the mechanism of the prediction allows", "number"),
     "coulomb_sharp": Column(ANSWER, "Coulomb prediction for sharp arrises", "number"),
     "yade_status": Column("", "how YADE's run ended"),
     "yade": Column(ANSWER, "reaction on YADE's plateau", "number"),
-    "yade_uncertainty": Column(ANSWER, "its uncertainty", "number"),
-    "classic": Column(ANSWER, "value that the classic iteration converged to at that inset", "number"),
+    "yade_uncertainty": Column(ANSWER, "uncertainty of YADE's reaction", "number"),
+    "classic": Column(ANSWER, "converged value of the classic iteration at that inset", "number"),
     "classic_status": Column("", "solved where the classic iteration converged, inaccurate where it did not, else how it ended"),
-    "classic_iterations": Column("", "programmes of the classic iteration", "count"),
+    "classic_iterations": Column("", "programmes that the classic iteration solved", "count"),
 }
-MEASURES = {  # column's ending: (name in comparison.json, column)
+MEASURES = {  # by the column's ending: (name in comparison.json, column)
     "participation": ("participation_index", Column("", "how evenly the interfaces share the dissipation, from 1/J to 1", "number")),
     "moving_mass": ("moving_mass_share", Column("", "mass of the moving blocks over that of all free blocks", "number")),
     "opening": ("opening", Column("", "contact points that open", "count")),
@@ -63,30 +73,37 @@ COSTS = {
     "associated_iterations": Column("", "solver iterations of one bound", "count"),
     "coulomb_iterations": Column("", "associated programmes of the prediction", "count"),
     "classic_seconds": Column("s", "solver time of the classic iteration", "number"),
-    "classic_iterations": Column("", "its programmes", "count"),
+    "classic_iterations": Column("", "programmes that the classic iteration solved", "count"),
     "yade_seconds": Column("s", "wall time inside YADE", "number"),
     "yade_steps": Column("", "time steps of YADE", "count"),
 }
 
 
 def result_columns(keys: Sequence[str], numeric: Collection[str] = ()) -> dict[str, Column]:
-    """Every column of results.csv in order; `keys` are the varied ones, `numeric` those of them whose values are all numbers."""
+    """Return every column of results.csv in order.
+
+    keys: varied keys of the campaign. numeric: those of them whose values are all numbers.
+    """
     columns = dict(BEFORE_KEYS)
     for key in keys:
         columns[key] = Column("as in the scene file", "key of the scene that the campaign varies", "number" if key in numeric else "text")
     columns |= AFTER_KEYS
     for method in METHODS:
-        columns |= {f"{method}_{name}": own._replace(meaning=f"{method}: {own.meaning}") for name, (_, own) in MEASURES.items()}
+        for name, (_, measure) in MEASURES.items():
+            columns[f"{method}_{name}"] = measure._replace(meaning=f"{method}: {measure.meaning}")
         columns[f"{method}_mechanism"] = Column("", f"{method}: {MECHANISM}")
     return columns
 
 
 def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> dict[str, Any]:
-    """What a row takes from an object of comparison.json; None where undefined. labels: of the mechanisms, by method."""
+    """Return the answers of a row of results.csv; None where undefined.
+
+    summary: object of comparison.json. labels: labels of the mechanisms, by method.
+    """
     answers, yade = summary["limit_analysis"], summary["yade"] or {}
-    own, own_coulomb = answers["associated"], answers["coulomb"] or {}
-    associated, coulomb = own.get("shared_inset") or own, own_coulomb.get("shared_inset") or own_coulomb
-    name = "multiplier" if "multiplier" in own else "reaction"
+    main, predicted = answers["associated"], answers["coulomb"] or {}  # at the insets of limit analysis itself
+    associated, coulomb = main.get("shared_inset") or main, predicted.get("shared_inset") or predicted
+    name = "multiplier" if "multiplier" in main else "reaction"
     low, high = coulomb.get(f"{name}_interval") or (None, None)
     row = {
         "verdict": summary["verdict"],
@@ -94,27 +111,27 @@ def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> 
         "unit": summary["unit"],
         "weight": summary["weight"],
         "free_blocks": summary["free_blocks"],
-        "associated_status": own["status"],
+        "associated_status": main["status"],
         "least": associated.get(name),
         "greatest": associated.get("reaction_max"),
-        "coulomb_status": own_coulomb.get("status"),
+        "coulomb_status": predicted.get("status"),
         "coulomb": coulomb.get(name),
         "coulomb_low": low,
         "coulomb_high": high,
-        "coulomb_sharp": own_coulomb.get(f"{name}_sharp"),
+        "coulomb_sharp": predicted.get(f"{name}_sharp"),
         "yade_status": yade.get("status"),
         "yade": yade.get("reaction"),
         "yade_uncertainty": yade.get("uncertainty"),
     }
     for method in METHODS:
         measures = summary["mechanism_measures"].get(method) or {}
-        row |= {f"{method}_{ending}": measures.get(found) for ending, (found, _) in MEASURES.items()}
+        row |= {f"{method}_{ending}": measures.get(name) for ending, (name, _) in MEASURES.items()}
         row[f"{method}_mechanism"] = labels.get(method)
     return row
 
 
 def costs_of(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """What a row of costs takes from an object of comparison.json."""
+    """Return the costs of a row of costs.csv; summary: object of comparison.json."""
     answers, yade = summary["limit_analysis"], summary["yade"] or {}
     associated, coulomb = answers["associated"], answers["coulomb"] or {}
     return {

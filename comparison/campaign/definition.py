@@ -1,4 +1,4 @@
-"""The campaign file: scenes, and the ranges of their keys. Every complaint about the file itself is made here."""
+"""The campaign file: scenes, and ranges of their keys. All errors of the file itself are raised here."""
 
 import math
 import tomllib
@@ -14,19 +14,19 @@ from pydantic import Field, Strict, model_validator
 from la_core.errors import SceneError
 from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths
 
-MOST_CASES = 10_000  # of a campaign: a slip of the pen must not fill the disk
+MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
 Values = Annotated[tuple[Any, ...], Field(min_length=1)]
 
 
 class Sweep(Table):
     """One scene over the product of ranges of its keys."""
 
-    scene: Name = described("a shipped scene's name, or a path from the campaign file on")
-    name: Name | None = described("name that the cases bear in place of the scene's", default=None)
+    scene: Name = described("name of a shipped scene, or a path relative to the campaign file")
+    name: Name | None = described("name of the sweep and its cases, in place of the scene's", default=None)
     set: dict[str, Any] = described("fixed values in place of the scene's own, by key", default_factory=dict)
     vary: dict[str, Values] = described("lists of values by key; every value is combined with every other", default_factory=dict)
     together: tuple[Annotated[dict[str, Values], Field(min_length=1)], ...] = described(
-        "tables of keys whose values, equally many, go together", default=()
+        "tables of keys whose values go together: the first with the first, and so on; equally many of each", default=()
     )
 
     @model_validator(mode="after")
@@ -35,39 +35,52 @@ class Sweep(Table):
             counts = {key: len(values) for key, values in group.items()}
             if len(set(counts.values())) > 1:
                 raise ValueError(f"keys that go together need equally many values, not {', '.join(f'{k}: {n}' for k, n in counts.items())}")
-        every = [*self.set, *self.varied()]
-        if twice := [key for key in every if every.count(key) > 1]:
+        keys = [*self.set, *self.varied()]
+        if twice := [key for key in keys if keys.count(key) > 1]:
             raise ValueError(f'"{twice[0]}" is given twice')
         return self
 
     def varied(self) -> list[str]:
-        """Keys that vary, in the order of the file."""
+        """Return the varied keys in the order of the file."""
         return [*self.vary, *(key for group in self.together for key in group)]
 
     def count(self) -> int:
-        """How many cases it comes to."""
-        return math.prod([len(values) for values in self.vary.values()] + [len(next(iter(group.values()))) for group in self.together])
+        """Return the number of cases."""
+        lengths = [len(values) for values in self.vary.values()]
+        return math.prod(lengths + [len(next(iter(group.values()))) for group in self.together])
 
     def combinations(self) -> Iterator[dict[str, Any]]:
-        """The varied keys' values of each case; the last key varies fastest."""
+        """Yield the varied keys' values of each case; the last key varies fastest."""
         ranges = [[{key: value} for value in values] for key, values in self.vary.items()]
         ranges += [[dict(zip(group, values, strict=True)) for values in zip(*group.values(), strict=True)] for group in self.together]
-        for parts in product(*ranges):
-            yield {key: value for part in parts for key, value in part.items()}
+        for combination in product(*ranges):
+            yield {key: value for values in combination for key, value in values.items()}
 
 
 class CampaignFile(Table):
-    """Keys above the first table, and the tables that a file may hold."""
+    """The whole campaign file: the keys above its first table, and its tables."""
 
     title: Text = described("heading of the report", default="")
-    yade: Annotated[bool, Strict()] = described("false: limit analysis alone", default=True)
+    yade: Annotated[bool, Strict()] = described("false runs limit analysis only", default=True)
     sweep: Annotated[tuple[Sweep, ...], Field(min_length=1)] = described("scenes with ranges of their keys; at least one")
     labels: dict[str, Name] = described("short names of varied keys, for axes and the names of cases", default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Definition:
-    """A campaign file as it was read. keys: every varied one, in order."""
+    """A campaign file after reading.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    text : str
+        Its text.
+    file : CampaignFile
+        Its validated content.
+    keys : tuple of str
+        Dotted paths of all varied keys, in the order of the file.
+    """
 
     path: Path
     text: str
@@ -76,12 +89,12 @@ class Definition:
 
     @property
     def title(self) -> str:
-        """The campaign's title, or else its file's name."""
+        """The campaign's title; without one, the name of its file."""
         return self.file.title or self.path.stem
 
 
 def load_campaign(path: Path) -> Definition:
-    """Read and validate a campaign file; raises SceneError for anything a user must mend."""
+    """Read and validate a campaign file; raises SceneError for an invalid one."""
     try:
         text = _read(path)
         data = tomllib.loads(text)
@@ -121,9 +134,9 @@ def _require_sense(file: CampaignFile, varied: list[str]) -> None:
         raise SceneError("sweep", f"at most {MOST_CASES} cases make a campaign", value=count, hint="take fewer values")
     if unknown := [key for key in file.labels if key not in varied]:
         hint = f"varied keys: {', '.join(varied)}" if varied else "no key is varied"
-        raise SceneError("labels", f'"{unknown[0]}" is varied by no sweep', hint=hint)
+        raise SceneError("labels", f'no sweep varies "{unknown[0]}"', hint=hint)
 
 
 def shipped_campaigns() -> dict[str, Path]:
-    """Files of the campaigns that come with the program, by name."""
+    """Return the files of the shipped campaigns, by name."""
     return {path.stem: path for path in sorted((Path(__file__).parents[1] / "campaigns").glob("*.toml"))}

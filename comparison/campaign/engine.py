@@ -1,4 +1,4 @@
-"""The campaign itself: what is finished is kept, the rest is handed to workers, whatever ends is gathered in the tables."""
+"""The run of a campaign: keep finished cases, hand the others to workers, gather all outcomes in the tables."""
 
 import time
 from collections import deque
@@ -24,30 +24,46 @@ WRITES_EVERY = 10.0  # s between tables, while cases end
 
 
 class Engine(Protocol):
-    """What does jobs; entered only where there are some."""
+    """Workers that run jobs; entered only if there are jobs.
+
+    name: text for the provenance. capacity: number of jobs that can run at a time.
+    """
 
     name: str
     capacity: int
 
     def __enter__(self) -> Self:
-        """Make ready; raises for what would fail every job."""
+        """Start the workers; raises an error for any cause that would fail every job."""
 
     def __exit__(self, *error: object) -> None:
         """End every job at once."""
 
     def begin(self, job: Job) -> None:
-        """Hand out a job; at most `capacity` are out at a time."""
+        """Start a job; at most `capacity` jobs run at a time."""
 
     def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
-        """Jobs that ended, with what they came to, once there is one or after so many seconds."""
+        """Return jobs that ended, with their outcomes; waits for the first one, at most `seconds`."""
 
 
 @dataclass(frozen=True)
 class Campaign:
     """Cases to run in a folder.
 
-    yade: whether YADE takes part. parquet: whether tables are written as Parquet as well. time_limit: wall seconds for each YADE run, None
-    for the scenes' own; as for `crosscheck run` no part of what decides an outcome, for a run that it ended is made again.
+    Attributes
+    ----------
+    definition : Definition
+        The campaign file.
+    cases : list of Case
+        Its cases, in order.
+    folder : Path
+        Folder of all results.
+    yade : bool
+        Whether YADE runs.
+    parquet : bool
+        Whether the tables are also written as Parquet.
+    time_limit : float or None
+        Wall time limit of each YADE run (s); None takes the scenes' own. It is no part of the inputs' digest, because a run that it
+        ended is repeated anyway.
     """
 
     definition: Definition
@@ -58,7 +74,7 @@ class Campaign:
     time_limit: float | None = None
 
     def folder_of(self, run: CaseRun) -> Path:
-        """A run's own folder."""
+        """Return the folder of a run."""
         return self.folder / CASES / run.name
 
 
@@ -66,11 +82,12 @@ def run_campaign(
     campaign: Campaign,
     engine: Engine,
     narration: CampaignNarration,
-    conclude: Callable[[table.CampaignTable], object] = lambda found: None,
+    conclude: Callable[[table.CampaignTable], object] = lambda _: None,
 ) -> table.CampaignTable:
-    """Run what is not finished; tables are written however this ends. Raises FolderInUseError where another works in the folder.
+    """Run the unfinished cases of a campaign and return its table; the tables are written even if the run is interrupted.
 
-    conclude: called with the final table while the folder is still held.
+    engine: workers that run the cases. narration: receives the progress. conclude: called with the final table while the folder is
+    still locked. Raises FolderInUseError if another process works in the folder.
     """
     campaign.folder.mkdir(parents=True, exist_ok=True)
     with alone_in(campaign.folder):
@@ -82,14 +99,14 @@ def run_campaign(
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
-        found = table.read_campaign(campaign.folder)
-        conclude(found)
-    return found
+        final = table.read_campaign(campaign.folder)
+        conclude(final)
+    return final
 
 
 def _waiting(campaign: Campaign, outcomes: dict[str, JobOutcome]) -> list[tuple[CaseRun, dict[str, ClassicParameters], str]]:
-    """Runs that are not finished, each with the classic iterations asked for and the digest of its inputs; the others' are filled in."""
-    found = []
+    """Return unfinished runs with their classic iterations and the digest of their inputs; adds stored outcomes to `outcomes`."""
+    waiting = []
     runs = {case.run.name: case.run for case in campaign.cases}
     classic: dict[str, dict[str, ClassicParameters]] = {name: {} for name in runs}
     for case in campaign.cases:
@@ -100,8 +117,8 @@ def _waiting(campaign: Campaign, outcomes: dict[str, JobOutcome]) -> list[tuple[
         if (stored := stored_outcome(campaign.folder_of(run), run.scene_name, inputs)) is not None:
             outcomes[name] = stored
         else:
-            found.append((run, classic[name], inputs))
-    return found
+            waiting.append((run, classic[name], inputs))
+    return waiting
 
 
 def _run_all(
@@ -130,7 +147,7 @@ def _run_all(
 
 @contextmanager
 def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Engine, began: float) -> Iterator[Callable[[], None]]:
-    """Gives what writes the tables, at most now and then; they are written at the end in any case."""
+    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end."""
     latest = time.monotonic()
 
     def write() -> None:
@@ -146,7 +163,10 @@ def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Engine,
 
 
 def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, began: float) -> table.CampaignTable:
-    """The table of the cases that ended, in the campaign's order."""
+    """Return the table of the cases that ended, in the campaign's order.
+
+    outcomes: by the name of the run. engine: its name. began: start of the run on the monotonic clock (s).
+    """
     keys, rows, costs = campaign.definition.keys, [], []
     blank = dict.fromkeys(result_columns(keys))
     for case in campaign.cases:
@@ -163,8 +183,8 @@ def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, beg
         )
         row |= {"classic": classic.get("value"), "classic_status": classic.get("status"), "classic_iterations": classic.get("iterations")}
         rows.append(row | {"folder": f"{CASES}/{case.run.name}"})
-        own = {"classic_seconds": classic.get("seconds"), "classic_iterations": classic.get("iterations")}
-        costs.append({"case": case.name} | outcome["costs"] | own)
+        classic_costs = {"classic_seconds": classic.get("seconds"), "classic_iterations": classic.get("iterations")}
+        costs.append({"case": case.name} | outcome["costs"] | classic_costs)
     provenance = {
         "file": campaign.definition.path.name,
         "yade": campaign.yade,

@@ -1,4 +1,4 @@
-"""What a worker does: one scene through both methods in its own folder, and what the campaign's tables say of it."""
+"""The job of a worker: run one scene by both methods in its own folder, and return its values for the campaign's tables."""
 
 import contextlib
 import hashlib
@@ -28,8 +28,8 @@ from la_core.scene import Scene
 OUTCOME = "outcome.json"
 HERE = Path(__file__).parent
 OWN_CODE = tuple(HERE / name for name in ("columns.py", "job.py", "mechanism_labels.py"))  # the other modules only gather and draw
-CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # what an outcome is made by
-PATIENCE = 600.0  # s for another process to leave a case's folder: one that an earlier call began and that has not seen its end yet
+CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # code that an outcome depends on
+PATIENCE = 600.0  # s to wait for a case's folder, which a worker of an earlier, interrupted call may still hold
 LOOKS_EVERY = 0.2  # s
 OTHER_CODE = "the worker runs another version of this program than the campaign; restart the worker, and run the campaign again"
 
@@ -38,10 +38,24 @@ JobOutcome = dict[str, Any]
 
 @dataclass(frozen=True)
 class Job:
-    """A scene to take through both methods in `folder`, and through the classic iteration for each of some cases, by name.
+    """A scene to run by both methods and by the classic iteration.
 
-    inputs: digest of all that decides the outcome. code: that of the program that asks for it. time_limit: wall seconds for YADE, None
-    for the scene's own.
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    folder : Path
+        Folder of the results.
+    yade : bool
+        Whether YADE runs.
+    classic : dict
+        Parameters of the classic iteration, by the name of the case.
+    inputs : str
+        Digest of everything that decides the outcome.
+    code : str
+        Digest of the code of the campaign's process.
+    time_limit : float or None
+        Wall time limit of YADE (s); None takes the scene's own.
     """
 
     scene: Scene
@@ -54,31 +68,34 @@ class Job:
 
     @property
     def scene_folder(self) -> Path:
-        """Where the scene's own results lie, as `crosscheck run -o FOLDER` lays them."""
+        """Folder of the scene's results, the same as for `crosscheck run -o FOLDER`."""
         return self.folder / self.scene.name
 
 
 class StoppedError(BaseException):
-    """The campaign that a job belongs to has ended; no failure, so nothing that collects failures sees it."""
+    """The job's campaign has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
 
 
 def code() -> str:
-    """Digest of the code and versions that decide an outcome, as they lie on the disk."""
+    """Return the digest of the code on the disk and of the versions that decide an outcome."""
     versions = {name: version for name, version in describe().items() if name != "machine"}
     return hashlib.sha256(json.dumps([code_digest(*CODE), versions]).encode()).hexdigest()
 
 
-LOADED = code()  # of what this process works with, however long it lives and whatever is installed meanwhile
+LOADED = code()  # code of this process: the code on the disk may change while it runs
 
 
 def digest(run: CaseRun, yade: bool, classic: dict[str, ClassicParameters], by: str) -> str:
-    """Digest of all that decides what a run comes to; `by` is that of the code."""
-    what = [by, run.scene_name, run.text, run.meshes, yade, {name: asdict(parameters) for name, parameters in classic.items()}]
-    return hashlib.sha256(json.dumps(what).encode()).hexdigest()
+    """Return the digest of everything that decides the outcome of a run.
+
+    yade: whether YADE runs. classic: parameters of the classic iteration by case. by: digest of the code.
+    """
+    inputs = [by, run.scene_name, run.text, run.meshes, yade, {name: asdict(parameters) for name, parameters in classic.items()}]
+    return hashlib.sha256(json.dumps(inputs).encode()).hexdigest()
 
 
 def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | None:
-    """What a job came to, where it was done from the same inputs and its results are still there; None where it is to be done."""
+    """Return the stored outcome of a job; None if its inputs changed, its files are missing, or it has to be repeated."""
     try:
         stored = json.loads((folder / OUTCOME).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -93,10 +110,10 @@ def stored_outcome(folder: Path, scene_name: str, inputs: str) -> JobOutcome | N
 
 
 def run_job(job: Job, listener: Listener) -> JobOutcome:
-    """Do a job; whatever goes wrong is a failed outcome with its reason. A done one is stored in the job's folder."""
+    """Run a job, store its outcome in the job's folder and return it; any error gives a failed outcome with its reason."""
     began = time.monotonic()
     try:
-        if {LOADED, code()} != {job.code}:  # stages store under the code on the disk what the loaded code makes
+        if {LOADED, code()} != {job.code}:  # stages are stored under the digest of the disk's code, so it must be the loaded one
             return failure(OTHER_CODE, job)
         job.folder.mkdir(parents=True, exist_ok=True)
         with _alone_after_waiting(job.folder):
@@ -107,17 +124,17 @@ def run_job(job: Job, listener: Listener) -> JobOutcome:
             outcome = without_undefined(outcome | {"inputs": job.inputs})
             write_text(job.folder / OUTCOME, json.dumps(outcome | {"sum": _sum_of(outcome)}, indent=1, ensure_ascii=False) + "\n")
             return outcome
-    except Exception as error:  # whatever it is, the other cases go on
+    except Exception as error:  # an error of one case must not stop the others
         return failure(message_of(error), job)
 
 
 def failure(reason: str, job: Job) -> JobOutcome:
-    """A job's failed outcome, for a reason."""
-    return {"state": "failed", "answers": {"reason": _told(reason, job)}, "costs": {}, "classic": {}}
+    """Return a failed outcome of a job with its reason."""
+    return {"state": "failed", "answers": {"reason": _shortened(reason, job)}, "costs": {}, "classic": {}}
 
 
-def _told(reason: str, job: Job) -> str:
-    """The first line of a reason, with paths from the case's or its scene's folder on: tables must not hang on where these lie."""
+def _shortened(reason: str, job: Job) -> str:
+    """Return the first line of a reason; its paths become relative, so that tables do not depend on the folders' places."""
     for folder in (job.folder, job.scene.path.parent):
         reason = reason.replace(f"{folder}/", "") if folder.name else reason
     return next(iter(reason.splitlines()), "")
@@ -133,11 +150,11 @@ def _done(job: Job, listener: Listener) -> JobOutcome:
     mechanisms = {"associated": main.twists}
     if analysis.coulomb is not None:
         mechanisms["coulomb"] = analysis.coulomb.twists
-    if run is not None and summary["yade"] is not None:  # a run may lie there from a call that asked for YADE
+    if run is not None and summary["yade"] is not None:  # without YADE a run of an earlier call may still be stored
         mechanisms["yade"] = run.mechanism()
     labels = {method: mechanism_label(analysis.assembly.blocks, twists) for method, twists in mechanisms.items()}
     answers = answers_of(summary, labels)
-    answers["reason"] = _told(answers["reason"] or "", job)
+    answers["reason"] = _shortened(answers["reason"] or "", job)
     state = "failed" if answers["yade_status"] in ("missing", "failed") else "done"
     outcome: JobOutcome = {"state": state, "answers": answers, "costs": costs_of(summary), "classic": {}}
     for name, parameters in job.classic.items():
@@ -147,11 +164,12 @@ def _done(job: Job, listener: Listener) -> JobOutcome:
 
 
 def _classic(analysis: LimitAnalysis, parameters: ClassicParameters) -> dict[str, Any]:
-    """The classic iteration on the whole structure, at the inset that both methods share."""
+    """Return the result of the classic iteration on the whole structure, at the inset that both methods share."""
     assembly = analysis.whole
-    found = solve_sequentially(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING, parameters)
-    value = found.value if found.status is Status.SOLVED else math.nan
-    return {"value": value, "status": found.status.value, "iterations": found.iterations, "seconds": found.seconds}
+    solution = solve_sequentially(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING, parameters)
+    value = solution.value if solution.status is Status.SOLVED else math.nan
+    counts = {"iterations": solution.iterations, "seconds": solution.seconds}
+    return {"value": value, "status": solution.status.value} | counts
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""Where along a parameter a method's mechanism changes, and how steep its reaction is on both sides."""
+"""Changes of a method's mechanism along a parameter, with the slope of the reaction on both sides."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,10 +11,21 @@ from comparison.campaign.row_values import LIMIT, METHODS, Row, mechanism_name, 
 
 @dataclass(frozen=True)
 class MechanismChange:
-    """A method's mechanism between two neighbouring values of a parameter, all others held.
+    """A change of mechanism between two neighbouring values of a parameter, all other parameters fixed.
 
-    cases: names of the two. slopes: of the reaction over weight (or multiplier) against the parameter, where two neighbours share a
-    mechanism; None elsewhere.
+    Attributes
+    ----------
+    scene, held, parameter, method : str
+        Scene, the fixed parameters in words, the changing parameter, and the method.
+    low, high : object
+        The two values of the parameter.
+    cases : tuple of str
+        Names of the two cases.
+    before, after : str
+        Labels of the two mechanisms.
+    slope_before, slope_after : float or None
+        Slope of reaction over weight (or of the multiplier) against the parameter, between two neighbours with the same mechanism on
+        that side; None without such a pair.
     """
 
     scene: str
@@ -30,29 +41,29 @@ class MechanismChange:
     slope_after: float | None
 
 
-def mechanism_changes_along(found: list[SweepRows]) -> Iterator[MechanismChange]:
-    """Every change of mechanism along every parameter, by both methods."""
-    for sweep in found:
+def mechanism_changes_along(sweeps: list[SweepRows]) -> Iterator[MechanismChange]:
+    """Yield every change of mechanism along every parameter, for both methods."""
+    for sweep in sweeps:
         for parameter in sweep.parameters:
             for line in lines(sweep, parameter):
                 for method in (LIMIT, "yade"):
                     yield from _along(sweep, parameter, line, method)
 
 
-def letters(found: list[SweepRows]) -> dict[str, dict[str, str]]:
-    """Letters of every scene's mechanisms by their labels, in order of appearance: equal labels are equal letters."""
+def letters(sweeps: list[SweepRows]) -> dict[str, dict[str, str]]:
+    """Return a letter for each mechanism's label, by scene, in order of appearance."""
     named: dict[str, dict[str, str]] = {}
-    for sweep in found:
-        own = named.setdefault(sweep.scene, {})
+    for sweep in sweeps:
+        of_scene = named.setdefault(sweep.scene, {})
         for row in sweep.rows:
             for name in (mechanism_name(row, method) for method in METHODS):
                 if name is not None:
-                    own.setdefault(name, letter(len(own)))
+                    of_scene.setdefault(name, letter(len(of_scene)))
     return named
 
 
 def letter(k: int) -> str:
-    """A, B, ..., Z, AA, AB, ..."""
+    """Return the k-th name (from 0) of the sequence A, B, ..., Z, AA, AB, ..."""
     return ("" if k < 26 else letter(k // 26 - 1)) + chr(ord("A") + k % 26)
 
 
@@ -69,7 +80,7 @@ def _along(sweep: SweepRows, parameter: str, line: Line, method: str) -> Iterato
 
 
 def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, method: str) -> float | None:
-    """Difference quotient of the reaction between two neighbours of one mechanism."""
+    """Return the slope of the reaction between two neighbours; None for different mechanisms or missing values."""
     places = [row[parameter] for row, _ in (first, second)]
     values = [over_weight(row, prediction(row) if method == LIMIT else method) for row, _ in (first, second)]
     if first[1] != second[1] or not all(map(is_number, places)) or values[0] is None or values[1] is None:
@@ -78,6 +89,6 @@ def _slope(first: tuple[Row, str], second: tuple[Row, str], parameter: str, meth
 
 
 def change_view(change: MechanismChange, lettered: Mapping[str, Mapping[str, str]]) -> dict[str, Any]:
-    """A change as the report's JSON holds it."""
-    own = lettered[change.scene]
-    return vars(change) | {"cases": list(change.cases), "before": own[change.before], "after": own[change.after]}
+    """Return a change in the form of the report's JSON; lettered: letters of mechanisms by scene and label."""
+    letter_of = lettered[change.scene]
+    return vars(change) | {"cases": list(change.cases), "before": letter_of[change.before], "after": letter_of[change.after]}

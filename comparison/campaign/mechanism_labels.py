@@ -1,4 +1,4 @@
-"""Short labels of mechanisms, equal for equal ones, for tables and maps."""
+"""Short labels of mechanisms for tables and maps; equal mechanisms have equal labels."""
 
 import hashlib
 
@@ -7,14 +7,17 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.measures import block_speeds
 
-SLOWEST, FASTEST = 0.03, 0.1  # of the fastest block: what is slower is elastic strain, what is faster takes part in the mechanism
+SLOWEST, FASTEST = (
+    0.03,
+    0.1,
+)  # shares of the fastest block's speed: slower blocks only strain elastically, faster ones belong to the mechanism
 
 
 def mechanism_label(blocks: Blocks, twists: np.ndarray) -> str | None:
-    """Number of moving blocks and a digest of their names, for twists (B, 6); None where there is no mechanism.
+    """Return a label for twists (B, 6): the number of moving blocks and a digest of their names; None without a mechanism.
 
-    What moves is parted from what stands at the widest gap between speeds, as ratios, from SLOWEST to FASTEST: round-off does not
-    carry a block across it.
+    The widest gap between speeds (as a ratio) from SLOWEST to FASTEST separates moving from resting blocks, so round-off does not
+    change a label.
     """
     if not np.isfinite(twists).all():
         return None

@@ -1,4 +1,4 @@
-"""Plain words and units for the parameters that a campaign sweeps and for the quantities that its cases give."""
+"""Words and units for the parameters that a campaign varies and for the quantities that its cases give."""
 
 import re
 from collections.abc import Mapping
@@ -18,8 +18,8 @@ NAMES = {
     "classic.slope": "classic slope a (-)",
     "classic.cohesion": "classic cohesion (mean block weights)",
     "classic.tolerance": "classic tolerance (mean block weights)",
-    "classic.iterations": "classic: most programmes",
-    "accuracy": "accuracy asked for (share)",
+    "classic.iterations": "classic: maximum of programmes",
+    "accuracy": "requested accuracy (share)",
     "inset": "inset (m)",
     "friction": "friction mu (-)",
     "density": "density (kg/m³)",
@@ -38,7 +38,7 @@ NAMES = {
     "block": "block size (m)",
     "size": "size (m)",
 }
-UNITS = {  # by unit, of keys whose own words say what they are, after as much of their path as tells them apart
+UNITS = {  # by unit: keys whose own names are clear, with as much of their path as makes them unique
     "m": "from to centre point vertices profile y shift bearing yade.sphere_radius",
     "m or rad": "path.settlement yade.max_travel yade.wedging yade.plateau_travel",
     "m per unit": "scale",
@@ -69,25 +69,26 @@ QUANTITY = {"N": "reaction over weight, R / W (-)", "N m": "reaction over weight
 
 
 def label(parameter: str, named: Mapping[str, str] | None = None) -> str:
-    """Axis label of a parameter by its dotted path: what it is and its unit; the path's own words where it has no name here.
+    """Return the axis label of a parameter: its name and unit.
 
-    named: short names that the campaign gives its parameters; they take the place of the words, not of the unit, unless they say one.
+    parameter: dotted path; a path without an entry here gives its own words. named: the campaign's short names of parameters. A short
+    name replaces the words; the unit is added unless the short name has one.
     """
     whole = _whole(parameter)
-    own = (named or {}).get(parameter)
-    if own is None:
+    short_name = (named or {}).get(parameter)
+    if short_name is None:
         return whole
     unit = UNIT.search(whole)
-    return own if unit is None or UNIT.search(own) else own + unit[0]
+    return short_name if unit is None or UNIT.search(short_name) else short_name + unit[0]
 
 
 def short(parameter: str, named: Mapping[str, str] | None = None) -> str:
-    """The label without its unit."""
+    """Return the label without its unit."""
     return UNIT.sub("", label(parameter, named))
 
 
 def _whole(parameter: str) -> str:
-    """Table, words, unit and component of a parameter."""
+    """Return table, words, unit and component of a parameter."""
     if parameter in NAMES:
         return NAMES[parameter]
     *parents, last = steps = _parts(parameter)
@@ -100,48 +101,48 @@ def _whole(parameter: str) -> str:
     unit = next((UNIT_OF[end] for end in ends if end in UNIT_OF), None)
     if unit is not None and not UNIT.search(words):
         words += f" ({unit})"
-    table = " ".join(_plain(part) if not part.isdigit() else str(int(part) + 1) for part in parents)
+    table = " ".join(_plain(step) if not step.isdigit() else str(int(step) + 1) for step in parents)
     return (f"{table}: {words}" if table else words) + _component(ends, indices)
 
 
 def _ends(path: list[str]) -> list[str]:
-    """Ends of a path without its indices, the longest first."""
+    """Return all ends of a path, the longest first."""
     return [".".join(path[k:]) for k in range(len(path))]
 
 
 def _component(ends: list[str], indices: list[int]) -> str:
-    """Which entry of an array a parameter is, in words; "" for a whole value."""
+    """Return the entry of an array that a parameter is, in words; "" for a whole value."""
     if not indices:
         return ""
     *points, index = indices
-    components = next(found for end in (*ends, "") if (found := COMPONENTS.get(end)))
-    words = components[index] if index < len(components) else str(index + 1)
-    return "".join(f", point {point + 1}" for point in points) + f", {words}"
+    components = next(COMPONENTS[end] for end in (*ends, "") if end in COMPONENTS)
+    component = components[index] if index < len(components) else str(index + 1)
+    return "".join(f", point {point + 1}" for point in points) + f", {component}"
 
 
 def words_of(held: Mapping[str, Any], named: Mapping[str, str] | None = None) -> str:
-    """Parameters with their values, in words; "" for none."""
+    """Return parameters with their values in words; "" without any."""
     return ", ".join(f"{short(name, named)} {shown(value)}" for name, value in held.items())
 
 
 def shown(value: Any) -> str:
-    """A parameter's value in a few signs; a dash for none."""
+    """Return a parameter's value as short text; a dash for None."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list | tuple):
-        return "(" + ", ".join(shown(part) for part in value) + ")"
+        return "(" + ", ".join(shown(entry) for entry in value) + ")"
     if isinstance(value, int | float):
         return f"{value:.6g}".replace("-", "−", 1) if value < 0 else f"{value:.6g}"
     return format_number(None) if value is None else str(value)
 
 
 def quantity(unit: str | None) -> str:
-    """Axis label of a reaction over the weight, or of a multiplier, by the unit of the reaction."""
+    """Return the axis label of a reaction over the weight; unit: of the reaction, empty for a multiplier."""
     return QUANTITY.get(unit or "", QUANTITY["N"])
 
 
 def _parts(parameter: str) -> list[str]:
-    return [part for part in re.split(r"[.\[\]]+", parameter) if part]
+    return [step for step in re.split(r"[.\[\]]+", parameter) if step]
 
 
 def _plain(word: str) -> str:

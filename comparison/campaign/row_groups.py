@@ -1,4 +1,4 @@
-"""A campaign's cases by what they vary: sweeps of a scene, and within them lines along one parameter."""
+"""Groups of a campaign's cases: sweeps of a scene, and within a sweep lines along one parameter."""
 
 import json
 from collections.abc import Sequence
@@ -13,9 +13,20 @@ from comparison.campaign.table import CampaignTable
 
 @dataclass(frozen=True)
 class SweepRows:
-    """Cases of one scene that vary the same parameters. values: those of each parameter that occur, numbers rising.
+    """Cases of one sweep that vary the same parameters.
 
-    held: values of the parameters that a slice of a larger sweep holds. named: the campaign's short names of parameters.
+    Attributes
+    ----------
+    scene : str
+        Name of the sweep.
+    values : dict
+        Occurring values of each varied parameter; numbers rise.
+    rows : list of Row
+        The cases.
+    held : dict
+        Values of the parameters that are fixed in this slice of a larger sweep.
+    named : dict
+        The campaign's short names of parameters.
     """
 
     scene: str
@@ -26,22 +37,32 @@ class SweepRows:
 
     @property
     def title(self) -> str:
-        """The scene, and what is held."""
-        return ", ".join(part for part in (self.scene, words_of(self.held, self.named)) if part)
+        """Scene and fixed parameters."""
+        return ", ".join(text for text in (self.scene, words_of(self.held, self.named)) if text)
 
     @property
     def parameters(self) -> list[str]:
-        """What is varied, in the campaign's order."""
+        """Varied parameters in the campaign's order."""
         return list(self.values)
 
     def where(self, place: dict[str, Any]) -> list[Row]:
-        """Rows with these values of parameters."""
+        """Return the rows with these values of parameters."""
         return [row for row in self.rows if all(key(row.get(name)) == key(value) for name, value in place.items())]
 
 
 @dataclass(frozen=True)
 class Line:
-    """Rows along one parameter, in order of its values, all others held. held: their values by name."""
+    """Rows along one parameter in order of its values, all others fixed.
+
+    Attributes
+    ----------
+    held : dict
+        Values of the fixed parameters.
+    rows : list of Row
+        The cases.
+    named : dict
+        The campaign's short names of parameters.
+    """
 
     held: dict[str, Any]
     rows: list[Row]
@@ -49,40 +70,42 @@ class Line:
 
     @property
     def words(self) -> str:
-        """What is held, in words; "" where nothing is."""
+        """Fixed parameters in words; "" without any."""
         return words_of(self.held, self.named)
 
 
 def key(value: Any) -> str:
-    """What tells a parameter's values apart; 1 and 1.0 are one value, 1 and true are two."""
+    """Return a text that identifies a parameter's value; 1 and 1.0 are one value, 1 and true are two."""
     return repr(float(value)) if is_number(value) else json.dumps(value, sort_keys=True, default=str)
 
 
 def is_number(value: Any) -> bool:
-    """Whether a parameter's value is a number, and not a choice."""
+    """Return whether a parameter's value is a number (not a choice)."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def sweeps_of(table: CampaignTable, classic: bool = False) -> list[SweepRows]:
-    """Sweeps in order of their first case. Without `classic`, cases that differ in the classic iteration alone are one case."""
+    """Return the sweeps in order of their first case.
+
+    classic: keep cases apart that differ only in the classic iteration; otherwise the first of them stands for all.
+    """
     names = [name for name in table.axes if classic or not name.startswith(CLASSIC)]
     groups: dict[tuple[str, tuple[str, ...]], dict[tuple[str, ...], list[Row]]] = {}
     for row in table.rows:
         known = tuple(name for name in names if row.get(name) is not None)
         places = groups.setdefault((sweep_of(row), known), {})
         places.setdefault(tuple(key(row[name]) for name in known), []).append(row)
-    found = []
+    sweeps = []
     for (scene, known), places in groups.items():
         rows = [row for same in places.values() for row in (same if classic else same[:1])]
         free = _varied(known, rows)
-        found.append(
-            SweepRows(scene, {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}, rows, {}, table.labels)
-        )
-    return found
+        values = {name: ordered([row[name] for row in rows], table.axes[name]) for name in free}
+        sweeps.append(SweepRows(scene, values, rows, {}, table.labels))
+    return sweeps
 
 
 def _varied(names: Sequence[str], rows: Sequence[Row]) -> list[str]:
-    """Parameters of more than one value, without those that go together with an earlier one, value by value: they are one axis."""
+    """Return the parameters with several values; of parameters that vary together one to one, only the first."""
     free: list[str] = []
     for name in names:
         pairs = [{(key(row[other]), key(row[name])) for row in rows} for other in free]
@@ -93,8 +116,8 @@ def _varied(names: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 def ordered(values: Sequence[Any], order: Sequence[Any] = ()) -> list[Any]:
-    """The different values: numbers rising, choices after them in the given order."""
-    different = list({key(value): value for value in values}.values())
+    """Return the distinct values: first numbers, rising, then choices in the given order."""
+    distinct = list({key(value): value for value in values}.values())
     listed = [key(value) for value in order]
 
     def rank(value: Any) -> tuple[bool, float, str]:
@@ -103,11 +126,11 @@ def ordered(values: Sequence[Any], order: Sequence[Any] = ()) -> list[Any]:
         place = key(value)
         return True, float(listed.index(place) if place in listed else len(listed)), place
 
-    return sorted(different, key=rank)
+    return sorted(distinct, key=rank)
 
 
 def lines(sweep: SweepRows, parameter: str) -> list[Line]:
-    """Lines of a sweep along one parameter, in order of the other parameters' values."""
+    """Return the lines of a sweep along one parameter, in order of the other parameters' values."""
     others = [name for name in sweep.parameters if name != parameter]
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in sweep.rows:
@@ -117,28 +140,28 @@ def lines(sweep: SweepRows, parameter: str) -> list[Line]:
     def rank(item: tuple[tuple[str, ...], list[Row]]) -> tuple[int, ...]:
         return tuple(place[name][at] for name, at in zip(others, item[0], strict=True))
 
-    found = []
+    in_order = []
     for _, rows in sorted(groups.items(), key=rank):
         along = sorted(rows, key=lambda row: place[parameter][key(row[parameter])])
-        found.append(Line({name: rows[0][name] for name in others}, along, sweep.named))
-    return found
+        in_order.append(Line({name: rows[0][name] for name in others}, along, sweep.named))
+    return in_order
 
 
 def longest(sweep: SweepRows) -> list[str]:
-    """The sweep's parameters, those of more values first."""
+    """Return the sweep's parameters, those with more values first."""
     return sorted(sweep.parameters, key=lambda name: -len(sweep.values[name]))
 
 
 def slices(sweep: SweepRows, kept: Sequence[str]) -> list[SweepRows]:
-    """The sweep for each value of all parameters but those kept, in their order; slices without cases are left out."""
+    """Return slices of a sweep: one for each combination of values of the parameters not in `kept`, without empty ones."""
     others = [name for name in sweep.parameters if name not in kept]
     places: dict[tuple[str, ...], list[Row]] = {}
     for row in sweep.rows:
         places.setdefault(tuple(key(row[name]) for name in others), []).append(row)
     values = {name: sweep.values[name] for name in kept}
-    found = []
+    in_order = []
     for held in product(*(sweep.values[name] for name in others)):
         rows = places.get(tuple(key(value) for value in held))
         if rows:
-            found.append(SweepRows(sweep.scene, values, rows, dict(zip(others, held, strict=True)), sweep.named))
-    return found
+            in_order.append(SweepRows(sweep.scene, values, rows, dict(zip(others, held, strict=True)), sweep.named))
+    return in_order

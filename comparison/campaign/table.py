@@ -1,9 +1,9 @@
-"""A campaign's tables: results and costs, one row a case in the campaign's order, as CSV, HDF5, JSON and where asked for Parquet.
+"""A campaign's tables: results and costs, one row per case in the campaign's order, as CSV, HDF5, JSON and optionally Parquet.
 
-Every column is of one kind, texts or numbers, whatever the cases came to. pandas reads CSV and Parquet by itself; a group of campaign.h5 is
+Every column has one kind of values, texts or numbers. pandas reads CSV and Parquet directly; a group of campaign.h5 is
 `pandas.DataFrame({name: c.asstr()[()] if c.dtype.kind == "S" else c[()] for name, c in h5py.File("campaign.h5")["results"].items()})`.
 
-results.csv holds nothing that hangs on the machine's speed or on where a case was run: two campaigns that agree have the same bytes.
+results.csv does not depend on the machine's speed or on the place of a run: two campaigns with equal results have equal bytes.
 """
 
 import csv
@@ -28,11 +28,25 @@ WORDS = ("title", "axes", "labels", "rows", "costs", "provenance")
 
 @dataclass(frozen=True)
 class CampaignTable:
-    """What a campaign came to.
+    """Results of a campaign.
 
-    axes: varied keys, by their dotted paths, with their values in the campaign's order. rows: one a case that ended, in the
-    campaign's order, keyed by the columns of results.csv, and "folder", relative to `folder`, which holds the case's report.html; None
-    is undefined. costs: likewise, by the columns of costs.csv. labels: short names of axes. folder: of the campaign.
+    Attributes
+    ----------
+    title : str
+        Heading of the report.
+    axes : dict
+        Values of every varied key, by its dotted path, in the campaign's order.
+    rows : list of dict
+        One row per case that ended, in the campaign's order: the columns of results.csv and "folder", the folder of the case's
+        report.html relative to `folder`. None is undefined.
+    costs : list of dict
+        One row per case that ended: the columns of costs.csv.
+    provenance : dict
+        Campaign file, workers, total seconds (s), and versions of programs and machine.
+    folder : Path
+        Folder of the campaign.
+    labels : dict
+        Short names of the varied keys.
     """
 
     title: str
@@ -45,12 +59,12 @@ class CampaignTable:
 
     @property
     def failures(self) -> list[dict[str, Any]]:
-        """Rows of the cases that failed."""
+        """Rows of failed cases."""
         return [row for row in self.rows if row["state"] == "failed"]
 
 
 def read_campaign(folder: Path) -> CampaignTable:
-    """The table of a campaign's folder; raises ExchangeError where there is none, or one that this program did not write."""
+    """Read the table of a campaign's folder; raises ExchangeError if it is missing, damaged or changed."""
     path = folder / STORED
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
@@ -64,17 +78,21 @@ def read_campaign(folder: Path) -> CampaignTable:
 
 
 def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
-    """Write every form of the table into its folder; each file is whole, or what was there before."""
+    """Write all forms of the table into its folder; each file is replaced as a whole.
+
+    parquet: also write Parquet files.
+    """
     numeric = [key for key, values in table.axes.items() if all(type(value) in (int, float) for value in values)]
     columns = {"results": result_columns(list(table.axes), numeric), "costs": COSTS}
     rows = {"results": table.rows, "costs": table.costs}
-    for name, found in columns.items():
-        write_text(table.folder / f"{name}.csv", _csv(list(found), rows[name]))
+    for name, of_table in columns.items():
+        write_text(table.folder / f"{name}.csv", _csv(list(of_table), rows[name]))
         if parquet:
-            write_whole(table.folder / f"{name}.parquet", _parquet(found, rows[name]))
+            write_whole(table.folder / f"{name}.parquet", _parquet(of_table, rows[name]))
     _write_hdf5(table.folder / "campaign.h5", columns, rows)
     stored = {word: getattr(table, word) for word in WORDS}
-    write_text(table.folder / STORED, json.dumps(stored | {"sum": _sum_of(stored)}, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    text = json.dumps(stored | {"sum": _sum_of(stored)}, indent=1, ensure_ascii=False, allow_nan=False)
+    write_text(table.folder / STORED, text + "\n")
 
 
 def _sum_of(stored: Mapping[str, Any]) -> str:
@@ -91,39 +109,39 @@ def _csv(columns: list[str], rows: list[dict[str, Any]]) -> str:
 
 
 def _cell(value: Any) -> str:
-    """A value as text: all digits of a number, "" for an undefined one, JSON for an array."""
+    """Return a value as text: a number with all digits, an array as JSON, "" for None."""
     if value is None or isinstance(value, str):
         return value or ""
     return json.dumps(value)
 
 
 def _write_hdf5(path: Path, columns: Mapping[str, Mapping[str, Column]], rows: Mapping[str, list[dict[str, Any]]]) -> None:
-    """One group a table, one dataset a column, with unit and meaning; sealed as case and run are.
+    """Write one group per table and one dataset per column, with unit and meaning, sealed like case.h5 and run.h5.
 
-    Numbers and counts are f8, NaN where undefined; texts are "" there.
+    Numbers and counts are f8, NaN where undefined; an undefined text is "".
     """
     fields, values = [], {}
-    for table, found in columns.items():
-        for name, (unit, meaning, kind) in found.items():
-            own = [row.get(name) for row in rows[table]]
+    for table, of_table in columns.items():
+        for name, (unit, meaning, kind) in of_table.items():
+            cells = [row.get(name) for row in rows[table]]
             place, is_text = f"{table}/{name}", kind == "text"
-            values[place] = [_cell(value) if is_text else np.nan if value is None else value for value in own]
+            values[place] = [_cell(value) if is_text else np.nan if value is None else value for value in cells]
             fields.append(exchange.Field(place, "str" if is_text else "f8", (table,), unit, meaning))
     digest = hashlib.sha256(json.dumps(rows["results"], sort_keys=True).encode()).hexdigest()
     exchange.write(path, tuple(fields), values, digest)
 
 
 def _parquet(columns: Mapping[str, Column], rows: list[dict[str, Any]]) -> bytes:
-    """The table as Parquet, null where undefined; pyarrow is an extra, which the command has seen to."""
+    """Return the table as Parquet, null where undefined; the command has checked that pyarrow is installed."""
     import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     types: dict[Kind, Any] = {"text": pa.string(), "number": pa.float64(), "count": pa.int64()}
     arrays = {}
     for name, column in columns.items():
-        own = [row.get(name) for row in rows]
-        shown = [value if value is None or column.kind != "text" else _cell(value) for value in own]
-        arrays[name] = pa.array(shown, types[column.kind])
+        cells = [row.get(name) for row in rows]
+        values = [value if value is None or column.kind != "text" else _cell(value) for value in cells]
+        arrays[name] = pa.array(values, types[column.kind])
     content = io.BytesIO()
     pq.write_table(pa.table(arrays), content)
     return content.getvalue()

@@ -1,4 +1,4 @@
-"""The command line: reads words, calls the rooms, prints; one module for each verb."""
+"""The command line: parses the arguments, calls the other rooms and prints; one module for each verb."""
 
 from comparison.cli.commands import COMMANDS, main
 

@@ -1,4 +1,4 @@
-"""The words of the command line, and kinds of arguments, each of which raises argparse's error for a text that is none."""
+"""Verbs and options of the command line, and the types of their values; a type raises argparse's error for an invalid text."""
 
 import argparse
 from collections.abc import Callable
@@ -11,32 +11,35 @@ from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
 MOVING_FORMATS = (".gif", ".mp4")
-MOST_FRAMES = 50  # a second: a GIF counts hundredths, and players refuse less than two
+MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 SCENE_HELP = "path of a scene file, or the name of a shipped scene"
-NO_YADE_HELP = "limit analysis alone"
-LIMIT_HELP = "wall seconds for each YADE run (default: as configured, else the scene's, or 3600)"
+NO_YADE_HELP = "run limit analysis only"
+LIMIT_HELP = "wall time limit of each YADE run in seconds (default: as configured, else the scene's, or 3600)"
 SHELLS = ("bash", "zsh", "fish")
 
-AddVerb = Callable[[str, str], argparse.ArgumentParser]  # of a verb and its sentence: the parser of its words
+AddVerb = Callable[[str, str], argparse.ArgumentParser]  # from a verb and its help text to the verb's parser
 
 
 def parser() -> argparse.ArgumentParser:
-    """The whole command line; its options say the verb, and as `configured` which of them the settings fill."""
+    """Return the parser of the command line.
+
+    Parsed options hold the `verb`, and in `configured` the names of those options that the settings fill.
+    """
     whole = argparse.ArgumentParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
         epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
     )
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
-    words = whole.add_subparsers(required=True, metavar="COMMAND")
+    verbs = whole.add_subparsers(required=True, metavar="COMMAND")
 
     def add(verb: str, text: str) -> argparse.ArgumentParser:
-        sub = words.add_parser(verb, help=text, description=text)
+        sub = verbs.add_parser(verb, help=text, description=text)
         sub.set_defaults(verb=verb, configured=())
         sub.add_argument("-q", "--quiet", action="store_true", help="no narration on stderr")
-        sub.add_argument("--json", action="store_true", help="one JSON object on stdout and nothing else there")
+        sub.add_argument("--json", action="store_true", help="print one JSON object on stdout, and nothing else there")
         return sub
 
     for add_verb in (
@@ -70,54 +73,59 @@ def _add_show(add: AddVerb) -> None:
 
 
 def _add_solve(add: AddVerb) -> None:
-    solve = add("solve", "limit analysis alone")
+    solve = add("solve", "run limit analysis only")
     solve.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
-    solve.add_argument("--path", action="store_true", help="also follow the reaction from rest to the plateau, as a [path] table asks")
+    solve.add_argument(
+        "--path", action="store_true", help="also follow the reaction from rest to the plateau, like a [path] table in the scene"
+    )
     solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
 
 
 def _add_sensitivity(add: AddVerb) -> None:
-    study = add("sensitivity", "how the classic iteration for friction depends on its own parameters")
+    study = add("sensitivity", "show how the classic iteration for friction depends on its own parameters")
     study.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
 
 
 def _add_cost(add: AddVerb) -> None:
-    cost = add("cost", "what accuracy costs in time: error against seconds over methods and settings, table and figure")
+    cost = add("cost", "measure the cost of accuracy: error against seconds for all methods and settings, as table and figure")
     cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
     cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
     cost.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
 
 
 def _add_run(add: AddVerb) -> None:
-    run = add("run", "limit analysis, YADE, comparison and report; finished stages are not run again")
+    run = add("run", "run limit analysis and YADE, compare them and write the report; finished stages are not run again")
     run.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
     run.set_defaults(configured=("output", "time_limit"))
     output_help = "folder of the results (default: crosscheck-results, or as configured)"
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help=output_help)
-    accuracy_help = "share of the answer, such as 1%%: the cheapest settings that reach it, finer ones where they do not"
+    accuracy_help = "requested accuracy as a share of the answer, such as 1%%: start from the cheapest settings, refine if needed"
     run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
-    run.add_argument("--full", action="store_true", help="with every effect modelled, in a folder SCENE_full beside the reduced model's")
+    run.add_argument(
+        "--full", action="store_true", help="model every effect; results go to the folder SCENE_full, beside those of the reduced model"
+    )
     run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
 
 
 def _add_campaign(add: AddVerb) -> None:
-    campaign = add("campaign", "many scenes, or one over ranges of its keys, side by side; finished cases are not run again")
+    campaign = add("campaign", "run many scenes, or one scene over ranges of its keys, in parallel; finished cases are not run again")
     campaign.set_defaults(configured=("workers", "time_limit"))
-    file_help = "campaign file (TOML): scenes, and the ranges of their keys; or the name of a shipped one, such as seed_paper"
+    file_help = "campaign file (TOML) with scenes and ranges of their keys, or the name of a shipped campaign, such as seed_paper"
     campaign.add_argument("campaign", metavar="FILE", type=Path, help=file_help)
     campaign.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of the results (default: crosscheck-campaigns/FILE)")
     where = campaign.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=count, metavar="N", help="processes on this machine (default: its cores)")
+    where.add_argument("--workers", type=count, metavar="N", help="number of processes on this machine (default: its cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
     campaign.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     campaign.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
-    campaign.add_argument("--parquet", action="store_true", help="tables as Parquet, too")
+    campaign.add_argument("--parquet", action="store_true", help="also write the tables as Parquet")
 
 
 def _add_compare(add: AddVerb) -> None:
-    compare = add("compare", "two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; 1 where something changed")
+    text = "compare two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; exit code 1 if they differ"
+    compare = add("compare", text)
     compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
     compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
     compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
@@ -129,40 +137,42 @@ def _add_report(add: AddVerb) -> None:
 
 
 def _add_export(add: AddVerb) -> None:
-    export = add("export", "blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
-    export.add_argument("source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, to solve it")
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder of the files")
+    export = add("export", "write blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
+    export.add_argument(
+        "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is solved first"
+    )
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder to write the files to")
 
 
 def _add_animate(add: AddVerb) -> None:
-    animate = add("animate", "the settlement as an animation: both mechanisms grow while the reaction's record draws itself")
+    animate = add("animate", "animate the settlement: both mechanisms grow beside the record of the reaction")
     animate.add_argument(
         "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is run first"
     )
-    place = "GIF or MP4 file (default: animation.gif in the scene's folder, where `crosscheck report` takes it into the page)"
+    place = "GIF or MP4 file (default: animation.gif in the scene's folder, from where `crosscheck report` shows it)"
     animate.add_argument("-o", "--output", type=moving_picture, metavar="MOVIE", help=place)
     animate.add_argument("--fps", type=frames_per_second, metavar="N", default=10, help="frames per second (default: 10)")
 
 
 def _add_tutorial(add: AddVerb) -> None:
-    tutorial = add("tutorial", "walk-throughs for students: list them, run one, or write notebooks")
-    tutorial.add_argument("name", metavar="NAME", nargs="?", help="which one to run (default: list them)")
+    tutorial = add("tutorial", "tutorials for students: list them, run one, or write notebooks")
+    tutorial.add_argument("name", metavar="NAME", nargs="?", help="tutorial to run (default: list them)")
     output_help = f"folder of figures, results and notebooks (default: {TUTORIALS})"
     tutorial.add_argument("-o", "--output", type=Path, metavar="DIR", default=TUTORIALS, help=output_help)
-    tutorial.add_argument("--notebook", action="store_true", help="write NAME.ipynb, or all of them, in place of running")
+    tutorial.add_argument("--notebook", action="store_true", help="write the notebook NAME.ipynb, or all of them, and run nothing")
 
 
 def _add_doctor(add: AddVerb) -> None:
-    add("doctor", "what is installed, what is missing, the command that mends it")
+    add("doctor", "list installed and missing parts, the commands that install them, and the settings")
 
 
 def _add_completion(add: AddVerb) -> None:
-    completion = add("completion", "print the script by which a shell completes commands, options and scenes")
+    completion = add("completion", "print the script with which a shell completes commands, options and scenes")
     completion.add_argument("shell", metavar="SHELL", choices=SHELLS, help=", ".join(SHELLS))
 
 
 def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
-    """What reads the path of a file whose ending names its format."""
+    """Return a type for paths with one of these endings; `what` names the file in the error message, such as 'a figure'."""
 
     def path_of(text: str) -> Path:
         path = Path(text)
@@ -179,7 +189,7 @@ page = ending_in(PAGE_FORMATS, "a page")
 
 
 def frames_per_second(text: str) -> int:
-    """A whole number that a player can show."""
+    """Parse a frame rate: a whole number from 1 to MOST_FRAMES."""
     value = int(text) if text.isdecimal() else 0
     if not 1 <= value <= MOST_FRAMES:
         raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_FRAMES}")
@@ -187,7 +197,7 @@ def frames_per_second(text: str) -> int:
 
 
 def accuracy(text: str) -> float:
-    """A share such as "1%" or "0.01", within what can be bought."""
+    """Parse a share such as "1%" or "0.01", from LEAST_ACCURACY to MOST_ACCURACY."""
     number, percent = text.strip().removesuffix("%"), text.strip().endswith("%")
     try:
         value = round(float(number) / (100.0 if percent else 1.0), 12)
@@ -199,14 +209,14 @@ def accuracy(text: str) -> float:
 
 
 def count(text: str) -> int:
-    """A positive whole number."""
+    """Parse a whole number from 1 to MOST_WORKERS."""
     if not (text.isdecimal() and 1 <= int(text[:9]) <= MOST_WORKERS):
         raise argparse.ArgumentTypeError(f"{text}: must be a whole number from 1 to {MOST_WORKERS}")
     return int(text)
 
 
 def seconds(text: str) -> float:
-    """A positive time."""
+    """Parse a positive, finite number of seconds."""
     try:
         value = float(text)
     except ValueError:

@@ -1,4 +1,7 @@
-"""The command line: reads words, loads the verb's module, runs it; results on stdout, narration on stderr. No mechanics here."""
+"""Entry of the command line: parse the arguments, load the verb's module, run it.
+
+Results go to stdout, narration to stderr. No mechanics here.
+"""
 
 import argparse
 import importlib
@@ -12,7 +15,7 @@ from comparison.cli.context import Context
 from comparison.cli.exit_codes import code_of
 from comparison.settings import filled
 
-COMMANDS = {  # verb: the module whose `execute` runs it, loaded only when it is called
+COMMANDS = {  # by verb: the module whose `execute` runs it, loaded only for that verb
     "scenes": "comparison.cli.scene_verbs.scenes",
     "show": "comparison.cli.scene_verbs.show",
     "solve": "comparison.cli.scene_verbs.solve",
@@ -33,7 +36,7 @@ COMMANDS = {  # verb: the module whose `execute` runs it, loaded only when it is
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit code of the contract: 0 agree, 1 disagree, 2 usage or scene, 3 tool, 4 inconclusive."""
     if arguments is None:
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a closed pipe ends the program quietly, as it ends others
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a closed pipe ends the program quietly, as for other programs
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error

@@ -1,4 +1,4 @@
-"""How `crosscheck run` and `crosscheck report` end: reports are written, the verdicts printed, the gravest decides."""
+"""Last step of `crosscheck run` and `crosscheck report`: write the reports, print the verdicts, choose the exit code."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,10 @@ from comparison.report import stored_report, write_report
 
 
 def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context) -> int:
-    """Write the report of each folder's comparisons, print the verdict tables or one JSON object, and return the gravest exit code."""
+    """Write the report of each folder, print verdict tables or one JSON object, and return the gravest exit code.
+
+    reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json).
+    """
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:

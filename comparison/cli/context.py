@@ -1,4 +1,4 @@
-"""The context in which a verb runs: its options, and where it prints."""
+"""The context of a verb: its options and its consoles."""
 
 import argparse
 import json
@@ -12,7 +12,17 @@ PIPE_WIDTH = 120  # columns
 
 @dataclass(frozen=True)
 class Context:
-    """Options of the command line, filled from the settings; a console for narration (stderr) and one for results (stdout)."""
+    """Options and consoles of a verb.
+
+    Attributes
+    ----------
+    options : argparse.Namespace
+        Options of the command line, completed from the settings.
+    narrator : Console
+        Console for narration (stderr), silent with `--quiet`.
+    out : Console
+        Console for results (stdout).
+    """
 
     options: argparse.Namespace
     narrator: Console
@@ -20,16 +30,16 @@ class Context:
 
     @classmethod
     def of(cls, options: argparse.Namespace) -> Self:
-        """The context of these options; the narrator is silent with `--quiet`."""
+        """Return the context of these options."""
         narrator = Console(stderr=True, quiet=options.quiet, highlight=False, emoji=False, soft_wrap=True)
         return cls(options, narrator, _results_console())
 
     def print_json(self, value: dict[str, Any]) -> None:
-        """Print one JSON object on stdout; raises ValueError for a number that JSON does not have."""
+        """Print one JSON object on stdout; raises ValueError for NaN or an infinite number."""
         print(json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def _results_console() -> Console:
-    """As wide as the terminal, or wide enough for a table in a file or pipe; text is never cut or broken."""
+    """Return a console as wide as the terminal, or PIPE_WIDTH for a file or pipe; text is never cut or broken."""
     console = Console(highlight=False, emoji=False, soft_wrap=True)
     return console if console.is_terminal else Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)

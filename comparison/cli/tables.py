@@ -16,7 +16,7 @@ MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "in
 
 
 def new_table(*headings: str, title: str | None = None) -> Table:
-    """An empty table in the program's style; long words fold."""
+    """Return an empty table in the program's style; long words fold."""
     table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for column in table.columns:
         column.overflow = "fold"
@@ -24,49 +24,52 @@ def new_table(*headings: str, title: str | None = None) -> Table:
 
 
 def scene_table(scenes: list[Scene]) -> Table:
-    """Shipped scenes with what is expected of them."""
+    """Return a table of scenes with their expected values."""
     table = new_table("scene", "title", "expected", "kind", "source")
     for scene in scenes:
         expected = scene.expected
-        shown = "–" if expected is None else _expected(expected, scene.live is not None)
-        table.add_row(plain(scene.name), plain(scene.title), shown, expected.kind if expected else "–", plain(scene.source))
+        value = "–" if expected is None else _expected(expected, scene.live is not None)
+        kind = expected.kind if expected else "–"
+        table.add_row(plain(scene.name), plain(scene.title), value, kind, plain(scene.source))
     return table
 
 
 def _expected(expected: Expected, live: bool) -> str:
-    """The value of the scene's own friction, else the associated one, which is named so."""
+    """Return the expected value for the scene's own friction law, else the associated value, marked as such."""
     value = expected.multiplier if live else expected.reaction_over_weight
     associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
     return f"{number_text(associated)} associated" if value is None and associated is not None else number_text(value)
 
 
 def plain(text: str) -> str:
-    """Text of a scene with nothing that the terminal library would take for markup."""
+    """Return a scene's text with the terminal library's markup escaped."""
     return escape(text)
 
 
 def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
-    """Counts and weight of a scene, and the effects it calls for."""
+    """Return the counts, the weight (N) and the effects of a scene."""
     assembly = decided.assembly
     roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
-    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight, **{f"{name}_blocks": count for name, count in roles.items()}}
+    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight}
+    facts |= {f"{name}_blocks": count for name, count in roles.items()}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Scene facts, one a row, effects left out."""
+    """Return a table of scene facts, one per row, without the effects."""
     units = {"weight": "N", "inset": "m"}
     table = new_table("what", "value", "unit", title=plain(title))
     for name, value in facts.items():
         if name != "effects":
-            table.add_row(name.replace("_", " "), number_text(value) if isinstance(value, float) else str(value), units.get(name, ""))
+            text = number_text(value) if isinstance(value, float) else str(value)
+            table.add_row(name.replace("_", " "), text, units.get(name, ""))
     return table
 
 
 def effects_table(effects: dict[str, Any]) -> Table:
-    """Effects of a scene, one a row: on or off, how it is modelled, why, and what leaving it out saves."""
+    """Return a table of effects, one per row: on or off, the model, the reason, and the saving if it is off."""
     table = new_table("effect", "what", "", "modelled", "reason", "saves")
     for row in effects["table"]:
         saved = ", ".join(f"{count} {name}" for name, count in row["saved"].items())
@@ -75,7 +78,7 @@ def effects_table(effects: dict[str, Any]) -> Table:
 
 
 def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
-    """Limit analysis of one scene: values in their unit and over the weight, residuals, checks against expected values."""
+    """Return the answers of one scene, in their unit and over the weight, with residuals and checks against expected values."""
     table = new_table(*answer_headings(scene), title=plain(scene.title))
     for row in answer_rows(scene, summary["limit_analysis"]):
         table.add_row(*map(plain, row))
@@ -85,36 +88,36 @@ def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -
 
 
 def path_table(scene: Scene, path: dict[str, Any]) -> Table:
-    """The curve from rest to the plateau, a row a point."""
+    """Return a table of the reaction's path from rest to the plateau, one row per point."""
     drive = "displacement, m" if scene.live is not None else "settlement, rad" if scene.is_rotation else "settlement, m"
     table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
     columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
     for settlement, value, residual, converged, solves in zip(*columns, strict=True):
         ratio = number_text(over_weight(value, scene.weight)) if scene.live is None else ""
-        shown = number_text(residual, 2) + ("" if converged else " not converged")
-        table.add_row(number_text(settlement, 4), number_text(value), ratio, shown, str(solves))
+        residual_text = number_text(residual, 2) + ("" if converged else " not converged")
+        table.add_row(number_text(settlement, 4), number_text(value), ratio, residual_text, str(solves))
     return table
 
 
 def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
-    """One row a scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
+    """Return one row per scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
     table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
     for comparison in comparisons:
-        scene, *values, own_seconds, yade_seconds = verdict_cells(comparison)
-        table.add_row(plain(scene), *values, MARKS[comparison["verdict"]], own_seconds, yade_seconds)
+        scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
+        table.add_row(plain(scene), *values, MARKS[comparison["verdict"]], limit_seconds, yade_seconds)
     return table
 
 
 def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
-    """One row a scene and method of which an accuracy was asked: the estimated error, what was chosen and why, what it took."""
-    table = new_table(
-        "scene", "method", "asked", "error", "chosen and why", "runs", "s", title="accuracy asked for, as a share of the answer"
-    )
+    """Return one row per scene and method with a requested accuracy: the estimated error, the chosen settings and their cost."""
+    title = "requested accuracy, as a share of the answer"
+    table = new_table("scene", "method", "requested", "error", "chosen and why", "runs", "s", title=title)
     for comparison in comparisons:
-        bought = comparison.get("accuracy") or {}
-        for method in (name for name in ACCURACY_METHODS if name in bought):
-            found = bought[method]
-            error = f"{MARKS['agree' if found['kept'] else 'inconclusive'].split()[0]}[/] {percent(found['error'])}"
-            row = [percent(bought["asked"]), error, found["chosen"], str(len(found["attempts"])), number_text(found["seconds"], 2)]
-            table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *row)
+        accuracy = comparison.get("accuracy") or {}
+        for method in (name for name in ACCURACY_METHODS if name in accuracy):
+            answer = accuracy[method]
+            error = f"{MARKS['agree' if answer['kept'] else 'inconclusive'].split()[0]}[/] {percent(answer['error'])}"
+            cost = [str(len(answer["attempts"])), number_text(answer["seconds"], 2)]
+            cells = [percent(accuracy["asked"]), error, answer["chosen"], *cost]
+            table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *cells)
     return table

@@ -65,7 +65,7 @@ WRONG = {
     "given twice": (sweep('set = { "joint.friction" = 1.0 }\nvary = { "joint.friction" = [1.0] }'), '"joint.friction" is given twice'),
     "unequal lengths": (sweep('together = [{ "joint.friction" = [1.0], "joint.inset" = [0.1, 0.2] }]'), "equally many values"),
     "too many": (sweep(f'vary = {{ "joint.friction" = {[1.0] * 101}, "joint.inset" = {[0.001] * 100} }}'), f"at most {MOST_CASES} cases"),
-    "label of nothing": ('labels = { mu = "mu" }\n' + sweep(""), '"mu" is varied by no sweep'),
+    "label of nothing": ('labels = { mu = "mu" }\n' + sweep(""), 'no sweep varies "mu"'),
     "unknown key of the scene": (sweep('vary = { "joint.frction" = [0.5] }'), 'joint.frction: unknown key; did you mean "friction"?'),
     "wrong value for the scene": (sweep('vary = { "joint.friction" = [0.5, -1.0] }'), "joint.friction = -1.0: must"),
     "impossible structure": (sweep('set = { "block[2].box.to[0]" = -1.0 }'), "every coordinate of `to` must be greater"),
@@ -79,7 +79,7 @@ WRONG = {
     "impossible parameter": (
         sweep('vary = { "classic.relaxation" = [nan] }'),
         "two_pads_relaxation=nan: classic: needs relaxation in (0, 1], slope from 0, iterations from 1, "
-        "and cohesion from 0 and below tolerance; given: relaxation = nan; the rest is as by default",
+        "and cohesion from 0 and below tolerance; given: relaxation = nan; the others have their defaults",
     ),
     "parameter beyond all numbers": (sweep(f'vary = {{ "classic.slope" = [1{"0" * 400}] }}'), "classic: needs relaxation in (0, 1]"),
     "impossible model": (sweep('vary = { "effects.plane" = [true] }', "slab_four_corners"), "effects.plane = true: "),

@@ -291,7 +291,7 @@ def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, cap
     out = str(tmp_path / "out")
     assert main(["run", str(path), "--no-yade", "-o", out]) == 0
     printed = capsys.readouterr().out
-    assert "accuracy asked for" in printed and "8 steps" in printed
+    assert "requested accuracy" in printed and "8 steps" in printed
     first = json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"]
     assert first["limit_analysis"]["kept"] and len(first["limit_analysis"]["attempts"]) == 2
     assert main(["run", str(path), "--no-yade", "-o", out]) == 0

@@ -1,4 +1,4 @@
-"""What a campaign's cases cost: seconds of both methods against the number of blocks, and case by case."""
+"""Costs of a campaign's cases: seconds of both methods against the number of blocks, and case by case."""
 
 from typing import Any
 
@@ -14,12 +14,12 @@ from comparison.figures import INK, LIMIT_ANALYSIS, YADE
 from comparison.numbers import exists, format_number
 
 SECONDS = {"limit_analysis_seconds": ("limit analysis", LIMIT_ANALYSIS, "o"), "yade_seconds": ("YADE", YADE, "s")}
-SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks that are written under an axis
-FEW = 12  # cases that are named under their axis
+SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks at the ticks
+FEW = 12  # cases; up to here their names stand under the axis
 
 
 def case_cost_figure(table: CampaignTable) -> Figure | None:
-    """Left seconds against free blocks, right seconds of each case, the dearest first; None where none is known."""
+    """Draw seconds against free blocks (left) and of each case, the most expensive first (right); None without known seconds."""
     blocks = {row["case"]: row.get("free_blocks") for row in table.rows}
     once = costs_once(table)
     total = {cost["case"]: sum(cost[name] for name in SECONDS if exists(cost.get(name))) for cost in once}
@@ -30,9 +30,9 @@ def case_cost_figure(table: CampaignTable) -> Figure | None:
     figure, (left, right) = shared_axes.panel_figure(2, 3.8)
     for name, (_, colour, marker) in SECONDS.items():
         style = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 5.5, "markeredgecolor": INK, "markeredgewidth": 0.6}
-        some = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
-        left.plot([blocks[cost["case"]] for _, cost in some], [cost[name] for _, cost in some], **style)
-        right.plot([k for k, _ in some], [cost[name] for _, cost in some], **style)
+        existing = [(k, cost) for k, cost in enumerate(dearest, 1) if exists(cost.get(name)) and cost[name] > 0.0]
+        left.plot([blocks[cost["case"]] for _, cost in existing], [cost[name] for _, cost in existing], **style)
+        right.plot([k for k, _ in existing], [cost[name] for _, cost in existing], **style)
     _finish(left, right, [cost["case"] for cost in dearest])
     shared_axes.legend(figure, [_handle(table, name) for name in SECONDS])
     return figure
@@ -56,11 +56,11 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
         right.set_xticks(range(1, len(names) + 1), names, rotation=25, ha="right", parse_math=False)
     else:
         right.xaxis.set_major_locator(MaxNLocator(integer=True))
-        right.set_xlabel("cases, the dearest first", fontsize=9)
+        right.set_xlabel("cases, the most expensive first", fontsize=9)
 
 
 def _handle(table: CampaignTable, name: str) -> Line2D:
     words, colour, marker = SECONDS[name]
     known = [cost[name] for cost in costs_once(table) if exists(cost.get(name))]
-    label = f"{words}, in all {format_number(sum(known), 3)} s" if known else f"{words}: not run"
+    label = f"{words}, total {format_number(sum(known), 3)} s" if known else f"{words}: not run"
     return Line2D([], [], color=colour, marker=marker, linestyle="none", markeredgecolor=INK, label=label)

@@ -1,4 +1,4 @@
-"""The classic iteration for friction against its own parameters: its value, and how many programmes it solved."""
+"""The classic iteration for friction against its own parameters: its value, and its number of programmes."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -21,11 +21,11 @@ HEIGHT = 3.3  # inches
 CONVERGED = "solved"
 
 
-def classic_figures(found: Sequence[SweepRows]) -> Iterator[tuple[Figure, str]]:
-    """A figure for every parameter of the classic iteration; each with the parameter."""
-    for kind in dict.fromkeys(tuple(sweep.parameters) for sweep in found):
+def classic_figures(sweeps: Sequence[SweepRows]) -> Iterator[tuple[Figure, str]]:
+    """Yield a figure for every parameter of the classic iteration, with the parameter."""
+    for kind in dict.fromkeys(tuple(sweep.parameters) for sweep in sweeps):
         for parameter in (name for name in kind if name.startswith(CLASSIC)):
-            group = [sweep for sweep in found if tuple(sweep.parameters) == kind and _ran(sweep.rows)]
+            group = [sweep for sweep in sweeps if tuple(sweep.parameters) == kind and _ran(sweep.rows)]
             for k in range(0, len(group), SCENES):
                 yield _figure(parameter, group[k : k + SCENES]), parameter
 
@@ -41,13 +41,13 @@ def _figure(parameter: str, group: list[SweepRows]) -> Figure:
     for value, count, sweep in zip(axes[::2], axes[1::2], group, strict=True):
         scale = Scale(parameter, sweep.values[parameter], sweep.named)
         chosen = [line for line in lines(sweep, parameter) if line.words in drawn]
-        shown = _references(value, chosen, scale)
+        values = _references(value, chosen, scale)
         for line in chosen:
             k = drawn.index(line.words)
-            shown += _draw(value, line, scale, k, len(drawn), [over_weight(row, "classic") for row in line.rows])
+            values += _draw(value, line, scale, k, len(drawn), [over_weight(row, "classic") for row in line.rows])
             _draw(count, line, scale, k, len(drawn), [row.get("classic_iterations") for row in line.rows])
             _mark_lost(value, line, scale)
-        shared_axes.span(value, shown)
+        shared_axes.span(value, values)
         count.set_ylim(bottom=0.0)
         count.yaxis.set_major_locator(MaxNLocator(integer=True))
         value.set_ylabel(quantity(sweep.rows[0].get("unit")), fontsize=8)
@@ -60,34 +60,33 @@ def _figure(parameter: str, group: list[SweepRows]) -> Figure:
 
 
 def _references(axes: Any, chosen: list[Line], scale: Scale) -> list[float]:
-    """The associated least and the Coulomb prediction of each line's cases; the values drawn."""
-    shown: list[float] = []
+    """Draw the associated least and the Coulomb prediction of each line's cases; returns the drawn values."""
+    drawn: list[float] = []
     for line in chosen:
         place = [scale.place(row[scale.parameter]) for row in line.rows]
         for name, dash in (("least", ":"), ("coulomb", "-")):
             values = [over_weight(row, name) for row in line.rows]
-            axes.plot(
-                place, [float("nan") if value is None else value for value in values], color=INK, linewidth=1.1, linestyle=dash, zorder=1
-            )
-            shown += [value for value in values if value is not None]
-    return shown
+            curve = [float("nan") if value is None else value for value in values]
+            axes.plot(place, curve, color=INK, linewidth=1.1, linestyle=dash, zorder=1)
+            drawn += [value for value in values if value is not None]
+    return drawn
 
 
 def _draw(axes: Any, line: Line, scale: Scale, k: int, count: int, values: list[Any]) -> list[float]:
-    """A line through the values, its marks filled where the iteration converged; the values drawn."""
-    some = [(scale.place(row[scale.parameter]), value, row) for row, value in zip(line.rows, values, strict=True) if exists(value)]
+    """Draw a line through the values, with filled marks where the iteration converged; returns the drawn values."""
+    existing = [(scale.place(row[scale.parameter]), value, row) for row, value in zip(line.rows, values, strict=True) if exists(value)]
     style, colour = series_style(k), shade(LIMIT_ANALYSIS, k, count)
-    axes.plot([x for x, _, _ in some], [y for _, y, _ in some], color=colour, linestyle=style["linestyle"], linewidth=1.2, zorder=3)
-    for x, y, row in some:
+    axes.plot([x for x, _, _ in existing], [y for _, y, _ in existing], color=colour, linestyle=style["linestyle"], linewidth=1.2, zorder=3)
+    for x, y, row in existing:
         face = colour if row.get("classic_status") == CONVERGED else "white"
         axes.plot(
             [x], [y], marker=style["marker"], markersize=max(10.0 - 1.7 * k, 3.5), markerfacecolor=face, markeredgecolor=INK, zorder=4
         )
-    return [float(y) for _, y, _ in some]
+    return [float(y) for _, y, _ in existing]
 
 
 def _mark_lost(axes: Any, line: Line, scale: Scale) -> None:
-    """A cross at the foot of the axes for every run without a value."""
+    """Draw a cross at the bottom of the axes for every run without a value."""
     lost = [scale.place(row[scale.parameter]) for row in line.rows if row.get("classic_status") and not exists(row.get("classic"))]
     axes.plot(lost, [0.04] * len(lost), "x", transform=axes.get_xaxis_transform(), color=INK, markersize=7, zorder=5)
 

@@ -1,4 +1,4 @@
-"""A quantity of both methods against a swept parameter: a panel a scene, a line for each value of the other parameters."""
+"""A quantity of both methods against a varied parameter: one panel per scene, one line per value of the other parameters."""
 
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
@@ -20,33 +20,43 @@ from comparison.campaign.row_values import LIMIT, Row, bounds, mechanism_name, o
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.numbers import exists
 
-SERIES = 5  # lines in a panel; of more, evenly spaced ones are drawn
-PANELS = 9  # in a figure; more take further figures
-MOST_PANELS = 18  # over one parameter; of more, evenly spaced ones are drawn
+SERIES = 5  # lines in a panel; a larger number is thinned out evenly
+PANELS = 9  # in a figure; further panels go to further figures
+MOST_PANELS = 18  # over one parameter; a larger number is thinned out evenly
 HEIGHT = 3.1  # inches, of a row of panels
 TITLE_WIDTH = 55  # signs
-OUTSIDE = 1e9  # where bands without end are cut off: out of every frame
+OUTSIDE = 1e9  # bounds of infinite bands, outside every frame
 DODGE = 3.0  # pt between the intervals of two lines
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure over a parameter, and what it leaves out, in words, "" where nothing."""
+    """A drawn figure.
+
+    Attributes
+    ----------
+    figure : Figure
+        The figure.
+    parameter : str
+        Dotted path of its parameter.
+    left_out : str
+        Sentences on omitted panels and series; "" without any.
+    """
 
     figure: Figure
     parameter: str
     left_out: str
 
 
-def reaction_figures(found: Sequence[SweepRows]) -> Iterator[Drawn]:
-    """Reaction over weight against every parameter, with bounds and interval as bands where a panel has one line."""
-    for parameter, group, left_out in _groups(found, _has_reaction):
+def reaction_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
+    """Yield figures of reaction over weight against every parameter; bounds and interval are bands if a panel has one line."""
+    for parameter, group, left_out in _groups(sweeps, _has_reaction):
         yield _figure(parameter, group, left_out, _draw_reactions, "", reactions=True)
 
 
-def participation_figures(found: Sequence[SweepRows]) -> Iterator[Drawn]:
-    """Distribution index of dissipation against every parameter."""
-    for parameter, group, left_out in _groups(found, _has_participation):
+def participation_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
+    """Yield figures of the distribution index of dissipation against every parameter."""
+    for parameter, group, left_out in _groups(sweeps, _has_participation):
         yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
 
 
@@ -58,20 +68,21 @@ def _has_participation(row: Row) -> bool:
     return any(exists(of_mechanism(row, method, "participation")) for method in (LIMIT, "yade"))
 
 
-def _groups(found: Sequence[SweepRows], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[SweepRows], str]]:
-    """Panels over a parameter, so many as a figure has: sweeps of the same parameters, its longest other one as the lines.
+def _groups(sweeps: Sequence[SweepRows], has: Callable[[Row], bool]) -> Iterator[tuple[str, list[SweepRows], str]]:
+    """Yield the panels of each figure: parameter, sweeps with the same parameters, and a sentence on omitted panels.
 
-    Further parameters are held: a panel for each of their values. has: whether a case has something to draw; a panel needs one.
+    The longest other parameter gives the lines; further ones are fixed, with one panel for each combination of their values.
+    has: whether a case has a value to draw; a panel needs at least one such case.
     """
-    kinds = dict.fromkeys(tuple(sweep.parameters) for sweep in found)
+    kinds = dict.fromkeys(tuple(sweep.parameters) for sweep in sweeps)
     for kind in kinds:
-        own = [sweep for sweep in found if tuple(sweep.parameters) == kind]
+        alike = [sweep for sweep in sweeps if tuple(sweep.parameters) == kind]
         for parameter in kind:
             group = []
-            for sweep in own:
+            for sweep in alike:
                 others = [name for name in longest(sweep) if name != parameter]
-                group += [part for part in slices(sweep, (parameter, *others[:1])) if len(sweep.values[parameter]) > 1]
-            group = [part for part in group if any(map(has, part.rows))]
+                group += slices(sweep, (parameter, *others[:1])) if len(sweep.values[parameter]) > 1 else []
+            group = [panel for panel in group if any(map(has, panel.rows))]
             drawn = shared_axes.spread(group, MOST_PANELS)
             left_out = f"{len(drawn)} of {len(group)} panels are drawn." if len(drawn) < len(group) else ""
             for k in range(0, len(drawn), PANELS):
@@ -79,7 +90,7 @@ def _groups(found: Sequence[SweepRows], has: Callable[[Row], bool]) -> Iterator[
 
 
 def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, words: str, reactions: bool) -> Drawn:
-    """Panels of one parameter with one legend; series that have the same words look the same in all of them."""
+    """Draw panels of one parameter with one legend; series with the same text look the same in all panels."""
     figure, axes = shared_axes.panel_figure(len(group), HEIGHT)
     names = list(dict.fromkeys(line.words for sweep in group for line in lines(sweep, parameter)))
     drawn = shared_axes.spread(names, SERIES)
@@ -89,7 +100,7 @@ def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, wo
         draw(place, scale, [(line, drawn.index(line.words), len(drawn)) for line in chosen])
         scale.label(place)
         place.set_title(textwrap.fill(sweep.title, TITLE_WIDTH), fontsize=9, parse_math=False)
-        unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a case that failed has none
+        unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a failed case has no unit
         place.set_ylabel(words or quantity(unit), fontsize=8)
     rows = [row for sweep in group for row in sweep.rows]
     shared_axes.legend(figure, [*_method_handles(rows, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
@@ -98,12 +109,12 @@ def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, wo
 
 
 def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
-    """Prediction as lines, YADE as larger marks with its uncertainty; bands where there is a single line."""
-    shown: list[float] = []
+    """Draw the prediction as lines and YADE as larger marks with its uncertainty; bands only for a single line."""
+    drawn: list[float] = []
     for line, k, count in chosen:
         place = [scale.place(row[scale.parameter]) for row in line.rows]
         predicted = _values(line.rows, [prediction(row) for row in line.rows])
-        found, uncertainty, low, high = (
+        yade, uncertainty, low, high = (
             _values(line.rows, [name] * len(place)) for name in ("yade", "yade_uncertainty", "coulomb_low", "coulomb_high")
         )
         if count == 1 and scale.numeric:
@@ -111,12 +122,12 @@ def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]
             _draw_switches(axes, scale, line.rows)
         else:
             _draw_intervals(axes, place, low, high, k, count)
-        _draw_methods(axes, scale, place, predicted, found, k, count)
-        axes.vlines(place, found - uncertainty, found + uncertainty, color=INK, linewidth=0.9, zorder=6)
+        _draw_methods(axes, scale, place, predicted, yade, k, count)
+        axes.vlines(place, yade - uncertainty, yade + uncertainty, color=INK, linewidth=0.9, zorder=6)
         wrong = [row.get("verdict") == "disagree" for row in line.rows]
-        axes.plot(np.array(place)[wrong], found[wrong], "x", color=INK, markersize=10, markeredgewidth=1.3, zorder=7)
-        shown += [*predicted, *(found - uncertainty), *(found + uncertainty), *found]
-    shared_axes.span(axes, shown)
+        axes.plot(np.array(place)[wrong], yade[wrong], "x", color=INK, markersize=10, markeredgewidth=1.3, zorder=7)
+        drawn += [*predicted, *(yade - uncertainty), *(yade + uncertainty), *yade]
+    shared_axes.span(axes, drawn)
 
 
 def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
@@ -128,7 +139,7 @@ def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, i
 
 
 def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray, yade: np.ndarray, k: int, count: int) -> None:
-    """Limit analysis as a line with small marks, YADE as larger marks with a thin line; no lines from one choice to another."""
+    """Draw limit analysis as a line with small marks, YADE as larger marks with a thin line; no lines between choices."""
     style = series_style(k) if scale.numeric else series_style(k) | {"linestyle": "none"}
     small = {"markersize": 3.5 if scale.numeric else 5.0, "markeredgewidth": 0.0, "linewidth": 1.5}
     large = {"markersize": 6.5, "markeredgewidth": 0.6, "markeredgecolor": INK, "linewidth": 0.8}
@@ -137,14 +148,14 @@ def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray
 
 
 def _draw_bands(axes: Any, rows: list[Row], place: list[float], low: np.ndarray, high: np.ndarray) -> None:
-    """R_min to R_max pale, without end where there is no bound; the mechanism's interval darker."""
+    """Draw R_min to R_max pale, infinite without a bound, and the mechanism's interval darker."""
     bottom, top = np.clip(np.array([bounds(row) for row in rows]), -OUTSIDE, OUTSIDE).T
     axes.fill_between(place, bottom, top, color=tint(LIMIT_ANALYSIS), alpha=0.22, linewidth=0.0, zorder=0)
     axes.fill_between(place, low, high, color=tint(LIMIT_ANALYSIS), alpha=0.6, linewidth=0.0, zorder=1)
 
 
 def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.ndarray, k: int, count: int) -> None:
-    """The intervals of one of several lines, a little beside its marks and those of the other lines."""
+    """Draw the intervals of one of several lines, slightly beside its marks and those of other lines."""
     beside = ScaledTranslation(DODGE * (k - (count - 1) / 2.0) / 72.0, 0.0, axes.figure.dpi_scale_trans)
     style = {"color": shade(LIMIT_ANALYSIS, k, count), "linewidth": 1.1, "alpha": 0.7, "zorder": 2}
     for x, bottom, top in zip(place, low, high, strict=True):
@@ -152,7 +163,7 @@ def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.nda
 
 
 def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
-    """Dotted lines where limit analysis' mechanism changes from one value of the parameter to the next."""
+    """Draw a dotted line wherever limit analysis' mechanism changes between neighbouring values of the parameter."""
     for first, second in pairwise(rows):
         names = mechanism_name(first, LIMIT), mechanism_name(second, LIMIT)
         if None not in names and names[0] != names[1]:
@@ -161,12 +172,12 @@ def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
 
 
 def _values(rows: list[Row], names: list[str]) -> np.ndarray:
-    """Reactions over weight, NaN for none."""
+    """Return reactions over weight, NaN where undefined."""
     return np.array([over_weight(row, name) for row, name in zip(rows, names, strict=True)], dtype=float)
 
 
 def _measure(rows: list[Row], method: str, name: str) -> np.ndarray:
-    """A measure of the method's mechanisms, NaN for none."""
+    """Return a measure of the method's mechanisms, NaN where undefined."""
     return np.array([of_mechanism(row, method, name) for row in rows], dtype=float)
 
 

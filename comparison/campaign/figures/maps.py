@@ -1,4 +1,4 @@
-"""Where the mechanism changes: cells over one or two parameters, lettered by mechanism, limit analysis beside YADE."""
+"""Maps of mechanisms: cells over one or two parameters, lettered by mechanism, limit analysis beside YADE."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,16 +21,29 @@ STRIPS = 8  # scenes in a figure of strips
 ROWS = 3  # maps over two parameters in a figure
 SHADES = ("#f3f0e8", "#8fb1d3", "#efd3a6", "#9fb09a", "#e3d5ea", "#b9a58f", "#cfe3c3", "#9a9ab8")  # light and dark in turn, for greyscale
 FONT = 9.0  # pt
-WIDE = 16  # columns from which on only the first of equal cells is lettered
+WIDE = 16  # columns; in wider maps only the first of equal neighbours is lettered
 BOTH = [LIMIT, "yade"]
 APART, FALLS, FAILED = "≠", "↓", "!"
 
 
 @dataclass(frozen=True)
 class MapGrid:
-    """Cells to draw: rows from the top down, each a place by column; None where there is no case.
+    """Cells of a map.
 
-    across, down: labels of the axes; over: both, in words.
+    Attributes
+    ----------
+    title : str
+        Title.
+    rows : list of list
+        Case of each cell, by row from the top and by column; None without a case.
+    methods : list of str
+        Methods to draw.
+    row_words, column_words : list of str
+        Texts of the ticks.
+    across, down : str
+        Labels of the axes.
+    over : str
+        Both parameters in words, for the caption.
     """
 
     title: str
@@ -44,7 +57,7 @@ class MapGrid:
 
 
 def map_figures(sweeps: list[SweepRows]) -> Iterator[tuple[Figure, str]]:
-    """Strips over one parameter, all scenes of it together, then maps over two; each with what it is over, in words."""
+    """Yield strips over one parameter, scenes together, then maps over two; each figure with its parameters in words."""
     lettered = letters(sweeps)
     for parameter in dict.fromkeys(sweep.parameters[0] for sweep in sweeps if len(sweep.parameters) == 1):
         along = [sweep for sweep in sweeps if sweep.parameters == [parameter] and _known(sweep.rows) and len(sweep.rows) > 1]
@@ -54,12 +67,12 @@ def map_figures(sweeps: list[SweepRows]) -> Iterator[tuple[Figure, str]]:
     for methods in (BOTH, BOTH[:1]):
         alike = [(scene, grid) for scene, grid in maps if grid.methods == methods]
         for k in range(0, len(alike), ROWS):
-            some = alike[k : k + ROWS]
-            yield _paired(some, lettered), some[0][1].over
+            group = alike[k : k + ROWS]
+            yield _paired(group, lettered), group[0][1].over
 
 
 def _methods(rows: list[Row]) -> list[str]:
-    """Methods that have a say in these cases: YADE where it was asked."""
+    """Return the methods of these cases: limit analysis, and YADE if any case has a run."""
     return BOTH if any(row.get("yade_status") is not None for row in rows) else BOTH[:1]
 
 
@@ -68,7 +81,7 @@ def _known(rows: list[Row]) -> bool:
 
 
 def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str, str]]) -> Figure:
-    """Two rows a scene: what limit analysis and what YADE find at each value."""
+    """Draw two rows per scene: the mechanisms of limit analysis and of YADE at each value."""
     height = sum(0.95 + 0.1 for _ in along)
     figure, axes = shared_axes.panel_figure(len(along), height / len(along) + 0.35, columns=1)
     for place, sweep in zip(axes, along, strict=True):
@@ -76,8 +89,8 @@ def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
         methods = _methods(sweep.rows)
         row_words = [WORDS[method] for method in methods]
-        words = [shown(value) for value in values]
-        grid = MapGrid(sweep.scene, [rows] * len(methods), methods, row_words, words, label(parameter, sweep.named), "", "")
+        texts = [shown(value) for value in values]
+        grid = MapGrid(sweep.scene, [rows] * len(methods), methods, row_words, texts, label(parameter, sweep.named), "", "")
         _draw(place, grid, methods, lettered[sweep.scene])
         place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
         if place is not axes[-1]:
@@ -87,32 +100,33 @@ def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str
 
 
 def _maps(sweep: SweepRows) -> Iterator[MapGrid]:
-    """A map for each value of the parameters beyond the two longest."""
+    """Yield a map for each combination of the parameters other than the two longest."""
     across, down = longest(sweep)[:2]
     methods = _methods(sweep.rows)
     columns, levels = sweep.values[across], sweep.values[down][::-1]  # the vertical axis points upwards
     right, up = (label(name, sweep.named) for name in (across, down))
     over = " and ".join(short(name, sweep.named) for name in (across, down))
-    for part in slices(sweep, (across, down)):
-        places = {(key(row[down]), key(row[across])): row for row in part.rows}
+    level_words, column_words = ([shown(value) for value in values] for values in (levels, columns))
+    for sweep_slice in slices(sweep, (across, down)):
+        places = {(key(row[down]), key(row[across])): row for row in sweep_slice.rows}
         rows = [[places.get((key(low), key(right))) for right in columns] for low in levels]
-        yield MapGrid(part.title, rows, methods, [shown(value) for value in levels], [shown(value) for value in columns], right, up, over)
+        yield MapGrid(sweep_slice.title, rows, methods, level_words, column_words, right, up, over)
 
 
-def _paired(some: list[tuple[str, MapGrid]], lettered: dict[str, dict[str, str]]) -> Figure:
-    """Limit analysis left, YADE right, a row a map; maps without YADE beside each other."""
-    tallest = max(len(grid.rows) for _, grid in some)
-    parts = [(scene, grid, method) for scene, grid in some for method in grid.methods]
-    figure, axes = shared_axes.panel_figure(len(parts), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
-    for place, (scene, grid, method) in zip(axes, parts, strict=True):
+def _paired(maps: list[tuple[str, MapGrid]], lettered: dict[str, dict[str, str]]) -> Figure:
+    """Draw one map per row, limit analysis left and YADE right; maps without YADE stand side by side."""
+    tallest = max(len(grid.rows) for _, grid in maps)
+    panels = [(scene, grid, method) for scene, grid in maps for method in grid.methods]
+    figure, axes = shared_axes.panel_figure(len(panels), float(np.clip(0.32 * tallest, 1.0, 5.0)) + 0.8, columns=2)
+    for place, (scene, grid, method) in zip(axes, panels, strict=True):
         _draw(place, grid, [method] * len(grid.rows), lettered[scene])
         place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
-    shared_axes.legend(figure, _handles(some[0][1].methods))
+    shared_axes.legend(figure, _handles(maps[0][1].methods))
     return figure
 
 
 def _draw(axes: Any, grid: MapGrid, methods: list[str], lettered: Mapping[str, str]) -> None:
-    """Cells, lines where neighbours have different mechanisms, and a sign where the methods have."""
+    """Draw the cells, lines between different mechanisms, and a sign where the methods differ."""
     names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
     strips = len(set(methods)) > 1
     for i, line in enumerate(grid.rows):
@@ -146,7 +160,7 @@ def _finish(axes: Any, grid: MapGrid) -> None:
 def _draw_cell(
     axes: Any, place: tuple[int, int], row: Row | None, name: str | None, words: str, lettered: Mapping[str, str], apart: bool
 ) -> None:
-    """A cell in its mechanism's shade, hatched where the methods differ, with words in it."""
+    """Draw a cell in its mechanism's shade with a text; apart: hatch it because the methods differ."""
     if row is None:
         return
     corner = (place[0] - 0.5, place[1] - 0.5)
@@ -161,7 +175,7 @@ def _draw_cell(
 
 
 def _sign(row: Row | None, method: str, lettered: Mapping[str, str]) -> str:
-    """What is written into a cell: the mechanism's letter, or why there is none."""
+    """Return the text of a cell: the mechanism's letter, or a sign for its absence."""
     name = _name(row, method)
     if row is None or name is not None:
         return "" if name is None else lettered[name]
@@ -177,7 +191,7 @@ def _changes(first: str | None, second: str | None) -> bool:
 
 
 def _differ(row: Row | None) -> bool:
-    """Whether the two methods have different mechanisms here."""
+    """Return whether the two methods have different mechanisms in this case."""
     return row is not None and _changes(*(mechanism_name(row, method) for method in BOTH))
 
 

@@ -1,4 +1,4 @@
-"""YADE's reaction against what limit analysis predicts: every case a mark, on the 1:1 line where they agree."""
+"""YADE's reaction against limit analysis' prediction: one mark per case, on the 1:1 line where both agree."""
 
 import math
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ from comparison.judge import HISTORY
 from comparison.numbers import exists
 from la_core.limit import Drive
 
-OUTSIDE = 1e9  # where a bar without end is cut off: out of every frame
-BOUNDED = 60  # cases: bounds of more would cover each other
-FAINTLY = 1e-3  # of the largest reaction: below this a relative difference says nothing
-FAR = 0.5  # of the largest value: values that spread by less are shown without zero
-MANY = 100  # cases from which on marks are small
+OUTSIDE = 1e9  # end of an infinite bar, outside every frame
+BOUNDED = 60  # cases; bounds of more would cover each other
+FAINTLY = 1e-3  # of the largest reaction: below this a relative difference is meaningless
+FAR = 0.5  # of the largest value: axes of a smaller spread do not include zero
+MANY = 100  # cases; from here on marks are small
 SIZE, SMALL = 6.5, 4.0  # pt
 LINEAR = 1.0  # per cent: the scale of differences is linear up to here, logarithmic beyond
 LEVELS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # per cent
@@ -31,9 +31,10 @@ VERDICT_FACE = {"agree": INK, "inconclusive": "white", "disagree": "#d62728"}
 
 
 def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
-    """Left YADE over the prediction, right their difference; None where no case has both.
+    """Draw YADE over the prediction (left) and their difference (right); None unless a case has both.
 
-    Horizontal bars are the interval that the mechanism allows and, pale, R_min to R_max; vertical ones YADE's uncertainty.
+    unit: of the reactions, empty for multipliers. Horizontal bars are the mechanism's interval and, pale, R_min to R_max; vertical bars
+    are YADE's uncertainty.
     """
     both = [row for row in rows if exists(over_weight(row, prediction(row))) and exists(over_weight(row, "yade"))]
     if not both:
@@ -68,26 +69,26 @@ def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
 
 
 def _draw_bars(axes: Any, row: Row, bounded: bool) -> None:
-    """Bounds and interval to the sides, YADE's uncertainty up and down."""
-    at, found = _value(row, prediction(row)), _value(row, "yade")
+    """Draw bounds and interval as horizontal bars, YADE's uncertainty as a vertical bar."""
+    at, yade = _value(row, prediction(row)), _value(row, "yade")
     if bounded and not math.isnan(bounds(row)[0]):
         ends = [min(max(end, -OUTSIDE), OUTSIDE) for end in bounds(row)]
-        axes.plot(ends, [found, found], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
+        axes.plot(ends, [yade, yade], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
     style = {"linewidth": 1.6} if bounded else {"linewidth": 0.7, "alpha": 0.5}
-    axes.plot([_value(row, "coulomb_low"), _value(row, "coulomb_high")], [found, found], color=LIMIT_ANALYSIS, zorder=2, **style)
+    axes.plot([_value(row, "coulomb_low"), _value(row, "coulomb_high")], [yade, yade], color=LIMIT_ANALYSIS, zorder=2, **style)
     uncertainty = _value(row, "yade_uncertainty")
-    axes.plot([at, at], [found - uncertainty, found + uncertainty], color=YADE, linewidth=1.8, zorder=4)
+    axes.plot([at, at], [yade - uncertainty, yade + uncertainty], color=YADE, linewidth=1.8, zorder=4)
 
 
 def _draw_difference(axes: Any, row: Row, style: dict[str, Any]) -> None:
     at = _value(row, prediction(row))
-    apart, wide = (100.0 * part / abs(at) for part in (_value(row, "yade") - at, _value(row, "yade_uncertainty")))
+    apart, wide = (100.0 * value / abs(at) for value in (_value(row, "yade") - at, _value(row, "yade_uncertainty")))
     axes.plot([at, at], [apart - wide, apart + wide], color=YADE, linewidth=1.8, zorder=4)
     axes.plot([at], [apart], **style)
 
 
 def _finish(left: Any, right: Any, rows: list[Row], words: str) -> None:
-    """Axes, the lines of agreement, the tolerance of sliding joints."""
+    """Set the axes, and draw the lines of agreement and the tolerance of sliding joints."""
     low, high = _range(rows)
     room = 0.06 * (high - low)
     left.plot([low - room, high + room], [low - room, high + room], color=INK, linewidth=0.8, linestyle="--", zorder=2)
@@ -105,16 +106,16 @@ def _finish(left: Any, right: Any, rows: list[Row], words: str) -> None:
         [*(-level for level in levels), 0.0, *levels], [*(f"−{level:g}" for level in levels), "0", *(f"{level:g}" for level in levels)]
     )
     right.yaxis.set_minor_locator(NullLocator())
-    right.set_ylabel("YADE less prediction (% of the prediction)", fontsize=9)
+    right.set_ylabel("YADE minus prediction (% of the prediction)", fontsize=9)
     for axes in (left, right):
         axes.set_xlabel(f"limit analysis' prediction: {words}", fontsize=9)
 
 
 def _range(rows: list[Row]) -> tuple[float, float]:
-    """What the axes show: all values with YADE's uncertainty, and zero unless all lie far from it."""
+    """Return the range of the axes: all values with YADE's uncertainty, and zero unless all are far from it."""
     ends = [_value(row, "yade") + sign * _value(row, "yade_uncertainty") for row in rows for sign in (-1.0, 1.0)]
-    shown = [value for value in (*ends, *(_value(row, name) for row in rows for name in (prediction(row), "yade"))) if exists(value)]
-    low, high = min(shown), max(shown)
+    values = [value for value in (*ends, *(_value(row, name) for row in rows for name in (prediction(row), "yade"))) if exists(value)]
+    low, high = min(values), max(values)
     largest = max(abs(low), abs(high)) or 1.0
     if high - low >= FAR * largest:
         return min(low, 0.0), max(high, 0.0)
@@ -141,4 +142,4 @@ def _bar_handles(rows: list[Row]) -> list[Any]:
     ]
     if len(rows) <= BOUNDED:
         handles.append(Line2D([], [], color=PALE, linewidth=3.5, label=f"{Drive.YIELDING.symbol} to {Drive.PUSHING.symbol}"))
-    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {HISTORY:.0%}: what sliding joints are allowed")]
+    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {HISTORY:.0%}: tolerance of sliding joints")]

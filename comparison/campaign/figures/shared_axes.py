@@ -1,4 +1,4 @@
-"""What the figures of a campaign share: panels, axes along a parameter, styles of series, and how many of them are drawn."""
+"""Shared parts of a campaign's figures: panels, axes along a parameter, styles and selection of series."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,22 +16,32 @@ from comparison.figures import FAINT
 
 WIDTH = 11.0  # inches, as in the other figures of the report
 COLUMNS = 3  # of panels
-EVENER = 1.5  # times that the nearest values must be farther apart, of the whole, on a logarithmic axis for it to be taken
-APART = 0.06  # of the axis for each four signs: values nearer than this are not both written
-SIGNS = 36  # of all choices together from which on they are turned
+EVENER = 1.5  # a logarithmic axis is used if it widens the smallest gap, relative to the axis, by this factor
+APART = 0.06  # of the axis for four characters: of closer values only one is written
+SIGNS = 36  # characters of all choices together; beyond this the texts are turned
 MARKERS = "osD^vP*h"
 DASHES = ("-", "--", "-.", ":", (0, (8, 2)), (0, (3, 1, 1, 1)))
 LIGHTEST = 0.55  # share of white in the colour of the last series
-NARROW = 0.06  # of the largest value: axes of a quantity that hardly changes span this much, so that round-off looks like none
+NARROW = 0.06  # of the largest value: least span of an axis, so that round-off does not look like a change
 MARGIN = 0.08
-LEGEND_SIGNS, KEY_SIGNS = 165, 9  # that fit into a line of the legend, and that a key takes besides its words
+LEGEND_SIGNS, KEY_SIGNS = 165, 9  # characters per line of the legend, and of a key without its text
 
 Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Where values of a parameter lie on an axis: numbers at themselves, choices one after the other."""
+    """Positions of a parameter's values on an axis: numbers at their value, choices one after the other.
+
+    Attributes
+    ----------
+    parameter : str
+        Dotted path.
+    values : list
+        All values, in order.
+    named : dict
+        The campaign's short names of parameters.
+    """
 
     parameter: str
     values: list[Any]
@@ -43,27 +53,27 @@ class Scale:
         return all(is_number(value) for value in self.values)
 
     def place(self, value: Any) -> float:
-        """Where on the axis a value lies."""
-        return float(value) if self.numeric else float([key(own) for own in self.values].index(key(value)))
+        """Return the position of a value on the axis."""
+        return float(value) if self.numeric else float([key(other) for other in self.values].index(key(value)))
 
     def label(self, axes: Any) -> None:
-        """Scale, ticks and label of the x axis."""
+        """Set scale, ticks and label of the x axis."""
         places = [self.place(value) for value in self.values]
-        words = [shown(value) for value in self.values]
+        texts = [shown(value) for value in self.values]
         even = np.array(places)
         if self.numeric and is_logarithmic(places):
             axes.set_xscale("log")
             even = np.log(even)
-        turned = not self.numeric and sum(map(len, words)) > SIGNS
-        kept = apart(even, words) if self.numeric else list(range(len(places)))
+        turned = not self.numeric and sum(map(len, texts)) > SIGNS
+        kept = apart(even, texts) if self.numeric else list(range(len(places)))
         axes.xaxis.set_minor_locator(NullLocator())
         style = {"rotation": 25, "ha": "right"} if turned else {}
-        axes.set_xticks([places[k] for k in kept], [words[k] for k in kept], parse_math=False, **style)
+        axes.set_xticks([places[k] for k in kept], [texts[k] for k in kept], parse_math=False, **style)
         axes.set_xlabel(label(self.parameter, self.named), fontsize=8, parse_math=False)
 
 
 def is_logarithmic(places: Sequence[float]) -> bool:
-    """Whether rising numbers lie more evenly on a logarithmic axis."""
+    """Return whether rising numbers lie more evenly on a logarithmic axis."""
     if len(places) < 3 or min(places) <= 0.0:
         return False
     gaps, ratios = np.diff(places), np.diff(np.log(places))
@@ -71,7 +81,7 @@ def is_logarithmic(places: Sequence[float]) -> bool:
 
 
 def apart(places: np.ndarray, words: Sequence[str]) -> list[int]:
-    """Which of rising places can have their words under them without touching the ones before."""
+    """Return the indices of rising places whose texts (`words`) fit without touching the previous text."""
     kept: list[int] = []
     room = APART * max(float(np.ptp(places)), 1e-300) / 4.0
     for k, place in enumerate(places):
@@ -81,7 +91,7 @@ def apart(places: np.ndarray, words: Sequence[str]) -> list[int]:
 
 
 def panel_figure(count: int, height: float, columns: int = COLUMNS) -> tuple[Figure, list[Any]]:
-    """A figure with so many axes, in rows; `height` inches for each row. Places left over stay empty."""
+    """Return a figure with `count` axes in rows of `columns`; height: of a row (inches). Unused places stay empty."""
     across = min(count, columns)
     rows = -(-count // across)
     figure = Figure(figsize=(WIDTH, height * rows + 0.9), layout="constrained")
@@ -96,26 +106,26 @@ def panel_figure(count: int, height: float, columns: int = COLUMNS) -> tuple[Fig
 
 
 def spread(items: Sequence[Item], most: int) -> list[Item]:
-    """At most so many of the items, evenly spaced, the first and the last among them."""
+    """Return at most `most` items, evenly spaced, with the first and the last."""
     if len(items) <= most:
         return list(items)
     return [items[k] for k in np.unique(np.linspace(0, len(items) - 1, most).round().astype(int))]
 
 
 def shade(colour: str, k: int, count: int) -> str:
-    """Colour of the k-th of so many series, from the full one to a lighter one."""
+    """Return the colour of the k-th of `count` series, from the full colour to a lighter one."""
     white = LIGHTEST * k / max(count - 1, 1)
-    red, green, blue = ((1.0 - white) * part + white for part in to_rgb(colour))
+    red, green, blue = ((1.0 - white) * channel + white for channel in to_rgb(colour))
     return to_hex((red, green, blue))
 
 
 def series_style(k: int) -> dict[str, Any]:
-    """Marker and dashes of the k-th series."""
+    """Return marker and dashes of the k-th series."""
     return {"marker": MARKERS[k % len(MARKERS)], "linestyle": DASHES[k % len(DASHES)]}
 
 
 def span(axes: Any, values: Sequence[float]) -> None:
-    """Limits of the y axis for these values; what hardly changes looks so."""
+    """Set the limits of the y axis for these values, at least NARROW of the largest one apart."""
     finite = [value for value in values if np.isfinite(value)]
     if not finite:
         return
@@ -127,10 +137,10 @@ def span(axes: Any, values: Sequence[float]) -> None:
 
 
 def legend(figure: Figure, handles: Sequence[Any], columns: int = 4) -> None:
-    """Keys under the figure, their texts as they are."""
+    """Draw the legend under the figure, with texts taken literally."""
     longest = max(len(str(handle.get_label())) for handle in handles)
     fitting = max(LEGEND_SIGNS // (longest + KEY_SIGNS), 1)
-    made = figure.legend(
+    drawn = figure.legend(
         handles=list(handles),
         loc="outside lower center",
         ncols=min(len(handles), columns, fitting),
@@ -138,5 +148,5 @@ def legend(figure: Figure, handles: Sequence[Any], columns: int = 4) -> None:
         frameon=False,
         handlelength=3.2,
     )
-    for text in made.get_texts():
+    for text in drawn.get_texts():
         text.set_parse_math(False)

@@ -1,4 +1,4 @@
-"""Two campaigns, before and after a change of code, settings or versions: what differs, and whether it is of substance."""
+"""Comparison of two campaigns, before and after a change of code, settings or versions; changes within uncertainty stand apart."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -13,20 +13,33 @@ from comparison.judge import HISTORY
 from comparison.numbers import exists
 from comparison.report import flat
 
-SOLVER = 1e-6  # of the weight (of a multiplier): what the cone solver leaves of a bound, and round-off
-DILATANCY = 1e-3  # of a prediction: the dilatancy residual above which it would be called inaccurate
+SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
+DILATANCY = 1e-3  # of a prediction: largest dilatancy residual of an accurate one
 CONVERGED = 1e-3  # of the classic iteration's value
 STATUSES = ("associated_status", "coulomb_status", "yade_status", "classic_status")
 REACTIONS = ("least", "greatest", "coulomb", "coulomb_sharp", "yade", "classic")
 SECONDS = {"limit_analysis_seconds": "limit analysis", "yade_seconds": "YADE"}
-EVERY_TIME = ("seconds", "ended")  # provenance that differs between any two calls and says nothing on what made the results
+EVERY_TIME = ("seconds", "ended")  # provenance that differs between any two runs and does not affect results
 
 
 @dataclass(frozen=True)
 class Change:
-    """One thing of one case that differs: `kind` is verdict, status, mechanism or reaction.
+    """One difference of one case.
 
-    Reactions are in N, N m or multipliers, after less before; allowed: what the stated uncertainties of both cover; None for words.
+    Attributes
+    ----------
+    case : str
+        Name of the case.
+    kind : str
+        'verdict', 'status', 'mechanism' or 'reaction'.
+    what : str
+        Name of the column, or the method of a mechanism.
+    before, after : object
+        The two values: texts, or reactions (N; N m for a rotation) or multipliers; None where undefined.
+    allowed : float or None
+        Difference of reactions that the stated uncertainties of both campaigns explain; None for texts.
+    unit : str
+        Unit of reactions; "" for a multiplier.
     """
 
     case: str
@@ -39,12 +52,12 @@ class Change:
 
     @property
     def difference(self) -> float | None:
-        """After less before, None where either is no number."""
+        """After minus before; None unless both are numbers."""
         return self.after - self.before if exists(self.before) and exists(self.after) else None
 
     @property
     def share(self) -> float:
-        """The difference over what is allowed; infinite for words and for what exists in one campaign only."""
+        """Difference over the allowed one; infinite for texts and for a value that only one campaign has."""
         if self.difference is None or self.allowed is None:
             return math.inf
         return abs(self.difference) / self.allowed if self.allowed > 0.0 else math.inf
@@ -52,8 +65,19 @@ class Change:
 
 @dataclass(frozen=True)
 class Cost:
-    """Seconds of a method over the cases of both campaigns that have them; ratio: total after over before; typical: median of ratios, on a
-    logarithmic scale."""
+    """Seconds of a method, over the cases that have them in both campaigns.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method.
+    cases : int
+        Number of cases.
+    before, after : float
+        Total of each campaign (s).
+    typical : float
+        Median over the cases of after / before, on a logarithmic scale.
+    """
 
     method: str
     cases: int
@@ -69,7 +93,27 @@ class Cost:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between two campaigns. changes: of substance; within: reactions that moved by no more than is stated."""
+    """Differences between two campaigns.
+
+    Attributes
+    ----------
+    titles, folders : tuple of str
+        Title and folder of both campaigns.
+    matched : int
+        Number of cases that both have.
+    provenance : list of tuple
+        Differing facts: name, value before, value after.
+    only_before, only_after : list of str
+        Cases that only one campaign has.
+    changes : list of Change
+        Differences beyond the stated uncertainties.
+    within : list of Change
+        Reactions that differ by no more than the stated uncertainties.
+    costs : list of Cost
+        Seconds of each method.
+    case_costs : list of tuple
+        Case, method, and seconds after / before; the largest change first.
+    """
 
     titles: tuple[str, str]
     folders: tuple[str, str]
@@ -84,19 +128,20 @@ class Comparison:
 
     @property
     def changed(self) -> bool:
-        """Whether anything of substance differs; costs and versions are none."""
+        """Whether results differ beyond the stated uncertainties; costs and versions do not count."""
         return bool(self.changes or self.only_before or self.only_after)
 
 
 def compare(before: CampaignTable, after: CampaignTable) -> Comparison:
-    """Hold two campaigns against each other, cases matched by name."""
+    """Compare two campaigns; cases are matched by name."""
     first, second = ({str(row["case"]): row for row in table.rows} for table in (before, after))
     both = [name for name in first if name in second]
     moved = [change for name in both for change in _reactions(first[name], second[name])]
-    words = [change for name in both for change in _words(first[name], second[name])]
-    substance = [*words, *(change for change in moved if change.share > 1.0)]
+    texts = [change for name in both for change in _text_changes(first[name], second[name])]
+    substance = [*texts, *(change for change in moved if change.share > 1.0)]
     place = {name: k for k, name in enumerate(sorted(both))}
     costs = _case_costs(before, after)
+    ratios = [(case, method, late / early) for case, method, early, late in costs]
     return Comparison(
         (before.title, after.title),
         (str(before.folder), str(after.folder)),
@@ -107,12 +152,12 @@ def compare(before: CampaignTable, after: CampaignTable) -> Comparison:
         sorted(substance, key=lambda change: place[change.case]),
         sorted((change for change in moved if change.share <= 1.0), key=lambda change: (-change.share, change.case, change.what)),
         list(_costs(costs)),
-        sorted(((case, method, late / early) for case, method, early, late in costs), key=lambda item: (-abs(math.log(item[2])), item[:2])),
+        sorted(ratios, key=lambda ratio: (-abs(math.log(ratio[2])), ratio[:2])),
     )
 
 
-def _words(before: Row, after: Row) -> Iterator[Change]:
-    """Verdict, statuses and mechanisms that differ."""
+def _text_changes(before: Row, after: Row) -> Iterator[Change]:
+    """Yield differing verdicts, statuses and mechanisms."""
     case = str(before["case"])
     pairs: list[tuple[str, str, Any, Any]] = [("verdict", "verdict", verdict_symbol(before)[1], verdict_symbol(after)[1])]
     pairs += [("status", name, before.get(name), after.get(name)) for name in STATUSES]
@@ -123,25 +168,18 @@ def _words(before: Row, after: Row) -> Iterator[Change]:
 
 
 def _reactions(before: Row, after: Row) -> Iterator[Change]:
-    """Reactions that differ at all, each with what may be between two answers that are both right."""
+    """Yield all differing reactions, each with the difference that is allowed between two correct answers."""
     for name in REACTIONS:
         first, second = (row.get(name) if exists(row.get(name)) else None for row in (before, after))
         if first != second:
-            yield Change(
-                str(before["case"]),
-                "reaction",
-                name,
-                first,
-                second,
-                _allowed(name, before) + _allowed(name, after),
-                str(before.get("unit") or ""),
-            )
+            allowed = _allowed(name, before) + _allowed(name, after)
+            yield Change(str(before["case"]), "reaction", name, first, second, allowed, str(before.get("unit") or ""))
 
 
 def _allowed(name: str, row: Row) -> float:
-    """By how much this reaction of one campaign may be off: stated uncertainty of YADE, accuracy of the iterations, of the solver.
+    """Return the error that a reaction may have: YADE's uncertainty, or the accuracy of the iterations, and that of the solver.
 
-    A prediction within an interval that friction's history leaves open may move in it, by at most what sliding joints are allowed.
+    A prediction may move within the interval that the history of friction leaves open, at most by the tolerance of sliding joints.
     """
     value, weight, uncertainty = (_or_zero(row.get(key)) for key in (name, "weight", "yade_uncertainty"))
     solver = SOLVER * (weight if row.get("unit") else abs(value))
@@ -161,14 +199,14 @@ def _or_zero(value: Any) -> float:
 
 
 def _provenance(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    """Facts that differ, with both values, "" for one that only the other has."""
+    """Return differing facts: name and both values, "" for a missing one."""
     first, second = dict(flat(dict(before))), dict(flat(dict(after)))
     names = sorted((first.keys() | second.keys()) - set(EVERY_TIME))
     return [(name, first.get(name, ""), second.get(name, "")) for name in names if first.get(name) != second.get(name)]
 
 
 def _case_costs(before: CampaignTable, after: CampaignTable) -> list[tuple[str, str, float, float]]:
-    """Case, method, and its seconds in both campaigns, where both have some; of cases that share a run in either, one."""
+    """Return case, method and seconds of both campaigns where both are known; one case per run."""
     first, second = ({str(cost["case"]): cost for cost in table.costs} for table in (before, after))
     return [
         (case, method, first[case][key], second[case][key])
@@ -179,7 +217,7 @@ def _case_costs(before: CampaignTable, after: CampaignTable) -> list[tuple[str, 
 
 
 def _once(before: CampaignTable, after: CampaignTable) -> list[str]:
-    """Cases of both, in order of their names, without those whose run in either campaign is that of an earlier one."""
+    """Return the cases of both campaigns by name, without those that share a run with an earlier one in either campaign."""
     first, second = runs_of(before), runs_of(after)
     kept: list[str] = []
     seen_before, seen_after = set[str](), set[str]()
@@ -193,7 +231,8 @@ def _once(before: CampaignTable, after: CampaignTable) -> list[str]:
 
 def _costs(costs: list[tuple[str, str, float, float]]) -> Iterator[Cost]:
     for name in SECONDS.values():
-        own = [(early, late) for _, method, early, late in costs if method == name]
-        if own:
-            early, late = (math.fsum(times) for times in zip(*own, strict=True))
-            yield Cost(name, len(own), early, late, math.exp(median(math.log(after / before) for before, after in own)))
+        pairs = [(early, late) for _, method, early, late in costs if method == name]
+        if pairs:
+            early, late = (math.fsum(times) for times in zip(*pairs, strict=True))
+            typical = math.exp(median(math.log(after / before) for before, after in pairs))
+            yield Cost(name, len(pairs), early, late, typical)

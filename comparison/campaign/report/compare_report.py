@@ -1,4 +1,4 @@
-"""The comparison of two campaigns as a page, as Markdown, as JSON, and in a terminal's table."""
+"""The comparison of two campaigns as HTML page, Markdown, JSON, and tables for a terminal."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -31,70 +31,70 @@ UNCHANGED = "Nothing of substance changed."
 MOST_SHOWN = 60  # changes on a terminal
 
 
-def write_comparison(found: Comparison, path: Path) -> None:
-    """Write the comparison in the format that the file's name ends with."""
-    text = json_text(found) if path.suffix == ".json" else _rendered(found, path.suffix)
+def write_comparison(comparison: Comparison, path: Path) -> None:
+    """Write the comparison in the format that the ending of the path names."""
+    text = json_text(comparison) if path.suffix == ".json" else _rendered(comparison, path.suffix)
     write_text(path, text)
 
 
-def stored_comparison(found: Comparison) -> dict[str, Any]:
-    """What the JSON holds."""
+def stored_comparison(comparison: Comparison) -> dict[str, Any]:
+    """Return the comparison in the form of its JSON."""
     return dict(
         without_undefined(
             {
-                "changed": found.changed,
-                "titles": list(found.titles),
-                "folders": list(found.folders),
-                "matched": found.matched,
-                "provenance": [{"name": name, "before": first, "after": second} for name, first, second in found.provenance],
-                "only_before": found.only_before,
-                "only_after": found.only_after,
-                "changes": [_change(change) for change in found.changes],
-                "within_uncertainty": [_change(change) for change in found.within],
-                "costs": [vars(cost) | {"ratio": cost.ratio} for cost in found.costs],
-                "case_costs": [{"case": case, "method": method, "ratio": ratio} for case, method, ratio in found.case_costs],
+                "changed": comparison.changed,
+                "titles": list(comparison.titles),
+                "folders": list(comparison.folders),
+                "matched": comparison.matched,
+                "provenance": [{"name": name, "before": first, "after": second} for name, first, second in comparison.provenance],
+                "only_before": comparison.only_before,
+                "only_after": comparison.only_after,
+                "changes": [_change(change) for change in comparison.changes],
+                "within_uncertainty": [_change(change) for change in comparison.within],
+                "costs": [vars(cost) | {"ratio": cost.ratio} for cost in comparison.costs],
+                "case_costs": [{"case": case, "method": method, "ratio": ratio} for case, method, ratio in comparison.case_costs],
             }
         )
     )
 
 
-def json_text(found: Comparison) -> str:
-    """The JSON, as text."""
-    return json.dumps(stored_comparison(found), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
+def json_text(comparison: Comparison) -> str:
+    """Return the JSON as text."""
+    return json.dumps(stored_comparison(comparison), indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def terminal_tables(found: Comparison) -> Iterator[Table]:
-    """Changes and costs as tables for a terminal; at most so many changes."""
-    if found.provenance:
-        yield _terminal("provenance", ("", "before", "after"), found.provenance)
-    if found.changes:
+def terminal_tables(comparison: Comparison) -> Iterator[Table]:
+    """Yield tables of provenance, changes (at most MOST_SHOWN) and costs for a terminal."""
+    if comparison.provenance:
+        yield _terminal("provenance", ("", "before", "after"), comparison.provenance)
+    if comparison.changes:
         rows = [
             (row["case"], row["what"], row["before"], row["after"], row["difference"], row["allowed"])
-            for row in map(change_words, found.changes)
+            for row in map(change_words, comparison.changes)
         ]
         yield _terminal("changes", ("case", "what", "before", "after", "difference", "allowed"), rows[:MOST_SHOWN])
-    if found.costs:
+    if comparison.costs:
         costs = [
-            (row["method"], row["cases"], row["before"], row["after"], row["ratio"], row["typical"]) for row in map(_cost, found.costs)
+            (row["method"], row["cases"], row["before"], row["after"], row["ratio"], row["typical"]) for row in map(_cost, comparison.costs)
         ]
         yield _terminal("seconds", ("method", "cases", "before", "after", "after / before", "median of cases"), costs)
 
 
-def sentence(found: Comparison) -> str:
-    """What it comes to."""
-    cases = {change.case for change in found.changes}
-    verdicts = sum(change.kind == "verdict" for change in found.changes)
-    only = len(found.only_before) + len(found.only_after)
-    parts = [f"{len(cases)} of {plural(found.matched, 'case')} changed, {verdicts} of them in their verdict"] if cases else []
-    parts += [f"{plural(only, 'case')} {'is' if only == 1 else 'are'} in one campaign only"] if only else []
-    shown = len(found.within)
-    moved = f" {plural(shown, 'reaction')} moved within what both state." if shown else ""
-    both = f"{UNCHANGED} {plural(found.matched, 'case')} {'is' if found.matched == 1 else 'are'} in both."
-    return (f"{'; '.join(parts)}." if parts else both) + moved
+def sentence(comparison: Comparison) -> str:
+    """Return a summary in one or two sentences."""
+    cases = {change.case for change in comparison.changes}
+    verdicts = sum(change.kind == "verdict" for change in comparison.changes)
+    only = len(comparison.only_before) + len(comparison.only_after)
+    statements = [f"{len(cases)} of {plural(comparison.matched, 'case')} changed, {verdicts} of them in their verdict"] if cases else []
+    statements += [f"{plural(only, 'case')} {'is' if only == 1 else 'are'} in one campaign only"] if only else []
+    within = len(comparison.within)
+    moved = f" {plural(within, 'reaction')} differ{'s' if within == 1 else ''} within the stated uncertainties." if within else ""
+    both = f"{UNCHANGED} {plural(comparison.matched, 'case')} {'is' if comparison.matched == 1 else 'are'} in both."
+    return (f"{'; '.join(statements)}." if statements else both) + moved
 
 
 def change_words(change: Change) -> dict[str, str]:
-    """A change in words and short numbers."""
+    """Return a change as words and short numbers."""
     if change.kind == "reaction":
         unit = f" {change.unit}".rstrip()
         apart = f"{signed(change.difference, 3)}{unit}" if change.difference is not None else DASH
@@ -119,15 +119,15 @@ def _cost(cost: Cost) -> dict[str, str]:
     }
 
 
-def _rendered(found: Comparison, suffix: str) -> str:
+def _rendered(comparison: Comparison, suffix: str) -> str:
     page = {
         "title": "Two campaigns compared",
-        "found": found,
-        "sentence": sentence(found),
-        "changes": [change_words(change) for change in found.changes],
-        "within": [change_words(change) for change in found.within],
-        "costs": [_cost(cost) for cost in found.costs],
-        "case_costs": [{"case": case, "method": method, "ratio": format_number(ratio, 3)} for case, method, ratio in found.case_costs],
+        "found": comparison,
+        "sentence": sentence(comparison),
+        "changes": [change_words(change) for change in comparison.changes],
+        "within": [change_words(change) for change in comparison.within],
+        "costs": [_cost(cost) for cost in comparison.costs],
+        "case_costs": [{"case": case, "method": method, "ratio": format_number(ratio, 3)} for case, method, ratio in comparison.case_costs],
     }
     name = f"compare{suffix}"
     return template_environment(name).get_template(f"{name}.j2").render(page)

@@ -1,4 +1,4 @@
-"""The report of a campaign: one self-contained offline HTML page, the same as Markdown that diffs well, and as JSON."""
+"""The report of a campaign: one self-contained offline HTML page, and the same as Markdown and as JSON."""
 
 import base64
 import json
@@ -18,20 +18,20 @@ from comparison.report import flat, template_environment
 from comparison.run_folder import write_text
 
 LIMITATIONS = (
-    "What one case cannot say, no campaign of such cases can: each case's own report lists what its comparison leaves open.",
-    "A difference is measured here by what sliding joints are allowed, 1 % of YADE's reaction or 1e-4 of the weight, and YADE's "
-    "uncertainty, so that cases can be put in an order; the verdict is that of the case's own checks, which judge more than the reaction.",
-    "A mechanism's label is the set of blocks that move. Blocks that barely move may or may not be counted: two labels that differ "
-    "need not be two mechanisms, least of all in a large wall.",
-    "A mechanism changes somewhere between two neighbouring values of a parameter; where between them, more values would say.",
-    "Seconds are those of the machine that ran the cases, several at a time: they compare methods and cases, not machines.",
+    "A campaign has the limitations of its cases: each case's own report lists those of its comparison.",
+    "The deviation orders the cases. It is the difference over the tolerance of sliding joints: 1 % of YADE's reaction, at least 1e-4 of "
+    "the weight, plus YADE's uncertainty. The verdict comes from the case's own checks, which judge more than the reaction.",
+    "A mechanism's label is the set of blocks that move. A block that barely moves may or may not be counted: two different "
+    "labels need not be two mechanisms, above all in a large wall.",
+    "A mechanism changes somewhere between two neighbouring values of a parameter; more values would locate the change.",
+    "Seconds depend on the machine, which ran several cases at a time: they compare methods and cases, not machines.",
 )
 
 
 def write_campaign_report(table: CampaignTable) -> Path:
     """Write report.html, report.md and report.json, with figures/, into the campaign's folder; returns the page's path.
 
-    Each file is whole or the one that was there before.
+    Each file is replaced as a whole.
     """
     table = with_versions(table)
     page = _page(table, draw_campaign(table))
@@ -43,9 +43,9 @@ def write_campaign_report(table: CampaignTable) -> Path:
 
 
 def stored_campaign_report(table: CampaignTable) -> dict[str, Any]:
-    """What report.json holds: the table, and what the report makes of it."""
-    found = sweeps_of(table)
-    lettered = letters(found)
+    """Return the content of report.json: the table, and the report's evaluation of it."""
+    sweeps = sweeps_of(table)
+    lettered = letters(sweeps)
     worst = [
         {"case": row.get("case"), "prediction": prediction(row), "difference": difference(row), "deviation": deviation(row)}
         for row in worst_first([row for row in table.rows if not failed(row)])
@@ -60,7 +60,7 @@ def stored_campaign_report(table: CampaignTable) -> dict[str, Any]:
                 "costs": table.costs,
                 "worst_first": worst,
                 "mechanism_letters": lettered,
-                "mechanism_changes": [change_view(change, lettered) for change in mechanism_changes_along(found)],
+                "mechanism_changes": [change_view(change, lettered) for change in mechanism_changes_along(sweeps)],
                 "provenance": table.provenance,
             }
         )
@@ -68,19 +68,19 @@ def stored_campaign_report(table: CampaignTable) -> dict[str, Any]:
 
 
 def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
-    """Everything that the templates show, by name."""
-    found = sweeps_of(table)
-    lettered = letters(found)
+    """Return all values for the templates, by name."""
+    sweeps = sweeps_of(table)
+    lettered = letters(sweeps)
     return {
         "title": table.title or "Campaign",
         "cases": len(table.rows),
         "counts": rows.counts(table),
         "units": rows.units(table),
         "panels": matrix_panels(table),
-        "figures": {kind: [_figure(one) for one in drawn if one.kind == kind] for kind in KINDS},
+        "figures": {kind: [_figure(drawing) for drawing in drawn if drawing.kind == kind] for kind in KINDS},
         "compared": rows.compared(table),
         "failures": rows.failures(table),
-        "changes": list(rows.changed(table, list(mechanism_changes_along(found)), lettered)),
+        "changes": list(rows.changed(table, list(mechanism_changes_along(sweeps)), lettered)),
         "mechanisms": list(rows.mechanisms(table, lettered)),
         "classic": list(rows.classic(table)),
         "totals": list(rows.totals(table)),

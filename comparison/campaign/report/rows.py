@@ -1,4 +1,4 @@
-"""Rows of the tables in a campaign's report, as words; the templates only lay them out."""
+"""Rows of the tables in a campaign's report, as texts; the templates only lay them out."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -34,13 +34,14 @@ Varying = dict[str, set[str]]
 
 
 def counts(table: CampaignTable) -> list[Words]:
-    """How many cases ended how, ways that none ended left out."""
-    found = Counter(verdict_symbol(row) for row in table.rows)
-    return [{"symbol": sign, "word": word, "count": found[sign, word]} for sign, word in (*VERDICTS.values(), FAILURE) if found[sign, word]]
+    """Return the number of cases of each verdict, and of failures; without zeros."""
+    numbers = Counter(verdict_symbol(row) for row in table.rows)
+    symbols = (*VERDICTS.values(), FAILURE)
+    return [{"symbol": sign, "word": word, "count": numbers[sign, word]} for sign, word in symbols if numbers[sign, word]]
 
 
 def compared(table: CampaignTable) -> list[Words]:
-    """Every case that did not fail, the worst disagreement first."""
+    """Return every case that did not fail, the largest deviation first."""
     varying = _varying(table)
     return [_compared(table, row, varying) for row in worst_first([row for row in table.rows if not failed(row)])]
 
@@ -76,45 +77,47 @@ def _named(table: CampaignTable, row: Row, varying: Varying) -> Words:
 
 
 def _varying(table: CampaignTable) -> Varying:
-    """Parameters of more than one value, by scene."""
+    """Return the parameters with several values, by sweep."""
     values: dict[str, dict[str, set[str]]] = {}
     for row in table.rows:
-        own = values.setdefault(sweep_of(row), {})
+        of_sweep = values.setdefault(sweep_of(row), {})
         for name in table.axes:
-            own.setdefault(name, set()).add(key(row.get(name)))
-    return {scene: {name for name, found in own.items() if len(found) > 1} for scene, own in values.items()}
+            of_sweep.setdefault(name, set()).add(key(row.get(name)))
+    return {scene: {name for name, keys in of_sweep.items() if len(keys) > 1} for scene, of_sweep in values.items()}
 
 
 def failures(table: CampaignTable) -> list[Words]:
-    """Cases that failed, with the reason."""
+    """Return the failed cases with their reasons."""
     varying = _varying(table)
-    return [_named(table, row, varying) | {"reason": row.get("reason") or "no reason is known"} for row in table.rows if failed(row)]
+    return [_named(table, row, varying) | {"reason": row.get("reason") or "unknown reason"} for row in table.rows if failed(row)]
 
 
-def changed(table: CampaignTable, found: list[MechanismChange], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
-    """Changes of mechanism; `between` are the two values, each with the address of its case's report."""
+def changed(table: CampaignTable, changes: list[MechanismChange], lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+    """Yield changes of mechanism; `between` holds the two values, each with the address of its case's report.
+
+    changes: to show. lettered: letters of mechanisms, by scene and label.
+    """
     links = {str(row.get("case")): link(table.folder, row) for row in table.rows}
-    for change in found:
-        own = lettered[change.scene]
+    for change in changes:
+        letter_of = lettered[change.scene]
+        ends = (change.low, change.high)
         yield {
             "scene": change.scene,
             "held": change.held,
             "parameter": short(change.parameter, table.labels),
-            "between": [
-                {"case": shown(value), "href": links[case]} for value, case in zip((change.low, change.high), change.cases, strict=True)
-            ],
+            "between": [{"case": shown(value), "href": links[case]} for value, case in zip(ends, change.cases, strict=True)],
             "method": WORDS[change.method],
-            "mechanisms": f"{own[change.before]} to {own[change.after]}",
+            "mechanisms": f"{letter_of[change.before]} to {letter_of[change.after]}",
             "slope_before": format_number(change.slope_before, 3),
             "slope_after": format_number(change.slope_after, 3),
         }
 
 
 def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
-    """Every mechanism: its letter, its label, in how many cases each method finds it, and the share of mass that moves in the first."""
-    for scene, own in lettered.items():
+    """Yield every mechanism: letter, label, number of cases for each method, and the moving share of mass in its first case."""
+    for scene, letter_of in lettered.items():
         rows = [row for row in table.rows if sweep_of(row) == scene]
-        for label, letter in own.items():
+        for label, letter in letter_of.items():
             having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
             masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
             known = [mass for mass in masses if exists(mass)]
@@ -124,7 +127,7 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
 
 
 def classic(table: CampaignTable) -> Iterator[Words]:
-    """Cases that vary the classic iteration: how it ended, its value and its programmes beside the prediction."""
+    """Yield the cases with a classic iteration: its status, value and number of programmes beside the prediction."""
     names, varying = [name for name in table.axes if name.startswith(CLASSIC)], _varying(table)
     for row in table.rows:
         if any(row.get(name) is not None for name in names):
@@ -138,12 +141,12 @@ def classic(table: CampaignTable) -> Iterator[Words]:
 
 
 def totals(table: CampaignTable) -> Iterator[Words]:
-    """Seconds by scene and in all; what cases share is counted once."""
+    """Yield the seconds of each scene and of all; a run that cases share counts once."""
     scene_of = {row["case"]: sweep_of(row) for row in table.rows}
     scenes, once = list(dict.fromkeys(scene_of.values())), costs_once(table)
     for scene in scenes if len(scenes) > 1 else []:
-        own, own_once = ([cost for cost in costs if scene_of.get(cost["case"]) == scene] for costs in (table.costs, once))
-        yield _total(scene, own, own_once)
+        of_scene, of_scene_once = ([cost for cost in costs if scene_of.get(cost["case"]) == scene] for costs in (table.costs, once))
+        yield _total(scene, of_scene, of_scene_once)
     yield _total("all", table.costs, once)
 
 
@@ -154,7 +157,7 @@ def _total(name: str, costs: list[Row], once: list[Row]) -> Words:
 
 
 def dearest(table: CampaignTable) -> list[Words]:
-    """Costs of every case, the dearest first."""
+    """Return the costs of every case, the most expensive first."""
     rows = {row["case"]: row for row in table.rows}
     links = {case: link(table.folder, row) for case, row in rows.items()}
     spent = sorted(table.costs, key=lambda cost: (-sum(cost[key] for key in SECONDS if exists(cost.get(key))), str(cost["case"])))
@@ -172,6 +175,6 @@ def dearest(table: CampaignTable) -> list[Words]:
 
 
 def units(table: CampaignTable) -> str:
-    """What the numbers of reactions are, for all units that occur."""
+    """Return the quantity and unit of the reactions, for all units that occur."""
     present = dict.fromkeys(str(row.get("unit") or "") for row in table.rows if not failed(row))
     return "; ".join(QUANTITY.get(unit, QUANTITY["N"]) for unit in present)

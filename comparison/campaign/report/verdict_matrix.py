@@ -1,4 +1,4 @@
-"""The verdict matrix: every case of a campaign as one cell, scenes or one parameter downwards, another parameter to the right."""
+"""The verdict matrix: one cell for each case; rows are scenes or a parameter, columns another parameter."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,12 +12,24 @@ from comparison.numbers import exists, format_number
 from comparison.report import VERDICTS
 
 FAILURE = ("!", "failed")
-MOST_COLUMNS = 24  # that fit beside each other: a longer parameter goes downwards
+MOST_COLUMNS = 24  # that fit side by side; a parameter with more values goes downwards
 
 
 @dataclass(frozen=True)
 class MatrixCell:
-    """One case: how it ended, and the address of its own report, "" where there is none."""
+    """Cell of one case.
+
+    Attributes
+    ----------
+    case : str
+        Name of the case.
+    symbol, word : str
+        Verdict as sign and word.
+    href : str
+        Relative address of the case's report; "" without one.
+    words : str
+        Description: name, verdict and deviation.
+    """
 
     case: str
     symbol: str
@@ -28,7 +40,17 @@ class MatrixCell:
 
 @dataclass(frozen=True)
 class Panel:
-    """A table of cells; a place without a case has none, one that several cases share has all of them."""
+    """A table of cells.
+
+    Attributes
+    ----------
+    title, corner, heading : str
+        Title, label of the rows, and label of the columns.
+    columns : list of str
+        Headings of the columns.
+    rows : list of tuple
+        Heading of each row, and for each column the list of its cells: empty without a case, several for cases with the same values.
+    """
 
     title: str
     corner: str
@@ -38,54 +60,55 @@ class Panel:
 
 
 def verdict_symbol(row: Row) -> tuple[str, str]:
-    """Sign and word of how a case ended."""
+    """Return the sign and the word of a case's verdict or failure."""
     return FAILURE if failed(row) else VERDICTS.get(row.get("verdict"), VERDICTS[None])
 
 
 def matrix_panels(table: CampaignTable) -> list[Panel]:
-    """Scenes that vary nothing together, those that vary one parameter together, any other sweep by its two longest parameters."""
-    found = sweeps_of(table, classic=True)
-    still = [sweep for sweep in found if not sweep.parameters]
+    """Return the panels: one for unvaried scenes, one per single parameter, and two-way panels for every larger sweep."""
+    sweeps = sweeps_of(table, classic=True)
+    still = [sweep for sweep in sweeps if not sweep.parameters]
     result = [_scenes(table.folder, "", still)] if still else []
     for parameter in table.axes:
-        along = [sweep for sweep in found if sweep.parameters == [parameter]]
+        along = [sweep for sweep in sweeps if sweep.parameters == [parameter]]
         result += [_scenes(table.folder, parameter, along)] if along else []
-    for sweep in found:
+    for sweep in sweeps:
         if len(sweep.parameters) > 1:
             result += _of_two(table.folder, sweep)
     return result
 
 
 def cell(folder: Path, row: Row) -> MatrixCell:
-    """The case's cell."""
+    """Return the cell of a case; folder: of the campaign."""
     apart = deviation(row)
     words = f"{row.get('case')}: {verdict_symbol(row)[1]}"
-    words += f", {format_number(apart, 2)} of what sliding joints are allowed apart" if exists(apart) else ""
+    words += f", deviation {format_number(apart, 2)} of the tolerance of sliding joints" if exists(apart) else ""
     return MatrixCell(str(row.get("case")), *verdict_symbol(row), link(folder, row), words)
 
 
-def _scenes(folder: Path, parameter: str, found: list[SweepRows]) -> Panel:
-    """A row a scene; a column a value of the parameter, one column where nothing is varied."""
+def _scenes(folder: Path, parameter: str, sweeps: list[SweepRows]) -> Panel:
+    """Return a panel with one row per scene and one column per value of the parameter; one column for "", no parameter."""
     if not parameter:
-        rows = [(sweep.scene, [[cell(folder, row) for row in sweep.rows]]) for sweep in found]
-        return Panel("Cases that vary nothing", "scene", "", ["verdict"], rows)
-    values = ordered([value for sweep in found for value in sweep.values[parameter]])
+        rows = [(sweep.scene, [[cell(folder, row) for row in sweep.rows]]) for sweep in sweeps]
+        return Panel("Cases without varied parameters", "scene", "", ["verdict"], rows)
+    values = ordered([value for sweep in sweeps for value in sweep.values[parameter]])
     rows = [
-        (sweep.scene, [[cell(folder, row) for row in sweep.where({parameter: value})] for value in values]) for sweep in found
+        (sweep.scene, [[cell(folder, row) for row in sweep.where({parameter: value})] for value in values]) for sweep in sweeps
     ]  # fmt: skip
-    named = found[0].named
+    named = sweeps[0].named
     return Panel(f"Over {short(parameter, named)}", "scene", label(parameter, named), [shown(value) for value in values], rows)
 
 
 def _of_two(folder: Path, sweep: SweepRows) -> Iterator[Panel]:
-    """The sweep's longest parameter to the right, where it fits, the second longest downwards; a panel for each value of the others."""
+    """Yield a panel for each combination of the other parameters: the longest parameter to the right if it fits, the second downwards."""
     across, down = longest(sweep)[:2]
     if len(sweep.values[across]) > MOST_COLUMNS:
         across, down = down, across
-    for part in slices(sweep, (across, down)):
+    for sweep_slice in slices(sweep, (across, down)):
         places: dict[tuple[str, str], list[MatrixCell]] = {}
-        for row in part.rows:
+        for row in sweep_slice.rows:
             places.setdefault((key(row[down]), key(row[across])), []).append(cell(folder, row))
-        columns = part.values[across]
-        rows = [(shown(low), [places.get((key(low), key(right)), []) for right in columns]) for low in part.values[down]]
-        yield Panel(part.title, label(down, part.named), label(across, part.named), [shown(value) for value in columns], rows)
+        columns = sweep_slice.values[across]
+        rows = [(shown(low), [places.get((key(low), key(right)), []) for right in columns]) for low in sweep_slice.values[down]]
+        corner, heading = (label(name, sweep_slice.named) for name in (down, across))
+        yield Panel(sweep_slice.title, corner, heading, [shown(value) for value in columns], rows)

@@ -1,4 +1,4 @@
-"""Which version of YADE made a campaign's cases: what the cases' own results say."""
+"""Versions of YADE that computed a campaign's cases, from the cases' own results."""
 
 import json
 from dataclasses import replace
@@ -12,17 +12,17 @@ NAME = "yade_version"
 
 
 def with_versions(table: CampaignTable) -> CampaignTable:
-    """The table whose provenance names the versions of YADE that its cases met; as it was where none is known."""
-    found: set[str] = set()
+    """Return the table with the cases' versions of YADE in its provenance; unchanged if none is known."""
+    versions: set[str] = set()
     for folder in dict.fromkeys(own_folder(table.folder, row) for row in table.rows):
         if folder is not None:
-            found.update(_version(path) for path in folder.glob("*/comparison.json"))
-    known = sorted(found - {""})
+            versions.update(_version(path) for path in folder.glob("*/comparison.json"))
+    known = sorted(versions - {""})
     return replace(table, provenance=table.provenance | {NAME: ", ".join(known)}) if known else table
 
 
 def _version(path: Path) -> str:
-    """Version in a comparison.json, "" where there is none; a damaged one, or one that cannot be read, says nothing."""
+    """Return the version in a comparison.json; "" without one, or for a damaged or unreadable file."""
     try:
         stored: Any = json.loads(path.read_text(encoding="utf-8"))
         return str(stored["yade"]["version"] or "")

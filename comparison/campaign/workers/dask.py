@@ -1,8 +1,8 @@
 """Jobs on an existing Dask scheduler, whose workers share the campaign's folder with this process.
 
-Results stay where they are made, so the folder must be on a file system that all workers see under the same path; that is looked at
-before anything is handed out, and again by each job. A job stops by itself once the call that handed it out is gone: the call holds the
-lock of the folder, and its token lies there.
+Workers write results directly, so the folder must be on a file system that all workers see under the same path. This is checked before
+the first job, and again by each job. The campaign's process holds the lock of the folder and keeps a token in it; a job stops when
+either is gone.
 """
 
 import contextlib
@@ -20,13 +20,13 @@ from comparison.errors import message_of
 from comparison.run_folder import LOCK, write_text
 from la_core.errors import SceneError
 
-CALL = ".call"  # the token of the call that runs the campaign
-PATIENCE = 10.0  # s for the scheduler to answer, and for a first worker to be there
+CALL = ".call"  # token of the process that runs the campaign
+PATIENCE = 10.0  # s to wait for the scheduler, and for a first worker
 INSTALL = 'install the extra "dask": pip install --editable ".[dask]" in the project\'s folder, or pip install distributed'
 
 
 class Dask:
-    """Jobs on the workers of a Dask scheduler, one a thread at a time. The scheduler gives the jobs of a lost worker to another."""
+    """Jobs on the workers of a Dask scheduler, one per worker at a time; the scheduler repeats a lost worker's job on another one."""
 
     def __init__(self, address: str, folder: Path) -> None:
         self._address, self._folder, self._token = address, folder, uuid.uuid4().hex
@@ -39,9 +39,9 @@ class Dask:
         try:
             import distributed  # noqa: PLC0415 - an extra
         except ImportError as error:
-            raise SceneError("--scheduler", "campaigns are handed out by distributed, which is not installed", hint=INSTALL) from error
+            raise SceneError("--scheduler", "needs the package distributed, which is not installed", hint=INSTALL) from error
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
-            logging.getLogger(name).setLevel(logging.CRITICAL)  # what goes wrong is said here
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # this class reports the errors itself
         try:
             self._client = distributed.Client(self._address, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -61,20 +61,20 @@ class Dask:
             self._client.close(timeout=PATIENCE)
 
     def _look_at_workers(self) -> None:
-        """That there are workers, and each can do the work: it sees the folder, has this code, and one thread."""
+        """Check that there are workers and that each sees the folder, has this code, and has one thread."""
         try:
             self._client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError as error:
             hint = f"start some: dask worker {self._address} --nthreads 1"
             raise OSError(errno.EHOSTUNREACH, f"the scheduler has no workers; {hint}", self._address) from error
-        threads, own = self._client.nthreads(), LOADED
+        threads = self._client.nthreads()
         for worker, seen in self._client.run(_look, self._folder).items():
             if seen["token"] != self._token:
-                rule = f"does not see the campaign's folder {self._folder}; take one by -o that all workers share under one path"
-            elif seen["code"] != own:
-                rule = "has another version of this program or of what it uses; install the same there"
+                rule = f"does not see the campaign's folder {self._folder}; choose one with -o that all workers share under one path"
+            elif seen["code"] != LOADED:
+                rule = "has another version of this program or of its packages; install the same there"
             elif threads.get(worker, 1) != 1 or seen["threads"] != "1":
-                rule = "has several threads; start workers by `dask worker ADDRESS --nthreads 1 --nworkers N`, with OMP_NUM_THREADS=1"
+                rule = "has several threads; start workers with `dask worker ADDRESS --nthreads 1 --nworkers N`, with OMP_NUM_THREADS=1"
             else:
                 continue
             raise SceneError("--scheduler", f"the worker {worker} {rule}")
@@ -89,55 +89,55 @@ class Dask:
         future.add_done_callback(self._done.put)
 
     def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
-        """Jobs that ended, with what they came to, once there is one or after so many seconds; raises OSError without a scheduler."""
-        found = []
+        """Return jobs that ended, with their outcomes; waits at most `seconds`. Raises OSError without a scheduler."""
+        outcomes = []
         with contextlib.suppress(queue.Empty):
             future = self._done.get(timeout=seconds)
             job = self._jobs[future]
             try:
-                found.append((job, future.result()))
-            except Exception as error:  # the worker's own, or what became of it
+                outcomes.append((job, future.result()))
+            except Exception as error:  # an error in the worker, or the loss of the worker
                 self._require_scheduler()
-                found.append((job, failure(_reason(error), job)))
+                outcomes.append((job, failure(_reason(error), job)))
             del self._jobs[future]
         self._require_scheduler()
-        return found
+        return outcomes
 
     def _require_scheduler(self) -> None:
-        """That the scheduler is there and knows the jobs; also how many workers it has now."""
+        """Check that the scheduler answers and knows the jobs, and update the capacity; raises OSError."""
         try:
             is_there = self._client.status == "running" and not any(future.status in ("cancelled", "lost") for future in self._jobs)
             threads = self._client.nthreads() if is_there else {}
         except OSError:
             is_there = False
         if not is_there:
-            hint = "what was finished is kept, the same command goes on from there"
+            hint = "finished cases are kept; run the same command again to continue"
             raise OSError(errno.ECONNRESET, f"the Dask scheduler is gone; {hint}", self._address)
         self.capacity = max(1, sum(threads.values()))
 
 
 def _reason(error: BaseException) -> str:
-    """Why a job has no outcome: the scheduler gave it up, or something went wrong on the way."""
-    return f"its worker was lost, again and again ({error})" if type(error).__name__ == "KilledWorker" else message_of(error)
+    """Return why a job has no outcome."""
+    return f"its workers were lost repeatedly ({error})" if type(error).__name__ == "KilledWorker" else message_of(error)
 
 
 def _look(folder: Path) -> dict[str, Any]:
-    """What a worker sees."""
+    """Return the token, the code's digest and the number of threads that a worker has."""
     return {"token": _token_in(folder), "code": LOADED, "threads": os.environ.get("OMP_NUM_THREADS")}
 
 
 def _work(job: Job, folder: Path, token: str) -> JobOutcome:
-    """A job, in a worker."""
+    """Run a job in a worker."""
     if _token_in(folder) != token:
         return failure("its worker does not see the campaign's folder", job)
     try:
         return run_job(job, _Watch(folder, token))
     except StoppedError:
-        return failure("the campaign is gone", job)
+        return failure("the campaign's process has ended", job)
 
 
 class _Watch:
-    """A listener that stops a job whose campaign is gone."""
+    """A listener that stops a job whose campaign has ended."""
 
     def __init__(self, folder: Path, token: str) -> None:
         self._folder, self._token = folder, token
@@ -161,7 +161,7 @@ def _token_in(folder: Path) -> str:
 
 
 def _is_held(folder: Path) -> bool:
-    """Whether somebody holds the campaign's folder: the call, which lets go of it however it ends."""
+    """Return whether the campaign's process still holds the lock of its folder; the lock ends with the process."""
     with (folder / LOCK).open("a") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

@@ -1,7 +1,7 @@
-"""Worker processes on this machine. Each talks to the campaign over a pipe of its own: nothing listens.
+"""Worker processes on this machine. Each talks to the campaign over its own pipe; no network port is open.
 
-Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. A worker that dies is known by
-the end of its pipe, and so is the job it had; the job is begun again by a new worker.
+Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. When a worker dies, its pipe
+ends; a new worker then repeats its job.
 """
 
 import contextlib
@@ -18,14 +18,14 @@ from typing import Any
 from comparison.campaign.job import Job, JobOutcome, StoppedError, failure, run_job
 from comparison.yade import find_yade
 
-ATTEMPTS = 3  # at a job whose worker dies: the system may have ended it for want of memory, which others held
-GRACE = 3.0  # s that a worker gets to end YADE and leave nothing half written
+ATTEMPTS = 3  # at a job whose worker dies: the system may have killed it because other processes used up the memory
+GRACE = 3.0  # s for a worker to end YADE and finish its files
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
 class Local:
-    """Jobs on worker processes of this machine, at most `capacity` at a time; ends them all on leaving."""
+    """Jobs on worker processes of this machine, at most `capacity` at a time; leaving the context ends all processes."""
 
     def __init__(self, workers: int, yade: bool) -> None:
         self.capacity, self._yade = workers, yade
@@ -35,15 +35,15 @@ class Local:
 
     def __enter__(self) -> "Local":
         if self._yade:
-            find_yade()  # else every case would fail for the want of it
+            find_yade()  # without YADE every case would fail
         return self
 
     def __exit__(self, *error: object) -> None:
-        every = [*self._idle, *self._busy]
-        for worker in every:
+        workers = [*self._idle, *self._busy]
+        for worker in workers:
             worker.process.terminate()
         deadline = time.monotonic() + GRACE
-        for worker in every:
+        for worker in workers:
             worker.process.join(max(0.0, deadline - time.monotonic()))
             worker.process.kill()  # YADE ends with it
             worker.process.join()
@@ -55,15 +55,15 @@ class Local:
         worker.begin(job, 1)
 
     def ended(self, seconds: float) -> list[tuple[Job, JobOutcome]]:
-        """Jobs that ended, with what they came to, once there is one or after so many seconds."""
-        found: list[tuple[Job, JobOutcome]] = []
+        """Return jobs that ended, with their outcomes; waits at most `seconds` for the first one."""
+        outcomes: list[tuple[Job, JobOutcome]] = []
         ready = wait([worker.pipe for worker in self._busy], seconds)
         for worker in [worker for worker in self._busy if worker.pipe in ready]:
             self._busy.remove(worker)
             job = worker.job
             assert job is not None  # it is busy
             try:
-                found.append((job, worker.pipe.recv()))
+                outcomes.append((job, worker.pipe.recv()))
                 self._idle.append(worker)
             except (EOFError, OSError):
                 worker.process.join()
@@ -73,8 +73,8 @@ class Local:
                     other.begin(job, worker.attempt + 1)
                 else:
                     how = _how_ended(worker.process.exitcode)
-                    found.append((job, failure(f"its worker {how}, {ATTEMPTS} times; run the campaign again", job)))
-        return found
+                    outcomes.append((job, failure(f"its worker {how}, {ATTEMPTS} times; run the campaign again", job)))
+        return outcomes
 
 
 class _Worker:
@@ -91,13 +91,13 @@ class _Worker:
 
     def begin(self, job: Job, attempt: int) -> None:
         self.job, self.attempt = job, attempt
-        with contextlib.suppress(OSError):  # a worker that is gone is found by the end of its pipe
+        with contextlib.suppress(OSError):  # `ended` notices a dead worker by the end of its pipe
             self.pipe.send(job)
 
 
 @contextlib.contextmanager
 def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """What a process started here finds in its environment besides: libraries read it when they are loaded."""
+    """Add variables to the environment of processes started here; libraries read them when they are loaded."""
     before = {name: os.environ.get(name) for name in variables}
     os.environ.update(variables)
     try:
@@ -112,7 +112,7 @@ def _environment(variables: dict[str, str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interruptions_held() -> Iterator[None]:
-    """A process started here never sees Ctrl-C, which a terminal sends to all: the campaign hears it, and ends its workers."""
+    """Block Ctrl-C in processes started here: only the campaign's process handles it, and ends its workers."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -127,7 +127,7 @@ def _how_ended(code: int | None) -> str:
 
 
 class _Quiet:
-    """A listener that keeps what it hears to itself."""
+    """A listener that reports nothing."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         pass
@@ -137,7 +137,7 @@ class _Quiet:
 
 
 def _serve(pipe: Connection) -> None:
-    """A worker's life: job after job, until the campaign ends it, or is gone."""
+    """Run jobs in a worker process until the campaign ends."""
     is_working = False
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -157,10 +157,10 @@ def _serve(pipe: Connection) -> None:
 
 
 def _end_with_campaign() -> None:
-    """End this process with the one that started it, however that ends: nobody is left to hear of its work."""
+    """End this process when the campaign's process ends, for whatever reason."""
     campaign = multiprocessing.parent_process()
     if campaign is not None:
         campaign.join()
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(GRACE)
-    os._exit(1)  # it is in a library that does not look
+    os._exit(1)  # a library did not react to the signal

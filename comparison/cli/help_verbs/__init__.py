@@ -1,1 +1,1 @@
-"""Verbs that help a user along: doctor, completion, tutorial."""
+"""Verbs that help the user: doctor, completion, tutorial."""

@@ -1,4 +1,4 @@
-"""`crosscheck completion`: the script by which a shell completes commands, options, shipped scenes and campaigns, files and folders."""
+"""`crosscheck completion`: print the script that completes commands, options, scenes, campaigns, files and folders in a shell."""
 
 import argparse
 from collections.abc import Iterable, Iterator
@@ -35,7 +35,7 @@ end
 
 
 def execute(context: Context) -> int:
-    """Print the script of one shell."""
+    """Print the completion script of one shell."""
     shell = context.options.shell
     text = script(arguments.parser(), shell)
     if context.options.json:
@@ -46,14 +46,14 @@ def execute(context: Context) -> int:
 
 
 def script(parser: argparse.ArgumentParser, shell: str) -> str:
-    """The completion script of a whole command line for a shell that `arguments.SHELLS` names."""
-    _say_what_completes(parser)
+    """Return the completion script of a command line for one of `arguments.SHELLS`."""
+    _set_completions(parser)
     text = shtab.complete(parser, shell)
-    return text.replace('"(*):', '"*:') if shell == "zsh" else text  # else zsh would complete the first of several scenes alone
+    return text.replace('"(*):', '"*:') if shell == "zsh" else text  # else zsh completes only the first of several scenes
 
 
-def _say_what_completes(parser: argparse.ArgumentParser) -> None:
-    """Tell shtab, by the name of an argument's value, what to offer for it."""
+def _set_completions(parser: argparse.ArgumentParser) -> None:
+    """Set the completions that shtab offers for each argument, by the argument's metavar."""
     scene, campaign = _named_or_file("scene", shipped.names()), _named_or_file("campaign", shipped_campaigns())
     of_kind = {"SCENE": scene, "DIR|SCENE": scene, "FILE": campaign} | dict.fromkeys(("DIR", "DIR1", "DIR2", "FOLDER"), shtab.DIRECTORY)
     formats = {"FIG": arguments.FIGURE_FORMATS, "MOVIE": arguments.MOVING_FORMATS, "PAGE": arguments.PAGE_FORMATS}
@@ -66,7 +66,7 @@ def _say_what_completes(parser: argparse.ArgumentParser) -> None:
 
 
 def _named_or_file(kind: str, known: Iterable[str]) -> dict[str, Any]:
-    """What completes to a shipped thing's name, or to a TOML file."""
+    """Return the completion by name or TOML file for a kind of input ('scene' or 'campaign') with these shipped names."""
     function, names = f"_crosscheck_{kind}_or_file", " ".join(known)
     texts = {"bash": _BASH, "zsh": _ZSH, "fish": _FISH}
     preambles = {shell: text.format(function=function, kind=kind, names=names) for shell, text in texts.items()}
@@ -74,8 +74,8 @@ def _named_or_file(kind: str, known: Iterable[str]) -> dict[str, Any]:
 
 
 def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """What a parser and the parsers of its commands take."""
-    for action in parser._actions:  # argparse has no other list of them, and shtab reads this one, too
+    """Yield the actions of a parser and of its sub-parsers."""
+    for action in parser._actions:  # argparse has no public list of them; shtab reads this one too
         yield action
         if isinstance(action, argparse._SubParsersAction):
             for sub in action.choices.values():

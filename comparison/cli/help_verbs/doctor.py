@@ -1,4 +1,4 @@
-"""`crosscheck doctor`: what is installed, what is missing, and the command that mends it."""
+"""`crosscheck doctor`: list installed and missing parts, the command that installs a missing one, and the settings."""
 
 import importlib.metadata
 import shutil
@@ -19,7 +19,19 @@ from comparison.yade import HOW_TO_GET_YADE, find_yade
 
 @dataclass(frozen=True)
 class Finding:
-    """One part of the tool chain: its state, and the remedy where it is not well, or a caution where it might not be."""
+    """State of one part that the program needs.
+
+    Attributes
+    ----------
+    part : str
+        Name: a package, YADE or the disk.
+    well : bool
+        Whether the part is usable.
+    state : str
+        Version or free space, or the reason why the part is not usable.
+    remedy : str
+        Next step for an unusable part, or a caution for a usable one; "" without either.
+    """
 
     part: str
     well: bool
@@ -28,7 +40,7 @@ class Finding:
 
 
 def execute(context: Context) -> int:
-    """Print every part and every setting; the exit code is 3 where a part is missing."""
+    """Print every part and every setting; the exit code is 3 if a part is missing."""
     findings, settings = examine(), configuration_dict()
     if context.options.json:
         context.print_json({"parts": [vars(finding) for finding in findings], "configuration": settings})
@@ -43,36 +55,38 @@ def execute(context: Context) -> int:
 
 
 def examine() -> list[Finding]:
-    """Look at every part the program needs."""
+    """Examine every part that the program needs."""
     findings = [_package(name) for name in (*PACKAGES, "pydantic", "jinja2", "rich", "shtab")]
     try:
         yade = find_yade()
-        tested = "" if yade.caution else ", a version this was tested with"
+        tested = "" if yade.caution else ", a tested version"
         state = f"{yade.version}{tested}, loaded by {yade.python} with nothing listening"
         findings.append(Finding("YADE", True, state, yade.caution))
     except YadeMissingError as error:
         findings.append(Finding("YADE", False, str(error), HOW_TO_GET_YADE))
     free = shutil.disk_usage(".").free / 1e9
-    findings.append(Finding("disk", free > 1.0, f"{free:.0f} GB free here", "" if free > 1.0 else "make room: a run stores some megabytes"))
+    findings.append(
+        Finding("disk", free > 1.0, f"{free:.0f} GB free here", "" if free > 1.0 else "free some space: a run stores several megabytes")
+    )
     return findings
 
 
 def configuration_dict() -> dict[str, Any]:
-    """Every setting with its value and where it comes from, the files that were looked for, and variables that mean nothing."""
-    found = load_settings()
-    settings = {name: {"value": _plain(value), "from": found.source(name)} for name, value in found.settings}
-    files = {str(path): path.exists() for path in found.files}
+    """Return every setting with its value and source, the settings files that exist or not, and the unknown variables."""
+    configuration = load_settings()
+    settings = {name: {"value": _plain(value), "from": configuration.source(name)} for name, value in configuration.settings}
+    files = {str(path): path.exists() for path in configuration.files}
     return {"settings": settings, "files": files, "unknown_variables": unknown_variables()}
 
 
-def configuration_words(found: dict[str, Any]) -> str:
-    """Lines on what was looked for: a file that is not there, and a variable that means nothing, might be taken to hold."""
-    lines = [f"{path}: {'read' if exists else 'not there'}" for path, exists in found["files"].items()]
-    return "\n".join([*lines, *(f"{words}; this one means nothing" for words in found["unknown_variables"])])
+def configuration_words(configuration: dict[str, Any]) -> str:
+    """Return lines on the settings files, read or absent, and on unknown variables: a user may believe that they apply."""
+    lines = [f"{path}: {'read' if exists else 'not there'}" for path, exists in configuration["files"].items()]
+    return "\n".join([*lines, *(f"{message}; it is ignored" for message in configuration["unknown_variables"])])
 
 
 def _plain(value: object) -> object:
-    """A value as JSON has it."""
+    """Return a value in its JSON form: a path as text."""
     return str(value) if isinstance(value, Path) else value
 
 
@@ -84,7 +98,7 @@ def _package(name: str) -> Finding:
 
 
 def doctor_table(findings: list[Finding]) -> Table:
-    """What is installed and what is not."""
+    """Return a table of the parts and their states."""
     table = new_table("part", "state", "")
     for finding in findings:
         table.add_row(finding.part, plain(finding.state), "[green]✓[/]" if finding.well else "[red]✗ missing[/]")
@@ -92,8 +106,9 @@ def doctor_table(findings: list[Finding]) -> Table:
 
 
 def settings_table(configuration: dict[str, Any]) -> Table:
-    """Which settings hold, and from where."""
+    """Return a table of the settings, their values and their sources."""
     table = new_table("setting", "value", "from")
-    for name, one in configuration["settings"].items():
-        table.add_row(name, "–" if one["value"] is None else plain(str(one["value"])), plain(one["from"]))
+    for name, setting in configuration["settings"].items():
+        value = "–" if setting["value"] is None else plain(str(setting["value"]))
+        table.add_row(name, value, plain(setting["from"]))
     return table

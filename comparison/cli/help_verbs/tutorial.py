@@ -1,4 +1,4 @@
-"""Walk-throughs for students: scripts in cells of text and code that are told, run and drawn, or written as notebooks."""
+"""Tutorials for students: scripts of text and code cells, run on the console or written as notebooks."""
 
 import contextlib
 import io
@@ -26,7 +26,17 @@ _CELL = re.compile(r"^# %%(.*)$", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Cell:
-    """Text in Markdown, or code. line: of its first line in the script."""
+    """A cell of a tutorial.
+
+    Attributes
+    ----------
+    is_text : bool
+        True for Markdown text, False for Python code.
+    source : str
+        Text or code, without the comment marks of the script.
+    line : int
+        Number of the cell's first line in the script, from 1.
+    """
 
     is_text: bool
     source: str
@@ -34,62 +44,64 @@ class Cell:
 
 
 def cells(name: str) -> list[Cell]:
-    """The cells of a walk-through's script (percent format); raises SceneError for a name that is none."""
+    """Return the cells of a tutorial's script (percent format); raises SceneError for an unknown name."""
     if name not in NAMES:
-        raise SceneError(f'the tutorial "{name}"', "is none", hint=nearest(name, NAMES, "tutorials"))
+        raise SceneError(f'the tutorial "{name}"', "unknown", hint=nearest(name, NAMES, "tutorials"))
     script = (SCRIPTS / f"{name}.py").read_text(encoding="utf-8")
-    _, *parts = _CELL.split(script)
-    found, line = [], 1
-    for mark, body in zip(parts[::2], parts[1::2], strict=True):
+    _, *marks_and_bodies = _CELL.split(script)
+    script_cells, line = [], 1
+    for mark, body in zip(marks_and_bodies[::2], marks_and_bodies[1::2], strict=True):
         is_text = "[markdown]" in mark
         source = re.sub(r"^# ?", "", body, flags=re.MULTILINE) if is_text else body
-        found.append(Cell(is_text, source.strip("\n"), line + len(body) - len(body.lstrip("\n"))))
+        script_cells.append(Cell(is_text, source.strip("\n"), line + len(body) - len(body.lstrip("\n"))))
         line += body.count("\n")
-    return found
+    return script_cells
 
 
 def title(name: str) -> str:
-    """The heading of a walk-through."""
+    """Return the heading of a tutorial."""
     return cells(name)[0].source.splitlines()[0].removeprefix("# ")
 
 
 def run_cells(name: str, folder: Path) -> Iterator[tuple[Cell, str, list[Path]]]:
-    """Run a walk-through in a folder, cell by cell: each with what it printed and the figures it drew.
+    """Run a tutorial in a folder cell by cell; yields each cell, its printed output and the paths of the figures it drew.
 
-    Raises YadeMissingError where YADE is missing, before anything is run.
+    Raises YadeMissingError before the first cell if YADE is missing.
     """
-    found = cells(name)
+    script_cells = cells(name)
     find_yade()
     folder.mkdir(parents=True, exist_ok=True)
     space: dict[str, Any] = {"__name__": name}
     script = str(SCRIPTS / f"{name}.py")
-    for cell in found:
-        before, said = _figures(folder, name), io.StringIO()
+    for cell in script_cells:
+        before, output = _figures(folder, name), io.StringIO()
         if not cell.is_text:
             program = compile("\n" * (cell.line - 1) + cell.source, script, "exec")
-            with contextlib.chdir(folder), contextlib.redirect_stdout(said):
+            with contextlib.chdir(folder), contextlib.redirect_stdout(output):
                 exec(program, space)
         after = _figures(folder, name)
-        yield cell, said.getvalue(), [path for path, written in after.items() if before.get(path) != written]
+        yield cell, output.getvalue(), [path for path, written in after.items() if before.get(path) != written]
 
 
 def _figures(folder: Path, name: str) -> dict[Path, int]:
-    """A walk-through's figures and when each was written."""
+    """Return the modification time (ns) of each of a tutorial's figures, by path."""
     return {path: path.stat().st_mtime_ns for path in sorted(folder.glob(f"{name}-*.png"))}
 
 
 def notebook(name: str) -> dict[str, Any]:
-    """A walk-through as a notebook of the format 4.5, without outputs."""
-    made: list[dict[str, Any]] = []
+    """Return a tutorial as a notebook (format 4.5) without outputs."""
+    notebook_cells: list[dict[str, Any]] = []
     for number, cell in enumerate(cells(name), 1):
-        kind: dict[str, Any] = {"cell_type": "markdown"} if cell.is_text else {"cell_type": "code", "execution_count": None, "outputs": []}
-        made.append(kind | {"id": f"{name}-{number}", "metadata": {}, "source": cell.source.splitlines(keepends=True)})
+        code: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
+        kind = {"cell_type": "markdown"} if cell.is_text else code
+        notebook_cells.append(kind | {"id": f"{name}-{number}", "metadata": {}, "source": cell.source.splitlines(keepends=True)})
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    return {"cells": made, "metadata": {"kernelspec": kernel, "language_info": {"name": "python"}}, "nbformat": 4, "nbformat_minor": 5}
+    metadata = {"kernelspec": kernel, "language_info": {"name": "python"}}
+    return {"cells": notebook_cells, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
 
 
 def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:
-    """Write walk-throughs as notebooks; returns their paths."""
+    """Write tutorials as notebooks into a folder; returns their paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / f"{name}.ipynb" for name in names]
     for name, path in zip(names, paths, strict=True):
@@ -98,33 +110,33 @@ def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:
 
 
 def execute(context: Context) -> int:
-    """List the walk-throughs, run one on the console or write notebooks; with `--json`, print the same as one JSON object."""
+    """List the tutorials, run one on the console or write notebooks; with `--json`, print the same as one JSON object."""
     options, console = context.options, context.out
     console.quiet = options.json
     if options.notebook:
         paths = [str(path) for path in write_notebooks((options.name,) if options.name else NAMES, options.output)]
         console.print("\n".join(paths), markup=False)
-        told: dict[str, Any] = {"files": paths}
+        result: dict[str, Any] = {"files": paths}
     elif options.name is None:
-        told = {"tutorials": [{"name": name, "title": title(name)} for name in NAMES]}
-        console.print("\n".join(f"  {row['name']:<14}{row['title']}" for row in told["tutorials"]), markup=False)
+        result = {"tutorials": [{"name": name, "title": title(name)} for name in NAMES]}
+        console.print("\n".join(f"  {row['name']:<14}{row['title']}" for row in result["tutorials"]), markup=False)
     else:
-        told = {"tutorial": options.name, "title": title(options.name), "cells": []}
-        for cell, said, figures in run_cells(options.name, options.output):
-            _tell(console, cell, said, figures)
+        result = {"tutorial": options.name, "title": title(options.name), "cells": []}
+        for cell, output, figures in run_cells(options.name, options.output):
+            _print_cell(console, cell, output, figures)
             kind = "text" if cell.is_text else "code"
-            told["cells"].append({kind: cell.source, "output": said, "figures": [str(path) for path in figures]})
+            result["cells"].append({kind: cell.source, "output": output, "figures": [str(path) for path in figures]})
     if options.json:
-        context.print_json(told)
+        context.print_json(result)
     return AGREE
 
 
-def _tell(console: Console, cell: Cell, said: str, figures: list[Path]) -> None:
-    """One cell on the console: text as text, code set apart, what it printed, and where its figures are."""
+def _print_cell(console: Console, cell: Cell, output: str, figures: list[Path]) -> None:
+    """Print a cell: Markdown as text, code indented, then its output and the paths of its figures."""
     if cell.is_text:
         console.print(Markdown(cell.source), width=WIDTH, soft_wrap=False)
     else:
         console.print("\n".join(f"    {line}".rstrip() for line in cell.source.splitlines()), style="dim", markup=False)
-        console.print(said, end="", markup=False)
+        console.print(output, end="", markup=False)
         console.print("".join(f"figure: {path}\n" for path in figures), end="", markup=False)
     console.print()

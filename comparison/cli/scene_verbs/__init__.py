@@ -1,1 +1,1 @@
-"""Verbs that take one scene, or the results of one: scenes, show, solve, run, report, export, animate."""
+"""Verbs that work on scenes and their results: scenes, show, solve, run, report, export, animate."""

@@ -1,4 +1,4 @@
-"""`crosscheck animate`: which results, and where the animation goes: into the run's folder, from where the report takes it."""
+"""`crosscheck animate`: animate the results of a run. By default the file lies in the run's folder, where the report finds it."""
 
 from pathlib import Path
 
@@ -14,9 +14,9 @@ from la_core.scene import load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Animate finished results, or a scene's after running it, and print the file; the exit code is 3 where YADE was missing or failed.
+    """Animate stored results, or run a scene and animate it; print the path of the file. Exit code 3 if YADE was missing or failed.
 
-    Raises SceneError where nothing moves, exchange.ExchangeError for broken results, FileNotFoundError without ffmpeg for an MP4.
+    Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
     options, code = context.options, AGREE
     with Narration(context.narrator) as narration:
@@ -38,7 +38,7 @@ def execute(context: Context) -> int:
 
 
 def _run(source: str, narration: Narration) -> tuple[Path, int]:
-    """Folder of a scene's results after running it, where `crosscheck run` puts them, and the exit code."""
+    """Run a scene as `crosscheck run` does; returns the folder of its results and the exit code."""
     scene, settings = load_scene(shipped.find(source)), load_settings().settings
     refuse_name(scene)
     folder = settings.output / scene.name

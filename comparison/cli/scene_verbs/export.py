@@ -1,4 +1,4 @@
-"""`crosscheck export`: stored results, or limit analysis of a scene, as files for ParaView."""
+"""`crosscheck export`: write stored results, or limit analysis of a scene, as files for ParaView."""
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
@@ -9,7 +9,7 @@ from la_core.scene import load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for broken results."""
+    """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for damaged results."""
     options = context.options
     files = [str(path) for path in export(results_of(options.source), options.output)]
     if options.json:
@@ -20,9 +20,9 @@ def execute(context: Context) -> int:
 
 
 def results_of(source: str) -> Results:
-    """Stored results of a scene's folder within those of a run, or limit analysis of a scene, path or shipped.
+    """Return the stored results of a scene's folder, or the limit analysis of a scene given by its path or shipped name.
 
-    Raises SceneError, or exchange.ExchangeError for broken results.
+    Raises SceneError, or exchange.ExchangeError for damaged results.
     """
     folder = locate_results(source)
     if folder is None:

@@ -1,4 +1,4 @@
-"""`crosscheck report`: the report of stored results, of runs or of campaigns, written again."""
+"""`crosscheck report`: write the reports of stored runs or campaigns again."""
 
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,11 @@ from la_core.exchange import ExchangeError
 
 
 def execute(context: Context) -> int:
-    """Write every folder's report again; a scene whose results cannot be read is named, and the others are reported."""
+    """Write every folder's report again and return the gravest exit code.
+
+    A scene whose results cannot be read gets an error message; the other scenes are still reported. Raises SceneError for a folder
+    without results.
+    """
     folders = context.options.folders
     if any(map(is_campaign, folders)):
         return report_campaigns(context)

@@ -1,4 +1,4 @@
-"""`crosscheck run`: scenes through both methods, and their report."""
+"""`crosscheck run`: solve scenes by both methods, compare the answers and write the report."""
 
 import argparse
 from typing import Any
@@ -15,7 +15,7 @@ from la_core.scene import full_model, load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Run every scene in a folder of its own and write the report; a bad scene is refused before the first one runs."""
+    """Run every scene in a folder of its own and write the report; an invalid scene is refused before the first run."""
     options = context.options
     models = _models(options)
     comparisons: list[dict[str, Any]] = []
@@ -24,7 +24,7 @@ def execute(context: Context) -> int:
             for model in models:
                 folder = options.output / model.scene.name
                 comparisons.append(run_scene(model, folder, narration, not options.no_yade, options.time_limit))
-    except (SceneError, FolderInUseError):  # found only by solving or in the folder: the scenes before it keep their report
+    except (SceneError, FolderInUseError):  # an error found only during the run: earlier scenes keep their report
         if comparisons:
             conclude([(options.output, comparisons)], context)
         raise
@@ -32,7 +32,7 @@ def execute(context: Context) -> int:
 
 
 def _models(options: argparse.Namespace) -> list[StructuralModel]:
-    """Models of the scenes to run, each once, as the options ask for them; raises SceneError for a scene that cannot be modelled."""
+    """Return one model for each distinct scene, with the accuracy and the effects that the options request; raises SceneError."""
     scenes = [load_scene(path) for path in dict.fromkeys(shipped.find(name).resolve() for name in options.scenes)]
     if options.accuracy is not None:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]

@@ -1,4 +1,4 @@
-"""`crosscheck scenes`: the shipped scenes."""
+"""`crosscheck scenes`: list the shipped scenes."""
 
 from comparison.cli import tables
 from comparison.cli.context import Context

@@ -1,4 +1,4 @@
-"""`crosscheck show`: a drawing of a scene, its counts and its effects."""
+"""`crosscheck show`: draw a scene and list its counts and effects."""
 
 from pathlib import Path
 

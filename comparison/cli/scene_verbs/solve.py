@@ -13,7 +13,10 @@ from la_core.scene import load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Solve a scene and print its answer; inconclusive at least where the solver did not end well. Raises SceneError."""
+    """Solve a scene and print its answer; the exit code is at least 'inconclusive' if a solver failed or is inaccurate.
+
+    Raises SceneError.
+    """
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
@@ -39,6 +42,6 @@ def execute(context: Context) -> int:
 
 
 def _draw(analysis: LimitAnalysis, path: Path) -> None:
-    from comparison.figures import reaction_figure, save  # loads matplotlib, which a number does not need
+    from comparison.figures import reaction_figure, save  # loads matplotlib, which printing a number does not need
 
     save(reaction_figure(Results(analysis)), path)

@@ -1,1 +1,1 @@
-"""Verbs that take many runs: cost, sensitivity, campaign, compare."""
+"""Verbs that need many runs: cost, sensitivity, campaign, compare."""

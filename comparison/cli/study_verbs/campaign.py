@@ -1,4 +1,4 @@
-"""`crosscheck campaign`: what its words mean, what it prints, and with which code it ends."""
+"""`crosscheck campaign`: run a campaign, print its table, and return the exit code."""
 
 import contextlib
 import importlib.util
@@ -39,46 +39,49 @@ def execute(context: Context) -> int:
     """Run a campaign, print its table, and return the gravest exit code of its cases."""
     options = context.options
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
-        raise SceneError("--parquet", "is written by pyarrow, which is not installed", hint='install the extra "parquet"')
+        raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet"')
     path = find_campaign(options.campaign)
-    asked = definition.load_campaign(path)
+    campaign_definition = definition.load_campaign(path)
     folder = (options.output or default_folder(path)).resolve()
-    yade = asked.file.yade and not options.no_yade
-    whole = Campaign(asked, expand(asked), folder, yade, options.parquet, options.time_limit)
+    yade = campaign_definition.file.yade and not options.no_yade
+    cases = expand(campaign_definition)
+    campaign = Campaign(campaign_definition, cases, folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
-    with _a_request_to_end_is_an_interruption(), CampaignNarration(context.narrator, asked.title) as narration:
-        found = run_campaign(whole, engine, narration, write_campaign_report)
+    with _sigterm_interrupts(), CampaignNarration(context.narrator, campaign_definition.title) as narration:
+        table = run_campaign(campaign, engine, narration, write_campaign_report)
     if options.json:
-        context.print_json({name: value for name, value in vars(found).items() if name != "folder"} | {"folder": str(folder)})
+        stored = {name: value for name, value in vars(table).items() if name != "folder"}
+        context.print_json(stored | {"folder": str(folder)})
     else:
-        show(found, context.out)
-    return exit_code(found)
+        show(table, context.out)
+    return exit_code(table)
 
 
-def find_campaign(asked: Path) -> Path:
-    """Path of a campaign given by path or by a shipped one's name; raises SceneError when there is neither."""
+def find_campaign(path_or_name: Path) -> Path:
+    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists."""
     known = shipped_campaigns()
-    if asked.suffix == ".toml" or asked.exists():
-        return asked
-    if str(asked) not in known:
-        raise SceneError(str(asked), "neither a file nor a shipped campaign", hint=nearest(str(asked), known, "campaigns"))
-    return known[str(asked)]
+    if path_or_name.suffix == ".toml" or path_or_name.exists():
+        return path_or_name
+    name = str(path_or_name)
+    if name not in known:
+        raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
+    return known[name]
 
 
 def default_folder(path: Path) -> Path:
-    """Where a campaign's results lie where nobody says."""
+    """Return the default folder of a campaign's results."""
     return Path("crosscheck-campaigns") / path.stem
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextlib.contextmanager
-def _a_request_to_end_is_an_interruption() -> Iterator[None]:
-    """SIGTERM, as schedulers of machines send it, ends the campaign as Ctrl-C does: tables are written, the exit code is 130."""
-    if threading.current_thread() is not threading.main_thread():  # elsewhere Python lets nobody hear signals
+def _sigterm_interrupts() -> Iterator[None]:
+    """Treat SIGTERM, which batch schedulers send, like Ctrl-C: the tables are written, and the exit code is 130."""
+    if threading.current_thread() is not threading.main_thread():  # Python handles signals in the main thread only
         yield
         return
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -88,30 +91,32 @@ def _a_request_to_end_is_an_interruption() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def exit_code(found: CampaignTable) -> int:
-    """Of the gravest case: one that failed, then one that disagrees, then an inconclusive one."""
-    if found.failures:
+def exit_code(table: CampaignTable) -> int:
+    """Return the exit code of the gravest case; a failed case is graver than a disagreement, and that than an inconclusive case."""
+    if table.failures:
         return TOOL
-    verdicts = {row["verdict"] for row in found.rows}
+    verdicts = {row["verdict"] for row in table.rows}
     return DISAGREE if "disagree" in verdicts else INCONCLUSIVE if "inconclusive" in verdicts else AGREE
 
 
-def show(found: CampaignTable, out: Console) -> None:
-    """Print the first rows, what is not well, and where everything lies."""
+def show(table: CampaignTable, out: Console) -> None:
+    """Print the first rows, the reasons of failures and disagreements, the counts, and the paths of results and report."""
     headings = ("case", "least", "Coulomb", "greatest", "YADE", "verdict")
     title = "reaction over the weight W of the free blocks, or the multiplier"
-    shown = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
-    for row in found.rows[:MOST_SHOWN]:
+    terminal_table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for row in table.rows[:MOST_SHOWN]:
         divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
-        values = [number_text(None if row[name] is None else row[name] / divisor, 5) for name in ("least", "coulomb", "greatest", "yade")]
-        shown.add_row(row["case"].replace("[", r"\["), *values, row["verdict"] or ("failed" if row["state"] == "failed" else DASH))
-    out.print(shown)
-    if len(found.rows) > MOST_SHOWN:
-        out.print(f"and {len(found.rows) - MOST_SHOWN} more", markup=False)
-    for row in found.rows:
+        reactions = [row[name] for name in ("least", "coulomb", "greatest", "yade")]
+        values = [number_text(None if reaction is None else reaction / divisor, 5) for reaction in reactions]
+        verdict = row["verdict"] or ("failed" if row["state"] == "failed" else DASH)
+        terminal_table.add_row(row["case"].replace("[", r"\["), *values, verdict)
+    out.print(terminal_table)
+    if len(table.rows) > MOST_SHOWN:
+        out.print(f"and {len(table.rows) - MOST_SHOWN} more", markup=False)
+    for row in table.rows:
         if row["reason"]:
             out.print(f"{row['case']}: {row['reason']}", markup=False)
-    counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in found.rows)
-    out.print(f"{plural(len(found.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
-    out.print(f"results: {os.path.relpath(found.folder / 'results.csv')}", markup=False)
-    out.print(f"report: {os.path.relpath(found.folder / 'report.html')}", markup=False)
+    counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in table.rows)
+    out.print(f"{plural(len(table.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
+    out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)
+    out.print(f"report: {os.path.relpath(table.folder / 'report.html')}", markup=False)

@@ -1,4 +1,4 @@
-"""`crosscheck report` on folders of campaigns."""
+"""`crosscheck report` for folders of campaigns."""
 
 from pathlib import Path
 
@@ -10,16 +10,19 @@ from la_core.errors import SceneError
 
 
 def is_campaign(folder: Path) -> bool:
-    """Whether the folder holds a campaign's results."""
+    """Return whether the folder holds a campaign's results."""
     return (folder / STORED).is_file()
 
 
 def report_campaigns(context: Context) -> int:
-    """Write the reports of campaigns again; the gravest exit code of all cases. Raises SceneError for a folder of another kind."""
+    """Write the reports of campaigns again and return the gravest exit code of all cases.
+
+    Raises SceneError for a folder without a campaign.
+    """
     folders, as_json = context.options.folders, context.options.json
-    strangers = [folder for folder in folders if not is_campaign(folder)]
-    if strangers:
-        raise SceneError(str(strangers[0]), "holds no campaign, unlike the other folders", hint="report campaigns and runs apart")
+    others = [folder for folder in folders if not is_campaign(folder)]
+    if others:
+        raise SceneError(str(others[0]), "holds no campaign, unlike another folder", hint="report campaigns and runs separately")
     codes, stored = [], []
     for folder in folders:
         results = read_campaign(folder)

@@ -1,4 +1,4 @@
-"""`crosscheck compare`: two campaigns, before and after a change."""
+"""`crosscheck compare`: compare two campaigns, before and after a change."""
 
 from pathlib import Path
 
@@ -21,11 +21,11 @@ from comparison.cli.exit_codes import AGREE, DISAGREE
 from comparison.cli.study_verbs.campaign_report import is_campaign
 from la_core.errors import SceneError
 
-MOST_NAMES = 8  # of cases in one campaign only, on a terminal
+MOST_NAMES = 8  # of cases that only one campaign has, on a terminal
 
 
 def execute(context: Context) -> int:
-    """Compare two campaigns: 0 where nothing of substance changed, 1 where something did; raises SceneError."""
+    """Compare two campaigns; the exit code is 1 for any change beyond the stated uncertainties. Raises SceneError."""
     options = context.options
     comparison = compare(_read(options.before), _read(options.after))
     if options.output is not None:
@@ -39,15 +39,15 @@ def execute(context: Context) -> int:
 
 
 def _show(comparison: Comparison, out: Console) -> None:
-    """Print the tables, the cases of one campaign only, and the sentence that sums them up."""
+    """Print the tables, the cases that only one campaign has, and a summary."""
     for table in terminal_tables(comparison):
         out.print(table)
     if len(comparison.changes) > MOST_SHOWN:
         out.print(f"and {len(comparison.changes) - MOST_SHOWN} more changes", markup=False)
-    for words, names in (("before", comparison.only_before), ("after", comparison.only_after)):
+    for when, names in (("before", comparison.only_before), ("after", comparison.only_after)):
         if names:
             more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-            out.print(f"only {words}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
+            out.print(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
     out.print(sentence(comparison), markup=False)
 
 

@@ -1,4 +1,4 @@
-"""`crosscheck cost`: one ladder from each scene to its files, `SCENE-cost.png` and `SCENE-cost.json`."""
+"""`crosscheck cost`: measure error against time for each scene; write `SCENE-cost.png` and `SCENE-cost.json`."""
 
 import json
 import tempfile
@@ -29,7 +29,7 @@ from la_core.scene import Scene, load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Climb every scene's ladder and print a table for each reference; raises SceneError."""
+    """Run the cost study of every scene and print a table for each reference; raises SceneError."""
     options = context.options
     scenes = [load_scene(shipped.find(name)) for name in options.scenes]
     refuse_names(scenes)
@@ -46,10 +46,14 @@ def execute(context: Context) -> int:
 
 
 def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> CostStudy:
-    """Run every rung of a scene and write its figure and its numbers; raises SceneError for a structure without an answer."""
+    """Run every setting of every method on a scene, and write the figure and the numbers into a folder.
+
+    with_yade: include YADE, for a scene without a live load. narration: receives the progress. Raises SceneError for a structure
+    without an answer.
+    """
     status = solve_associated(assemble(scene), drives(scene)[0]).status
     if status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {status}, so there is nothing to climb to")
+        raise SceneError(str(scene.path), f"limit analysis ends as {status}, so the study has no reference value")
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as runs:
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))

@@ -1,4 +1,4 @@
-"""`crosscheck sensitivity`: the study of the classic iteration on one scene: references, runs, figure."""
+"""`crosscheck sensitivity`: study the classic iteration on one scene: references, runs, figure."""
 
 from pathlib import Path
 
@@ -29,14 +29,14 @@ def execute(context: Context) -> int:
 
 
 def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Sensitivity, dict[str, tuple[float, int]]]:
-    """Study a scene and write the figure; also returns the value and the number of programmes of each reference.
+    """Study a scene and write the figure; returns the study, and each reference's value and number of programmes.
 
     Raises SceneError for a structure without an answer.
     """
     analysis = analyse(scene)
     main, coulomb = analysis.bounds[analysis.main], analysis.coulomb
     if main.status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so there is nothing to iterate on")
+        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so the classic iteration has no starting point")
     references = {"associated": (main.value, 1)}
     if coulomb is not None:
         references["Coulomb, elastic joints"] = (coulomb.value, coulomb.iterations)
