@@ -10,7 +10,7 @@ from typing import Any
 
 from rich.console import Console
 
-from comparison.figures import scene_figures, structure
+from comparison.figures import assembly_figure, rendered, save, scene_figures
 from comparison.judge import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
 from comparison.progress import Narration
 from comparison.provenance import describe
@@ -57,11 +57,11 @@ class Picture:
         """
         if Path(path).suffix not in FIGURE_FORMATS:
             raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
-        structure.save(self.figure, Path(path))
+        save(self.figure, Path(path))
         return self
 
     def _repr_png_(self) -> bytes:
-        return structure.rendered(self.figure, ".png")
+        return rendered(self.figure, ".png")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -282,7 +282,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     True
     """
     if isinstance(what, Scene):
-        return Picture(structure.assembly_figure(what, decided_model(what).assembly))
+        return Picture(assembly_figure(what, decided_model(what).assembly))
     drawings = scene_figures(Results(what.analysis, run))
     chosen = name or "mechanisms"
     if chosen not in drawings:

@@ -1,11 +1,13 @@
-"""Every picture of one scene; matplotlib is known here, in the studies and in the campaign's figures alone."""
+"""Figures of one scene; only this room, the studies and the campaign's figures import matplotlib."""
 
-from comparison.figures import canvas, structure
+from comparison.figures import canvas
 from comparison.figures.animation import Story, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
 from comparison.figures.motion import Motion, Motions, motions
+from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import scene_figures
-from comparison.figures.structure import ROLE_NAME, save
+from comparison.figures.save import rendered, save
+from comparison.figures.structure import ROLE_NAME, assembly_figure
 
 __all__ = [
     "FAINT",
@@ -17,12 +19,14 @@ __all__ = [
     "Motion",
     "Motions",
     "Story",
+    "assembly_figure",
     "canvas",
     "method_colour",
     "motions",
+    "reaction_figure",
+    "rendered",
     "save",
     "scene_figures",
-    "structure",
     "tint",
     "write_animation",
 ]

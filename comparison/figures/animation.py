@@ -1,4 +1,4 @@
-"""The story of a settlement as an animation: both methods' mechanisms grow while the reaction's record draws itself."""
+"""A settlement as an animation: both methods' mechanisms grow while the record of the reaction is drawn."""
 
 import errno
 import shutil
@@ -26,21 +26,21 @@ from la_core.model import Assembly
 SECONDS = 4.0  # from rest to the end
 HOLD = 2.0  # s, the last frame
 DPI = 100
-COLOURS = 128  # of a GIF: flat areas and the greys of its letters
+COLOURS = 128  # of a GIF: enough for flat areas and the greys of letters
 NEARLY_WHITE = 244  # of 255
-SLOW = 2.0  # power of the time: the reaction falls at the settlement's beginning, which goes slowly
+SLOW = 2.0  # power of the time: the settlement starts slowly, because the reaction falls at its beginning
 
 
 class Story:
-    """A figure and what changes in it from frame to frame."""
+    """The figure of an animation, and the parts of it that change from frame to frame."""
 
     def __init__(self, results: Results) -> None:
-        """Draw all that stays; raises SceneError where nothing moves."""
+        """Draw everything that does not change; raises SceneError where nothing moves."""
         scene, analysis, run = results.scene, results.analysis, results.run
         self.shown = motions(results)
         if not self.shown.end > self.shown.start:
             reasons = "; ".join(f"{method.label}: {method.reason}" for method in self.shown.methods if method.reason)
-            raise SceneError(str(scene.path), f"nothing moves that could be animated ({reasons})", hint="look at its figures instead")
+            raise SceneError(str(scene.path), f"nothing moves, so there is no animation ({reasons})", hint="look at its figures instead")
         self.assembly, self.run, self.scene = analysis.assembly, run, scene
         low, high = window(self.assembly)
         count = len(self.shown.methods)
@@ -51,8 +51,8 @@ class Story:
         self.figure.suptitle(wrapped(scene.title), fontsize=11, parse_math=False)
         self.canvases = canvases(upper, self.assembly, count)
         for canvas, method in zip(self.canvases, self.shown.methods, strict=True):
-            words = f"{method.label}\n{method.reason}" if method.reason else method.label
-            canvas.axes.set_title(words[:TITLE_WIDTH], parse_math=False, fontsize=10)
+            heading = f"{method.label}\n{method.reason}" if method.reason else method.label
+            canvas.axes.set_title(heading[:TITLE_WIDTH], parse_math=False, fontsize=10)
             if np.isfinite(method.twists).all():
                 canvas.block_outlines(_moves(self.assembly, method) | np.any(self.assembly.support_twist, axis=1), FAINT)
         self.still = [len(canvas.axes.collections) for canvas in self.canvases]
@@ -65,25 +65,25 @@ class Story:
         self.reading = axes.set_title("settlement", fontsize=9, loc="left", parse_math=False)
         self.draw(1.0)
         self.figure.draw_without_rendering()
-        self.figure.set_layout_engine("none")  # nothing jumps from frame to frame
+        self.figure.set_layout_engine("none")  # the layout stays the same in all frames
 
     def draw(self, share: float) -> None:
-        """The frame at a share of the time, 0 at rest and 1 at the end."""
-        shown = self.shown
-        settlement = shown.start + share**SLOW * (shown.end - shown.start)
-        for canvas, method, still in zip(self.canvases, shown.methods, self.still, strict=True):
+        """Draw the frame at a share of the time, 0 at rest and 1 at the end."""
+        start, end = self.shown.start, self.shown.end
+        settlement = start + share**SLOW * (end - start)
+        for canvas, method, still in zip(self.canvases, self.shown.methods, self.still, strict=True):
             for artist in list(canvas.axes.collections)[still:]:
                 artist.remove()
             self._draw_blocks(canvas, method, settlement)
-        words = self._words(settlement)
+        title = self._words(settlement)
         if self.run is not None:
             at, reaction = self.run.settling("settlement"), self.run.settling("reaction")
             drawn = np.arange(len(at)) < max(1, np.searchsorted(np.maximum.accumulate(at), settlement, side="right"))
             at, reaction = at[drawn | (share == 1.0)] / self.scales.settlement, reaction[drawn | (share == 1.0)] / self.scales.reaction
             self.line.set_data(at, reaction)
             self.tip.set_data(at[-1:], reaction[-1:])
-            words += "".join(f"; YADE's R = {format_number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
-        self.reading.set_text(words)
+            title += "".join(f"; YADE's R = {format_number(value, 4)} {self.scales.reaction_unit}" for value in reaction[-1:])
+        self.reading.set_text(title)
 
     def _draw_blocks(self, canvas: Canvas, method: Motion, settlement: float) -> None:
         blocks = self.assembly.blocks
@@ -93,8 +93,9 @@ class Story:
         canvas.solids(vertices, *looks(self.assembly, _moves(self.assembly, method), tint(method_colour(method.label))))
 
     def _words(self, settlement: float) -> str:
+        """Return the settlement, m or rad, with its unit and the magnification, as text."""
         if self.scene.live is not None:
-            return f"mechanism at {100.0 * settlement / self.shown.end:.0f} % of what is drawn"
+            return f"mechanism at {100.0 * settlement / self.shown.end:.0f} % of its drawn size"
         unit, divisor = (
             (self.scales.settlement_unit, self.scales.settlement) if self.run else ("mrad" if self.scene.is_rotation else "mm", 1e-3)
         )
@@ -106,33 +107,47 @@ class Story:
 
 
 class GifWriter(animation.PillowWriter):
-    """One palette for all frames, without dithering, so that a frame stores only what changed; the last one stays."""
+    """Writer of a GIF with one palette for all frames and no dithering, so that a frame stores only changed parts.
+
+    The last frame stays for HOLD seconds.
+    """
 
     _frames: list[Image.Image]
 
     def finish(self) -> None:
-        """Write the file."""
-        whole = self._frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
-        palette = np.array(whole.getpalette()).reshape(-1, 3)
+        """Write the file from the frames."""
+        last = self._frames[-1].quantize(COLOURS, dither=Image.Dither.NONE)
+        palette = np.array(last.getpalette()).reshape(-1, 3)
         palette[palette.min(axis=1) > NEARLY_WHITE] = 255  # the paper stays white
-        whole.putpalette(palette.ravel().tolist())
-        frames = [frame.quantize(palette=whole, dither=Image.Dither.NONE) for frame in self._frames]
+        last.putpalette(palette.ravel().tolist())
+        frames = [frame.quantize(palette=last, dither=Image.Dither.NONE) for frame in self._frames]
         each = round(1000.0 / self.fps)
         durations = [each] * (len(frames) - 1) + [round(1000.0 * HOLD)]
         frames[0].save(self.outfile, save_all=True, append_images=frames[1:], duration=durations, loop=0)
 
 
 def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int, int], None]) -> int:
-    """Write a GIF, or an MP4 by ffmpeg, and return its number of frames; `progress` hears which of how many is drawn.
+    """Write a GIF, or an MP4 by ffmpeg, and return its number of frames.
 
     Raises FileNotFoundError where ffmpeg is needed and not installed.
+
+    Parameters
+    ----------
+    story : Story
+        The figure to animate.
+    path : Path
+        File to write; its suffix, .gif or .mp4, is the format.
+    fps : int
+        Frames a second.
+    progress : callable
+        Called with the number of the drawn frame, from 1, and the number of frames.
     """
     count = round(SECONDS * fps) + 1
     shares = list(np.linspace(0.0, 1.0, count))
     if path.suffix == ".mp4":
         if shutil.which("ffmpeg") is None:
             raise FileNotFoundError(
-                errno.ENOENT, "not installed, and MP4 needs it: apt-get install ffmpeg, or take a name that ends in .gif", "ffmpeg"
+                errno.ENOENT, "not installed, but MP4 needs it: apt-get install ffmpeg, or choose a name that ends in .gif", "ffmpeg"
             )
         shares += [1.0] * round(HOLD * fps)
     writer = GifWriter(fps=fps) if path.suffix == ".gif" else animation.FFMpegWriter(fps=fps)
@@ -148,7 +163,7 @@ def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int,
 
 
 def _moves(assembly: Assembly, method: Motion) -> np.ndarray:
-    """Mask (B,) of the free blocks that move, or fall."""
+    """Return the mask (B,) of the free blocks that move, or that fall where there is no mechanism."""
     if not np.isfinite(method.twists).all():
         return (assembly.blocks.role == FREE) & np.isin(assembly.blocks.names, method.falling)
     return mechanism.moving(assembly.blocks, method.twists)

@@ -1,7 +1,8 @@
-"""Blocks, interfaces, points and arrows on a canvas: a plane scene seen along y, any other in a parallel view; the palette.
+"""Blocks, interfaces, points and arrows on a canvas, and the colours of all figures.
 
-Convex blocks that share an interface hide each other in a known order, so the view is drawn back to front by that order:
-mplot3d sorts single faces by their mean depth instead, which goes wrong for a long foundation under short blocks.
+A plane scene is seen along y, any other scene in a parallel view. Convex blocks that share an interface hide each other in a
+known order; the view draws them back to front in that order. Mplot3d sorts single faces by their mean depth instead, and draws a
+long foundation over the short blocks on it.
 """
 
 import heapq
@@ -19,11 +20,11 @@ from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
 
-LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: told apart in greyscale by luminance alone
+LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: their luminance differs, so that they differ in greyscale too
 YADE = "#f39c34"
 INK = "#222222"
 FAINT = "#9a9a9a"
-ASIDE = 3  # drawn as a role of its own: a free block of the scene that is held, out of the motion's reach
+ASIDE = 3  # drawn as a fourth role: a free block that was left out of the modelled region and is held at rest
 ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
 ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
 LINE = 0.5  # pt, block outlines
@@ -36,28 +37,28 @@ HALO = [matplotlib.patheffects.withStroke(linewidth=2.0, foreground="white")]
 
 
 def method_colour(label: str) -> str:
-    """Colour of a method by its label: YADE's, or limit analysis'."""
+    """Return the colour of a method: YADE's where the label starts with "yade" in any case, else limit analysis'."""
     return YADE if label.casefold().startswith("yade") else LIMIT_ANALYSIS
 
 
 def drawn_roles(assembly: Assembly) -> list[int]:
-    """Role of each block as it is drawn."""
+    """Return the role of each block in figures: that of the scene, or ASIDE."""
     return [int(role) for role in np.where(assembly.aside, ASIDE, assembly.blocks.role)]
 
 
 def tint(colour: str) -> str:
-    """A lighter shade for areas, against which black edges and marks stand out."""
-    red, green, blue = (round(255 * (0.6 * part + 0.4)) for part in to_rgb(colour))
+    """Return a lighter shade of a colour, for areas under black edges and marks."""
+    red, green, blue = (round(255 * (0.6 * channel + 0.4)) for channel in to_rgb(colour))
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def structure_size(blocks: Blocks) -> float:
-    """Largest extent of the structure, m."""
+    """Return the largest extent of the structure along x, y or z, m."""
     return float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
 
 
 def loops(points: np.ndarray, start: np.ndarray) -> list[np.ndarray]:
-    """Polygons, each (n, 3), of concatenated points, with their first rows and the end in `start`."""
+    """Split concatenated points into polygons, each (n, 3); `start` has the first row of each polygon, and the end."""
     return np.split(points, start[1:-1])
 
 
@@ -65,7 +66,7 @@ class Canvas:
     """Axes that show one structure at equal scale, x to the right and z upwards; positions are (3,) or (N, 3) in m."""
 
     def __init__(self, axes: Any, assembly: Assembly, width: float) -> None:
-        """Prepare `axes`, about `width` points wide."""
+        """Prepare the axes for a structure; `width` is the width of the axes on paper, in points."""
         self.axes = axes
         self.blocks = assembly.blocks
         self.plane = assembly.effects.plane
@@ -87,11 +88,11 @@ class Canvas:
             self._scales()
 
     def flat(self, position: np.ndarray) -> np.ndarray:
-        """Positions (..., 3) as drawn (..., 2)."""
+        """Project positions (..., 3) onto the axes (..., 2), m."""
         return position @ np.stack([self.right, self.up], axis=1)
 
     def solids(self, vertices: np.ndarray, face: Sequence[str], hatch: Sequence[str]) -> None:
-        """Blocks with vertices (V, 3), a face colour and a hatch for each block; only faces towards the viewer."""
+        """Draw the faces towards the viewer of blocks with vertices (V, 3), by each block's face colour and hatch."""
         blocks = self.blocks
         corners = vertices[blocks.face_vertex]
         normal = _normals(corners, blocks.face_start)
@@ -110,28 +111,43 @@ class Canvas:
             self.axes.add_collection(run)
 
     def outlines(self, polygons: Sequence[np.ndarray], colour: str, width: float, style: str = "-", below: bool = False) -> None:
-        """Closed polygons, each (n, 3), as lines; those of a plane scene's interfaces shrink to their trace."""
+        """Draw closed polygons as lines.
+
+        Parameters
+        ----------
+        polygons : sequence of ndarray
+            Corners (n, 3) of each polygon, m. In a plane scene an interface is seen as a straight line.
+        colour, style : str
+            Colour and line style of matplotlib.
+        width : float
+            Width of the lines, pt.
+        below : bool
+            Whether the lines are drawn below the blocks.
+        """
         closed = [self.flat(np.concatenate([polygon, polygon[:1]])) for polygon in polygons]
         lines = LineCollection(closed, colors=colour, linewidths=width, linestyles=style, capstyle="round", zorder=0.5 if below else 2)
         self.axes.add_collection(lines)
 
-    def block_outlines(self, shown: np.ndarray, colour: str) -> None:
-        """Blocks of the mask `shown` (B,) where they stood before; behind the others in a view of many."""
+    def block_outlines(self, moved: np.ndarray, colour: str) -> None:
+        """Outline the blocks of the mask `moved` (B,) at rest.
+
+        In space, the outlines of large structures are behind the blocks.
+        """
         blocks = self.blocks
-        seen = np.flatnonzero((blocks.face_normal @ self.toward > 1e-6) & shown[blocks.face_block])
+        seen = np.flatnonzero((blocks.face_normal @ self.toward > 1e-6) & moved[blocks.face_block])
         polygons = loops(blocks.vertices[blocks.face_vertex], blocks.face_start)
         self.outlines([polygons[f] for f in seen], colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
 
     def seen(self, position: np.ndarray) -> np.ndarray:
-        """Mask (N,) of the positions worth a mark: all in a plane or small scene, else those that no stone hides."""
+        """Return the mask (N,) of the visible positions: all in a plane or small scene, else those that no block hides."""
         if self.plane or self.few:
             return np.ones(len(position), dtype=bool)
         blocks = self.blocks
         owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
         along = blocks.face_normal @ self.toward
         hidden = []
-        for part in np.array_split(position, len(position) // 500 + 1):
-            inside = blocks.face_offset - part @ blocks.face_normal.T
+        for chunk in np.array_split(position, len(position) // 500 + 1):
+            inside = blocks.face_offset - chunk @ blocks.face_normal.T
             with np.errstate(divide="ignore", invalid="ignore"):
                 cut = inside / along  # distance towards the viewer to each face's plane
             leave = np.minimum.reduceat(np.where(along > 1e-9, cut, np.inf), owner_start, axis=1)
@@ -142,35 +158,38 @@ class Canvas:
         return ~np.concatenate(hidden)
 
     def marks(self, position: np.ndarray, **style: Any) -> None:
-        """Markers without lines."""
+        """Draw markers at positions (N, 3); `style` goes to `Axes.plot`."""
         self.axes.plot(*self.flat(position).T, linestyle="none", zorder=5, **style)
 
     def arrow(self, start: np.ndarray, end: np.ndarray) -> None:
-        """Filled arrow that may leave the axes."""
+        """Draw a filled arrow between two positions (3,); it may leave the axes."""
         self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=arrow_style(INK))
 
     def gravity(self, direction: np.ndarray) -> None:
-        """Grey arrow in the upper right corner along a unit vector (3,)."""
+        """Draw a grey arrow along a unit vector (3,), in the upper right corner."""
         place = {"xycoords": "axes fraction", "textcoords": "offset points"}
         self.axes.annotate("", (0.975, 0.9), -32.0 * self.flat(direction), **place, arrowprops=arrow_style(FAINT))
 
     def text(self, position: np.ndarray, words: str, points: float) -> None:
-        """Words as they are, without markup, centred, with a white halo."""
+        """Write plain text, without markup, centred at a position (3,), with a white halo.
+
+        `points` is the font size.
+        """
         style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 7}
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Each block's name at its centroid, as large as the block allows, a word to a line where that helps."""
+        """Write each block's name at its centroid, as large as the block allows."""
         extent = (self.blocks.high - self.blocks.low) * self.scale
         for name, centre, (width, _, height) in zip(self.blocks.names, self.blocks.centroid, extent, strict=True):
             whole = name if len(name) <= 24 else name[:23] + "…"
             split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
             sizes = {words: _font(words, width, height) for words in (whole, split)}
-            shown = max(sizes, key=lambda words: sizes[words])
-            self.text(centre, shown, sizes[shown])
+            largest = max(sizes, key=lambda words: sizes[words])
+            self.text(centre, largest, sizes[largest])
 
     def _scales(self) -> None:
-        """Axes in space, in m: x along the lower front edge, y along the lower right one, z along the front left one."""
+        """Draw axes in space, m: x on the lower front edge, y on the lower right edge, z on the front left edge."""
         low, high = self.blocks.low.min(axis=0), self.blocks.high.max(axis=0)
         gap = 0.03 * structure_size(self.blocks)
         edges = (
@@ -192,25 +211,25 @@ class Canvas:
 
 
 def arrow_style(colour: str) -> dict[str, Any]:
-    """Properties of every arrow."""
+    """Return the properties of an arrow of this colour."""
     return {"arrowstyle": "-|>", "color": colour, "linewidth": 2.0, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 14}
 
 
 def _font(words: str, width: float, height: float) -> float:
-    """Font size (pt), readable and not larger than names need, that lets words fit into width and height (pt) at best."""
+    """Return the font size (pt) at which words fit into a width and a height (pt), within the allowed sizes."""
     lines = words.split("\n")
     return float(np.clip(min(width / (0.62 * max(map(len, lines))), height / (1.2 * len(lines))), 5.0, 9.0))
 
 
 def canvases(figure: Figure | SubFigure, assembly: Assembly, count: int) -> list[Canvas]:
-    """`count` canvases side by side for the structure, at equal scale."""
+    """Return `count` canvases for the structure, side by side, at equal scale."""
     grid = figure.subplots(1, count, squeeze=False, sharey=True)[0]
     width = 0.88 * figure.figure.get_figwidth() * 72.0 / count
     return [Canvas(axes, assembly, width) for axes in grid]
 
 
 def window(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner (2,) of what a canvas shows, m in the view's directions."""
+    """Return the lower left and the upper right corner (2,) of a canvas, m, in the directions of the view."""
     low, high = assembly.blocks.low.min(axis=0), assembly.blocks.high.max(axis=0)
     corners = np.stack(np.meshgrid(*np.stack([low, high], axis=1)), axis=-1).reshape(-1, 3)
     right, up, _ = view_axes(assembly.effects.plane)
@@ -220,7 +239,7 @@ def window(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
 
 
 def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Unit vectors to the right, upwards and towards the viewer."""
+    """Return unit vectors (3,) to the right, upwards and towards the viewer, for a plane scene or one in space."""
     if plane:
         return np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])
     right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
@@ -229,7 +248,10 @@ def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
-    """Blocks in the order to draw them: across every interface the block on the viewer's side later, the farther first else."""
+    """Return the blocks (B,) in drawing order.
+
+    Of two blocks with an interface, the block on the viewer's side comes later. Other blocks are ordered by depth, the farthest first.
+    """
     facing = assembly.interfaces.normal @ toward
     behind = np.where(facing > 0.0, assembly.interfaces.block_a, assembly.interfaces.block_b)
     before = np.where(facing > 0.0, assembly.interfaces.block_b, assembly.interfaces.block_a)
@@ -238,7 +260,7 @@ def _back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
     hides: list[list[int]] = [[] for _ in depth]
     for a, b in zip(behind, before, strict=True):
         hides[a].append(int(b))
-    # Where blocks interlock in a ring no order is right: the farthest block that waits for fewest others goes first.
+    # No order is right where blocks interlock in a ring: the block that waits for the fewest others goes first, the farthest of these.
     queue = [(int(waiting[k]), float(depth[k]), k) for k in range(len(depth))]
     heapq.heapify(queue)
     order: list[int] = []
@@ -256,7 +278,7 @@ def _back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
 
 
 def _normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Unit normals (F, 3) of polygons by Newell's sum of cross products of successive corners."""
+    """Return unit normals (F, 3) of polygons, by Newell's sum of cross products of successive corners."""
     following = np.arange(1, len(corners) + 1)
     following[start[1:] - 1] = start[:-1]
     first = np.repeat(corners[start[:-1]], np.diff(start), axis=0)

@@ -1,4 +1,4 @@
-"""Where a mechanism dissipates: interfaces by the power of their friction, contact points by what they do."""
+"""Figure of a mechanism's dissipation: interfaces by the power of their friction, contact points by state."""
 
 import textwrap
 from typing import Any
@@ -17,8 +17,8 @@ from la_core.measures import ContactState, MechanismMeasures, mechanism
 from la_core.model import Assembly
 
 DRAWN = 0.09  # of the structure's size: the largest displacement drawn
-SMALLEST = 0.01  # of the most dissipating interface: less is drawn as none
-WIDTH = (1.6, 5.5)  # pt, of an interface that dissipates next to nothing and of the one that dissipates most
+SMALLEST = 0.01  # of the most dissipating interface: interfaces below are not drawn
+WIDTH = (1.6, 5.5)  # pt, of an interface that dissipates almost nothing, and of the most dissipating one
 TITLE_WIDTH = 90  # characters
 # From light to dark, so that it reads in greyscale too; it starts at orange, because paler lines would vanish on the stone.
 POWER = LinearSegmentedColormap.from_list("power", ["#f7b267", "#e4572e", "#a4133c", "#3d0814"])
@@ -32,9 +32,19 @@ STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size 
 
 
 def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: MechanismMeasures, title: str = "") -> Figure:
-    """The structure displaced by its mechanism, twists (B, 6): interfaces by dissipated power, contact points by state.
+    """Draw the structure displaced by its mechanism: interfaces by dissipated power, contact points by state.
 
-    Where twists are NaN the structure is drawn at rest and the title says that no mechanism is known.
+    Parameters
+    ----------
+    assembly : Assembly
+        The structure.
+    twists : ndarray
+        Mechanism (B, 6) for the unit motion of the drive. Where it is NaN, the structure is drawn at rest and the title says that no
+        mechanism is known.
+    measures : MechanismMeasures
+        Measures of the same mechanism.
+    title : str
+        Shown above the figure.
     """
     known = bool(np.isfinite(twists).all())
     motion = twists if known else np.zeros_like(twists)
@@ -52,7 +62,7 @@ def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: Mechani
 
 
 def _headings(canvas: Canvas, title: str, summary: str) -> None:
-    """The title over the axes and the summary between both, smaller."""
+    """Write the title above the axes, and the summary between them in smaller letters."""
     above = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
     canvas.axes.annotate(summary, (0.5, 1.0), (0.0, 6.0), fontsize=9, linespacing=1.3, parse_math=False, **above)
     wrapped = "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
@@ -60,7 +70,7 @@ def _headings(canvas: Canvas, title: str, summary: str) -> None:
 
 
 def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
-    """Dissipated power over the settling weight's, participation index and moving mass share, in words."""
+    """Return the power, its share of the settling weight's work, participation index and moving mass as text."""
     moving = f"{100.0 * measures.moving_mass_share:.3g} % of the mass moves"
     if not measures.dissipated_power > 0.0:
         return f"friction dissipates nothing  ·  {moving}"
@@ -68,12 +78,12 @@ def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
     power = f"friction dissipates {measures.dissipated_power / divisor:.4g} {unit or 'per unit power of the live load'}"
     share = f" = {100.0 * measures.dissipated_share:.3g} % of the settling weight's work" if np.isfinite(measures.dissipated_share) else ""
     count = len(assembly.interfaces)
-    alike = f"as if shared equally by {measures.participation_index * count:.3g} of the {count} interfaces"
-    return f"{power}{share}  ·  {moving}\nparticipation index {measures.participation_index:.3g}: {alike}"
+    equal = f"as if shared equally by {measures.participation_index * count:.3g} of the {count} interfaces"
+    return f"{power}{share}  ·  {moving}\nparticipation index {measures.participation_index:.3g}: {equal}"
 
 
 def _unit(assembly: Assembly, power: float) -> tuple[float, str]:
-    """Divisor and unit of a power per unit motion of the drive; a live load's has no unit."""
+    """Return divisor and unit of a power per unit motion of the drive; under a live load it has no unit."""
     if assembly.has_live_load:
         return 1.0, ""
     unit = "N m" if np.any(assembly.support_twist[:, 3:]) else "N"
@@ -81,18 +91,18 @@ def _unit(assembly: Assembly, power: float) -> tuple[float, str]:
 
 
 def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -> None:
-    """Displaced blocks and where the moving ones stood."""
+    """Draw the displaced blocks, and the outlines of the moving blocks at rest."""
     blocks = assembly.blocks
     owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
     vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, owner)
     moves, roles = mechanism.moving(blocks, displacement), drawn_roles(assembly)
-    face = [MOVES if own else ROLE_FACE[role] for own, role in zip(moves, roles, strict=True)]
+    face = [MOVES if is_moving else ROLE_FACE[role] for is_moving, role in zip(moves, roles, strict=True)]
     canvas.solids(vertices, face, [ROLE_HATCH[role] for role in roles])
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
 
 
 def _draw_interfaces(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, power: np.ndarray) -> None:
-    """Edges of the interfaces halfway between their displaced blocks, the more power the darker and the wider."""
+    """Draw the edges of the interfaces halfway between their displaced blocks; more power is darker and wider."""
     interfaces = assembly.interfaces
     count = np.diff(interfaces.polygon_start)
     owner = np.repeat(np.arange(len(interfaces)), count)
@@ -101,32 +111,32 @@ def _draw_interfaces(canvas: Canvas, assembly: Assembly, displacement: np.ndarra
     middle = _halfway(assembly, displacement, interfaces.polygon, owner)
     share = np.nan_to_num(power) / max(float(np.nan_to_num(power).max(initial=0.0)), np.finfo(float).tiny)
     seen = canvas.seen(interfaces.polygon)
-    shown = np.flatnonzero((share[owner] > SMALLEST) & seen & seen[following])
-    shown = shown[np.argsort(share[owner[shown]], kind="stable")]  # the strongest on top
-    lines = np.stack([canvas.flat(middle[shown]), canvas.flat(middle[following[shown]])], axis=1)
-    strength = share[owner[shown]]
+    edges = np.flatnonzero((share[owner] > SMALLEST) & seen & seen[following])
+    edges = edges[np.argsort(share[owner[edges]], kind="stable")]  # the strongest on top
+    lines = np.stack([canvas.flat(middle[edges]), canvas.flat(middle[following[edges]])], axis=1)
+    strength = share[owner[edges]]
     style = {"colors": POWER(strength), "linewidths": WIDTH[0] + (WIDTH[1] - WIDTH[0]) * strength, "capstyle": "round"}
     canvas.axes.add_collection(LineCollection(list(lines), zorder=3, **style))
 
 
 def _draw_points(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, states: np.ndarray) -> None:
-    """Contact points by state, halfway between their displaced blocks."""
+    """Draw the contact points by state, halfway between their displaced blocks."""
     position = assembly.points.position
     middle, seen = _halfway(assembly, displacement, position, assembly.points.interface), canvas.seen(position)
     for state, (_, size, style) in STYLES.items():
-        shown = seen & (states == state)
-        if shown.any():
-            canvas.marks(middle[shown], markersize=size * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
+        marked = seen & (states == state)
+        if marked.any():
+            canvas.marks(middle[marked], markersize=size * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
 
 
 def _halfway(assembly: Assembly, displacement: np.ndarray, position: np.ndarray, interface: np.ndarray) -> np.ndarray:
-    """Positions (N, 3) on interfaces (N,), displaced by the mean of the two blocks."""
+    """Return positions (N, 3) on interfaces (N,), displaced by the mean of the two blocks."""
     sides = (assembly.interfaces.block_a[interface], assembly.interfaces.block_b[interface])
     return position + sum(mechanism.point_velocity(assembly.blocks, displacement, position, side) for side in sides) / 2.0
 
 
 def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: MechanismMeasures) -> None:
-    """Colour bar in the unit of the power, where there is any."""
+    """Add a colour bar in the unit of the power, where anything dissipates."""
     if not measures.dissipated_power > 0.0:
         return
     divisor, unit = _unit(assembly, measures.dissipated_power)
@@ -138,7 +148,7 @@ def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: M
 
 
 def _handles(measures: MechanismMeasures) -> list[Patch | Line2D]:
-    """Keys of the moving blocks and their outlines before, and of the states that occur with the number of points."""
+    """Return legend entries: the moving blocks, their outlines at rest, and the states with their numbers of points."""
     handles: list[Patch | Line2D] = []
     if np.isfinite(measures.moving_mass_share):
         handles = [Patch(facecolor=MOVES, edgecolor=INK, linewidth=0.5, label="moves"), Line2D([], [], color=FAINT, label="before")]
@@ -151,7 +161,7 @@ def _handles(measures: MechanismMeasures) -> list[Patch | Line2D]:
 
 
 def _figure(assembly: Assembly, has_scale: bool) -> Figure:
-    """Figure whose height follows what its canvas shows at the width that a colour bar leaves."""
+    """Return a figure; its height fits the structure at the width beside the colour bar."""
     low, high = window(assembly)
     width, height = high - low
     across = 7.0 if has_scale else 7.9  # in

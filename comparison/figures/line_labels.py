@@ -1,19 +1,31 @@
-"""Words next to lines and inside bands, where they fit without covering another line."""
+"""Labels beside lines and inside bands, where they fit without covering another line."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-ROW = 0.055  # of the axes' height: a row of words with its gap to the line
+ROW = 0.055  # of the axes' height: one row of text and its gap to the line
 SIZE = 8.0  # pt
-TOUCHING = 0.004  # of the axes' height: words at one of two lines this close do not count as covering the other
+TOUCHING = 0.004  # of the axes' height: a label at one of two lines this close does not count as covering the other
 BOX = {"facecolor": "white", "alpha": 0.75, "linewidth": 0.0, "pad": 0.6}
-RIGHT = 0.98  # of the axes' width: where words end, because records fall on the left
+RIGHT = 0.98  # of the axes' width: the right end of labels, because records fall steeply on the left
 
 
 @dataclass(frozen=True)
 class Word:
-    """Words for a line at one value, or for a band between two; `named` is what the legend calls what they stand for."""
+    """A label of a line at one value, or of a band between two values.
+
+    Attributes
+    ----------
+    low, high : float
+        Values of the band, in the unit of the axes; equal for a line.
+    words : str
+        Text of the label, one or more lines.
+    colour : str
+        Colour of the text.
+    named : tuple of str
+        Names that the line or band has in the legend; the legend leaves them out once the label is written.
+    """
 
     low: float
     high: float
@@ -23,9 +35,20 @@ class Word:
 
 
 def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = ()) -> set[str]:
-    """Write what fits into axes with these limits, from the top down, lines before bands; returns the `named` of what was written.
+    """Write the labels that fit, from the top down, lines before bands; return the legend's names of these.
 
-    `other` are values that words keep off, too. What does not fit is left to the legend.
+    Labels that do not fit are not written; the legend names their lines.
+
+    Parameters
+    ----------
+    axes : Axes
+        Axes of matplotlib.
+    words : sequence of Word
+        Labels, in the unit of the axes.
+    limits : tuple of float
+        Lower and upper end of the axes.
+    other : sequence of float
+        Further values that labels must not cover.
     """
     bottom, top = limits
 
@@ -56,7 +79,10 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
 
 
 def _is_free(low: float, levels: Sequence[float], rows: Sequence[tuple[float, float]]) -> bool:
-    """Whether a row from `low` on lies inside the axes and covers no line and no other row."""
+    """Return whether a row that starts at `low` is inside the axes and covers no line and no other row.
+
+    All values are shares of the axes' height.
+    """
     high = low + ROW
     covers_line = any(low + TOUCHING < level < high - TOUCHING for level in levels)
     covers_row = any(low < end - 1e-9 and start < high - 1e-9 for start, end in rows)
@@ -64,7 +90,10 @@ def _is_free(low: float, levels: Sequence[float], rows: Sequence[tuple[float, fl
 
 
 def _widest_gap(low: float, high: float, levels: Sequence[float], rows: Sequence[tuple[float, float]], height: float) -> float | None:
-    """Middle of the highest free stretch between low and high; None where it is lower than `height`."""
+    """Return the middle of the highest free gap between `low` and `high`.
+
+    The result is None where the gap is lower than `height`.
+    """
     taken = sorted([*((level, level) for level in levels), *rows, (low, low), (high, high)])
     best, reached = (0.0, 0.0), low
     for start, end in taken:
@@ -75,7 +104,7 @@ def _widest_gap(low: float, high: float, levels: Sequence[float], rows: Sequence
 
 
 def _write(axes: Any, word: Word, height: float, alignment: str) -> None:
-    """Words over lines and records, but under marks."""
+    """Write a label above lines and records, but below marks."""
     offset = {"bottom": 2.0, "top": -3.5, "center": 0.0}[alignment]
     axes.annotate(
         word.words, (RIGHT, height), (0.0, offset), xycoords="axes fraction", textcoords="offset points",

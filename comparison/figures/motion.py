@@ -1,4 +1,4 @@
-"""How the blocks move over the settlement by each method, from rest under gravity: what is shown side by side in motion."""
+"""Motion of the blocks over the settlement, by method, from rest under gravity."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,17 +14,31 @@ from la_core.measures import contact_states, mechanism
 from la_core.model import Assembly
 
 DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mechanism
-
-FARTHEST = 0.5  # of the structure's size: a collapse that goes farther is magnified less
+FARTHEST = 0.5  # of the structure's size: the largest displacement of a magnified collapse
 
 
 @dataclass(frozen=True)
 class Motion:
     """States of one method in order of the support's motion, the first at rest.
 
-    settlement (S,), m or rad. displacement (S, B, 6): of the centroids, m, and rotation vectors, rad, both from rest. forces (S, C, 3):
-    contact forces on block b, N; NaN where unknown. twists (B, 6): the mechanism per unit motion of the support, NaN where there is
-    none. states (C,): ContactState of each point in it. falling: blocks that fall; reason: why there is no mechanism, or "".
+    Attributes
+    ----------
+    label : str
+        Name of the method in figures.
+    settlement : ndarray
+        Motion of the support (S,), m or rad.
+    displacement : ndarray
+        Displacements of the centroids, m, and rotation vectors, rad, from rest (S, B, 6).
+    forces : ndarray
+        Contact forces (S, C, 3) on block b, N; a single state (1, C, 3) holds for all; NaN where unknown.
+    twists : ndarray
+        Mechanism (B, 6) per unit motion of the support; NaN without a mechanism.
+    states : ndarray
+        ContactState (C,) of each contact point in the mechanism.
+    falling : tuple of str
+        Names of the blocks that cannot stand.
+    reason : str
+        Why there is no mechanism, or "".
     """
 
     label: str
@@ -37,7 +51,7 @@ class Motion:
     reason: str = ""
 
     def at(self, settlement: float) -> np.ndarray:
-        """Displacement (B, 6) at a settlement, linear between the states; that of the last one beyond it."""
+        """Return displacements (B, 6), m and rad, at a settlement: linear between states, constant after the last."""
         after = int(np.clip(np.searchsorted(self.settlement, settlement), 1, len(self.settlement) - 1))
         first, last = self.settlement[after - 1 : after + 1]
         share = np.clip((settlement - first) / (last - first), 0.0, 1.0) if last > first else 1.0
@@ -46,9 +60,17 @@ class Motion:
 
 @dataclass(frozen=True)
 class Motions:
-    """The motions of all methods from `start` to `end`; displacements are drawn `magnification` times as large as they are, all alike.
+    """The motions of all methods over the same settlement.
 
-    A support that is pushed in first starts below zero; start and end are one where nothing moves.
+    Attributes
+    ----------
+    methods : tuple of Motion
+        Motion of each method, limit analysis first.
+    start, end : float
+        First and last settlement, m or rad. The start is negative where the support is first pushed in. Both are equal where
+        nothing moves.
+    magnification : float
+        Factor of all drawn displacements.
     """
 
     methods: tuple[Motion, ...]
@@ -58,21 +80,27 @@ class Motions:
 
 
 def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSolution]:
-    """Limit analysis' sharpest mechanism, which figures show, and its label."""
+    """Return label and answer of limit analysis in figures: the Coulomb prediction, else the associated answer."""
     if analysis.coulomb is not None and np.isfinite(analysis.coulomb.value):
         return "limit analysis (Coulomb)", analysis.coulomb
     return "limit analysis (associated)", analysis.bounds[analysis.main]
 
 
 def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> float:
-    """Motion of the drive (m, rad, or 1) at which the fastest point of the mechanisms (B, 6) moves by DRAWN of the size; 0 without one."""
+    """Return the motion of the drive (m, rad, or 1) at which the fastest point moves by DRAWN of the size.
+
+    `mechanisms` has twists (B, 6) by label. The motion is 0 without any mechanism.
+    """
     known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
     fastest = max((float(mechanism.block_speeds(assembly.blocks, twists).max()) for twists in known), default=0.0)
     return DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0
 
 
 def motions(results: Results) -> Motions:
-    """Limit analysis' mechanism and YADE's recorded states over the same settlement: YADE's, or without a run one that shows."""
+    """Return limit analysis' mechanism and YADE's recorded states over the same settlement.
+
+    The settlement is YADE's; without a run it is large enough to see the mechanism.
+    """
     analysis, run = results.analysis, results.run
     label, answer = shown_answer(analysis)
     mechanisms = {label: answer.twists} | ({"YADE": run.mechanism()} if run is not None else {})
@@ -86,14 +114,14 @@ def motions(results: Results) -> Motions:
 
 
 def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float) -> float:
-    """The magnification that is wanted, or less where a collapse would leave the picture, and never less than one."""
+    """Return the wanted magnification, less where a collapse would leave the picture, and at least 1."""
     farthest = max(float(mechanism.block_speeds(assembly.blocks, method.displacement[-1]).max()) for method in methods)
     most = FARTHEST * structure_size(assembly.blocks) / farthest if farthest > 0.0 else 1.0
     return max(min(wanted, most), 1.0)
 
 
 def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | CoulombSolution, end: float) -> Motion:
-    """The mechanism grows with the settlement; the forces are those of the plateau."""
+    """Return limit analysis' motion up to the settlement `end`; displacements grow linearly."""
     twists, main = answer.twists, analysis.bounds[analysis.main]
     known = bool(np.isfinite(twists).all())
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
@@ -104,7 +132,7 @@ def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | C
 
 
 def _of_run(assembly: Assembly, run: Run) -> Motion:
-    """YADE's own states; a run that stored but one is held there."""
+    """Return YADE's recorded states; a run with a single state rests there."""
     twists = run.mechanism()
     moved = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     kept = [0, 0] if len(moved) == 1 else slice(None)

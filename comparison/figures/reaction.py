@@ -1,6 +1,8 @@
-"""The reaction against the settlement: YADE's record and plateau, limit analysis' bounds, prediction, interval and path.
+"""Figure of the reaction against the settlement.
 
-Under a live load the same for its multiplier against the displacement along it.
+YADE has its record and plateau; limit analysis has its bounds, prediction, interval and path.
+
+Under a live load the figure shows the load's multiplier against the displacement along the load.
 """
 
 from collections.abc import Iterator
@@ -31,20 +33,21 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
 BAND = 0.16  # opacity
-INTERVAL = 0.14  # opacity of the Coulomb interval: over the admissible band, and darker than it in greyscale
+INTERVAL = 0.14  # opacity of the Coulomb interval, which covers the admissible band: darker in greyscale too
 ADMISSIBLE = "admissible (associated)"
 LEAST = r"limit analysis, $R_{\min}$"
 GREATEST = r"limit analysis, $R_{\max}$"
 ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
-HISTORY = "interval: friction's history decides within"
+HISTORY = "interval: value depends on friction's history"
 FITTED = "YADE, fitted plateau"
 
 
 def reaction_figure(results: Results) -> Figure:
-    """Left the whole curve from rest, right the plateau close up; all at the inset both methods share, the sharp bound dotted.
+    """Draw the whole curve from rest on the left, and the plateau close up on the right.
 
-    Without `run` and without a path only levels are drawn. A second axis gives the reaction over the free blocks' weight.
+    All values are those at the inset that both methods share; the bound of sharp arrises is dotted. Without a run and
+    without a path the figure shows levels only. A second axis gives the reaction over the weight of the free blocks.
     """
     scene, analysis, run = results.scene, results.analysis, results.run
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
@@ -72,13 +75,16 @@ def reaction_figure(results: Results) -> Figure:
     if not close:
         figure.set_figwidth(7.5)
     named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
-    keys = {name: handle for name, handle in named.items() if name not in written}  # words next to a line need no key
+    keys = {name: handle for name, handle in named.items() if name not in written}  # a labelled line needs no key
     figure.legend(list(keys.values()), list(keys), loc="outside lower center", ncols=4 if close else 2, fontsize=8, frameon=False)
     return figure
 
 
 def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
-    """All of the whole curve's panel but YADE's record; returns the axes' scales and the labels that stand beside their lines."""
+    """Draw the whole curve's panel without YADE's record.
+
+    Return the axes' scales and the legend's names of labelled lines.
+    """
     scene, analysis = results.scene, results.analysis
     scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
@@ -89,23 +95,23 @@ def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
 
 
 def _obstacle(analysis: LimitAnalysis) -> str:
-    """Why limit analysis has no reaction to show, or ""."""
+    """Return why limit analysis has no reaction to draw, or ""."""
     scene = analysis.scene
     status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
     if status is Status.INFEASIBLE:
-        return f"Limit analysis: the structure cannot stand under its own weight, so no {scene.quantity} exists."
-    return "" if np.isfinite(value) else f"Limit analysis ended as {status}: it has no {scene.quantity}."
+        return f"Limit analysis: the structure cannot stand under its own weight; no {scene.quantity} exists."
+    return "" if np.isfinite(value) else f"Limit analysis ended with the status {status}; no {scene.quantity} is known."
 
 
 def _status_words(results: Results, obstacle: str) -> str:
     analysis, run = results.analysis, results.run
     followed = "" if analysis.path is None else "the whole path"
-    words = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
-    return "\n".join(part for part in (words, obstacle) if part)
+    title = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
+    return "\n".join(line for line in (title, obstacle) if line)
 
 
 def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
-    """Admissible band and its ends; a greatest reaction beyond the axes is named above them."""
+    """Draw the admissible band and its ends; a greatest reaction beyond the axes is written above them."""
     lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     low, high = (limit / scales.reaction for limit in limits)
     live = analysis.main is Drive.LIVE
@@ -119,8 +125,8 @@ def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tup
     if "greatest" in lines and lines["greatest"] <= high:
         axes.axhline(lines["greatest"], color=LIMIT_ANALYSIS, linewidth=1.2, linestyle="-.", label=GREATEST)
     elif "greatest" in lines:
-        words = rf"$R_{{\max}}$ = {lines['greatest']:.4g} {scales.reaction_unit} lies above $\uparrow$"
-        axes.set_title(words, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
+        above = rf"$R_{{\max}}$ = {lines['greatest']:.4g} {scales.reaction_unit} lies above $\uparrow$"
+        axes.set_title(above, fontsize=8, color=LIMIT_ANALYSIS, loc="right")
 
 
 def _sharp_name(analysis: LimitAnalysis) -> str:
@@ -128,7 +134,7 @@ def _sharp_name(analysis: LimitAnalysis) -> str:
 
 
 def _words(results: Results, scales: Scales, end: float) -> list[Word]:
-    """What stands next to the lines and in the bands, with its value."""
+    """Return the labels of the lines and the bands, with their values."""
     analysis, run = results.analysis, results.run
     lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     live, unit = analysis.main is Drive.LIVE, f" {scales.reaction_unit}".rstrip()
@@ -143,7 +149,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
         del names["coulomb"]
     if has_sharp(analysis):
         names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
-    found = [
+    labels = [
         Word(lines[key], lines[key], f"{words}: {format_number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
         for key, (words, keys) in names.items()
         if key in lines
@@ -151,12 +157,12 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     if run is not None and has_plateau(run):
         value, uncertainty = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty"))
         level = value + run.result.slope / scales.reaction * end
-        found.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
-    return found + list(_band_words(analysis, scales, unit))
+        labels.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
+    return labels + list(_band_words(analysis, scales, unit))
 
 
 def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[Word]:
-    """Words for the Coulomb interval, and for what is admissible above it."""
+    """Yield the labels of the Coulomb interval and of the admissible band above it."""
     lines = {name: value / scales.reaction for name, value in levels(analysis).items()}
     interval, above = interval_of(analysis), lines.get("least")
     if interval is not None:
@@ -165,7 +171,7 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
             ends = f"{format_number(low, 4)} to {format_number(high, 4)}{unit}"
         else:
             ends = "without a least value" if np.isfinite(high) else "without a greatest value"
-        yield Word(low, high, f"interval, {ends}:\nfriction's history decides within", LIMIT_ANALYSIS, (HISTORY,))
+        yield Word(low, high, f"interval, {ends}:\nvalue depends on friction's history", LIMIT_ANALYSIS, (HISTORY,))
         above = max(above, high) if above is not None else None
     greatest = lines.get("greatest", np.inf)
     if analysis.main is not Drive.LIVE and above is not None and above < greatest:
@@ -173,7 +179,7 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
 
 
 def _measured(value: float, uncertainty: float) -> str:
-    """A value to the place of its uncertainty's first digit."""
+    """Return a value and its uncertainty as text, rounded at the first digit of the uncertainty."""
     if not uncertainty > 0.0:
         return format_number(value, 5)
     places = int(np.clip(-np.floor(np.log10(uncertainty)), 0, 9))
@@ -181,7 +187,7 @@ def _measured(value: float, uncertainty: float) -> str:
 
 
 def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
-    """Values that words keep off: the ends of the interval, and the path where words stand."""
+    """Return values that labels must not cover: the ends of the interval and the second half of the path."""
     values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
     if analysis.path is not None:
         late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)
@@ -190,7 +196,7 @@ def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[flo
 
 
 def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
-    """The Coulomb prediction, the interval of its mechanism where it has a width, and the path from rest."""
+    """Draw the Coulomb prediction, its interval where it has a width, and the path from rest."""
     lines, path = {name: value / scales.reaction for name, value in levels(analysis).items()}, analysis.path
     interval = interval_of(analysis)
     if interval is not None:
@@ -201,7 +207,7 @@ def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits:
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
     if path is not None:
-        # The thin line lies under YADE's record and the marks above it, so that both show where they are one.
+        # The thin line is below YADE's record and the marks are above it, so that both are visible where they coincide.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
         at, values = path.settlement / scales.settlement, path.value / scales.reaction
         axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
@@ -209,7 +215,7 @@ def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits:
 
 
 def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
-    """The record, the fitted line from rest on, and the reaction at rest with its uncertainty."""
+    """Draw the record, the fitted line from rest on, and the reaction at rest with its uncertainty."""
     axes.plot(
         run.settling("settlement") / scales.settlement, run.settling("reaction") / scales.reaction,
         color=YADE, linewidth=1.3, label="YADE, recorded", zorder=4,
@@ -220,7 +226,7 @@ def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
     start = run.result.plateau_start
     for first, last, style, label in ((0.0, start, "--", "YADE, extrapolated to rest"), (start, end, "-", FITTED)):
         s = np.array([first, last])
-        # Thinner than the record and above it, so that both show, on a plateau with noise and on one without.
+        # Thinner than the record and above it, so that both are visible, with and without noise.
         axes.plot(s / scales.settlement, reaction + slope * s, color=INK, linewidth=0.9, linestyle=style, label=label, zorder=4.3)
     s = np.array([0.0, end])
     low, high = (reaction + slope * s + sign * uncertainty for sign in (-1.0, 1.0))
@@ -230,7 +236,7 @@ def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
 
 
 def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[float, float]) -> None:
-    """Axes, units and the second scale R/W."""
+    """Set limits, labels with units, and the second scale R/W."""
     live = scene.live is not None
     motion = "mean displacement along the load" if live else f"{'rotation' if scene.is_rotation else 'settlement'} of the support"
     axes.set_ylim(*np.array(limits) / scales.reaction)

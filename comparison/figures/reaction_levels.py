@@ -1,4 +1,4 @@
-"""The numbers that the figure of the reaction shows: levels of limit analysis, its interval, and what the axes span."""
+"""Numbers of the reaction's figure: levels and interval of limit analysis, units and limits of the axes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,26 @@ from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Solution
 
-NEAR = 2.5  # times the range of all other values: a greatest reaction, or an interval's end, farther than this is only named
+NEAR = 2.5  # times the range of all other values: a greatest reaction or an interval's end beyond is written, not drawn
 PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
 PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Divisors from SI to the axes' units, and the units' names."""
+    """Units of the axes.
+
+    Attributes
+    ----------
+    settlement : float
+        SI value of the unit of the settlement, m or rad: values are divided by it.
+    settlement_unit : str
+        Name of that unit.
+    reaction : float
+        SI value of the unit of the reaction, N or N m, or 1 for a multiplier: values are divided by it.
+    reaction_unit : str
+        Name of that unit, "" for a multiplier.
+    """
 
     settlement: float
     settlement_unit: str
@@ -26,12 +38,12 @@ class Scales:
 
 
 def has_plateau(run: Run | None) -> bool:
-    """Whether YADE's record has a fitted plateau."""
+    """Return whether there is a run with a fitted plateau."""
     return run is not None and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
 
 
 def levels(analysis: LimitAnalysis) -> dict[str, float]:
-    """Finite reactions of limit analysis by label."""
+    """Return the finite values of limit analysis, N, N m or multipliers, by name: least, sharp, greatest, coulomb."""
     named = {
         "least": _value(analysis.bounds, analysis.main),
         "sharp": _value(analysis.sharp.bounds, analysis.main),
@@ -43,7 +55,7 @@ def levels(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
-    """The Coulomb interval, an end of which may be infinite; None where it is not known or no wider than a point."""
+    """Return the Coulomb interval; either end may be infinite. None where the interval is unknown or a point."""
     if analysis.coulomb is None or np.isnan([analysis.coulomb.value, *analysis.coulomb.interval]).any():
         return None
     low, high = analysis.coulomb.interval
@@ -51,14 +63,17 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
 
 
 def largest_settlement(results: Results) -> float:
-    """Largest settlement recorded or followed, m or rad; 0 where none is. A path goes on where a run has stopped: it is cut there."""
+    """Return the largest settlement of the run, else of the path, m or rad.
+
+    It is 0 without both. Figures cut a path that goes beyond the run.
+    """
     analysis, run = results.analysis, results.run
     recorded = float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
     return recorded or (float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0)
 
 
 def scales_of(results: Results) -> Scales:
-    """Units in which the largest value and the reached settlement read well."""
+    """Return the units in which the largest value and the largest settlement have few digits."""
     scene, analysis, run = results.scene, results.analysis, results.run
     values = [abs(value) for value in levels(analysis).values()]
     if run is not None:
@@ -78,12 +93,15 @@ def _padded(low: float, high: float) -> tuple[float, float]:
 
 
 def whole_limits(results: Results) -> tuple[float, float]:
-    """Reaction range of the whole run: zero, the record and limit analysis; the greatest reaction only where it is near."""
+    """Return the axis' limits for the whole run: zero, the record and limit analysis.
+
+    The greatest reaction is inside only where it is near.
+    """
     analysis, run = results.analysis, results.run
     lines = levels(analysis)
     alone = run is None and analysis.path is None
     values = [value for name, value in lines.items() if name != "greatest" or alone]
-    if alone and analysis.main is Drive.LIVE:  # levels close together, which a scale from zero on would draw as one
+    if alone and analysis.main is Drive.LIVE:  # a scale from zero on would draw levels this close as one line
         values += [value for value in interval_of(analysis) or () if np.isfinite(value)]
         return _padded(min(values, default=0.0), max(values, default=1.0))
     values.append(0.0)
@@ -97,7 +115,7 @@ def whole_limits(results: Results) -> tuple[float, float]:
 
 
 def plateau_limits(results: Results) -> tuple[float, float]:
-    """Reaction range around the fitted line, its uncertainty and the least reactions, with room for the record's noise."""
+    """Return the axis' limits around the fitted line, its uncertainty, the least reactions and the record's noise."""
     analysis, run = results.analysis, results.run
     values = [value for name, value in levels(analysis).items() if name != "greatest"]
     if run is not None and has_plateau(run):
@@ -110,20 +128,20 @@ def plateau_limits(results: Results) -> tuple[float, float]:
 
 
 def _with_near(values: Sequence[float], far: Sequence[float]) -> tuple[float, float]:
-    """Range of the values, and of each far one that does not dwarf them."""
+    """Return the range of the values, and of each far value that does not extend it too much (NEAR)."""
     low, high = min(values, default=0.0), max(values, default=1.0)
     near = [value for value in far if max(value, high) - min(value, low) <= NEAR * (high - low)]
     return min([low, *near]), max([high, *near])
 
 
 def has_sharp(analysis: LimitAnalysis) -> bool:
-    """Whether sharp arrises have an associated answer of their own."""
+    """Return whether the associated answer for sharp arrises differs from that at the shared inset."""
     lines = levels(analysis)
     return "sharp" in lines and not abs(lines["sharp"] - lines.get("least", np.inf)) <= POINT * abs(lines["sharp"])
 
 
 def is_joint(analysis: LimitAnalysis) -> bool:
-    """Whether the Coulomb prediction is the associated answer, as where no joint slides."""
+    """Return whether the Coulomb prediction equals the associated answer, as it does where no joint slides."""
     lines = levels(analysis)
     return "coulomb" in lines and abs(lines["coulomb"] - lines.get("least", np.inf)) <= POINT * abs(lines["coulomb"])
 

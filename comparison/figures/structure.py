@@ -1,13 +1,10 @@
-"""Figures of a comparison: the structure, its mechanisms by both methods, and the reaction against the settlement.
+"""Figures of the structure: the assembly with its drive, and the mechanisms of both methods.
 
-Every function returns a `matplotlib.figure.Figure` of its own, without pyplot's global state; `save` writes it.
+Every function returns a new `matplotlib.figure.Figure`, without pyplot's global state.
 """
 
-import io
 import textwrap
-import warnings
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,17 +30,13 @@ from comparison.figures.canvas import (
     window,
 )
 from comparison.figures.motion import DRAWN, drawn_motion
-from comparison.figures.reaction import reaction_figure
-from la_core.exchange import FIXED, FREE, SUPPORT, write_whole
+from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.measures import mechanism
 from la_core.model import Assembly
 from la_core.scene import Scene
 
-__all__ = ["assembly_figure", "looks", "mechanism_figure", "reaction_figure", "save", "wrapped"]
-
-DPI = 130
-SHORT = 0.2  # of the longest arrow: shorter ones of a turning support are left out
+SHORT = 0.2  # of the longest arrow: shorter arrows of a turning support are left out
 ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
@@ -51,23 +44,8 @@ POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
 SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format its name ends with, PNG, SVG or PDF; the same figure gives the same PNG, no date is stored."""
-    write_whole(path, rendered(figure, path.suffix))
-
-
-def rendered(figure: Figure, suffix: str) -> bytes:
-    """What a file of a figure holds whose name ends with ".png", ".svg" or ".pdf"."""
-    metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
-        content = io.BytesIO()
-        figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
-    return content.getvalue()
-
-
 def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
-    """The structure: blocks by role, interfaces and contact points, the support's motion or the live load, gravity."""
+    """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load."""
     figure = _figure(assembly, 1, scene.title)
     (canvas,) = canvases(figure, assembly, 1)
     blocks, interfaces = assembly.blocks, assembly.interfaces
@@ -93,14 +71,25 @@ def mechanism_figure(
     falling: Sequence[str] = (),
     reasons: Mapping[str, str] | None = None,
 ) -> Figure:
-    """Mechanisms side by side, all drawn for the same motion of the support; displacements are linear in it.
+    """Draw mechanisms side by side, for the same motion of the support; displacements are linear in that motion.
 
-    mechanisms: twists (B, 6) for the support's unit motion by method label; a label that starts with "YADE" takes YADE's
-    colour. Where twists are NaN, the blocks named in `falling` are marked, and `reasons[label]` says why there is no mechanism.
+    Parameters
+    ----------
+    assembly : Assembly
+        The structure.
+    mechanisms : mapping of str to ndarray
+        Twists (B, 6) for the support's unit motion, by the method's label; NaN where the method has no mechanism. A label that
+        starts with "YADE" has YADE's colour.
+    title : str
+        Shown above the figure.
+    falling : sequence of str
+        Names of the blocks that cannot stand; they are marked where a method has no mechanism.
+    reasons : mapping of str to str, optional
+        Why a method has no mechanism, by the method's label.
     """
     known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
     factor = drawn_motion(assembly, mechanisms)
-    heading = "\n".join(part for part in (wrapped(title), _scale_words(assembly, factor) if known else "") if part)
+    heading = "\n".join(line for line in (wrapped(title), _scale_words(assembly, factor) if known else "") if line)
     figure = _figure(assembly, len(mechanisms), heading)
     handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
     handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
@@ -111,8 +100,8 @@ def mechanism_figure(
             _draw_mechanism(canvas, assembly, twists, factor, colour)
             handles.append(_area(f"moves, {label}", colour))
         else:
-            words = textwrap.fill((reasons or {}).get(label, _why_none(falling)), TITLE_WIDTH // 2)
-            canvas.axes.set_title(f"{label}\n{words}", parse_math=False, fontsize=10)
+            reason = textwrap.fill((reasons or {}).get(label, _why_none(falling)), TITLE_WIDTH // 2)
+            canvas.axes.set_title(f"{label}\n{reason}", parse_math=False, fontsize=10)
             _draw_falling(canvas, assembly, falling, colour)
             handles += [_area(f"falls, {label}", colour, "xx")] if falling else []
     if known:
@@ -122,9 +111,10 @@ def mechanism_figure(
 
 
 def contact_motion(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Masks (C,) of the contact points that open and that slide in a mechanism; those slower than the fastest one's share rest.
+    """Return masks (C,) of the contact points that open, and of those that slide, in a mechanism with twists (B, 6).
 
-    A sliding point of an associated mechanism dilates by mu |u_t|; what parts faster than that opens.
+    A sliding point of an associated mechanism opens at mu |u_t|; a point that opens faster counts as opening. Points slower than
+    `mechanism.MOVING_SHARE` of the fastest one are in neither mask.
     """
     parting, slip = mechanism.contact_speeds(assembly, twists)
     threshold = mechanism.MOVING_SHARE * float(np.hypot(parting, slip).max())
@@ -141,10 +131,10 @@ def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, fact
     sides = [mechanism.point_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks]
     middle = points.position + factor * sum(sides) / 2.0
     for mask, style in zip(contact_motion(assembly, twists), (POINT, SLIDES), strict=True):
-        shown = np.flatnonzero(mask)
-        shown = shown[canvas.seen(points.position[shown])]
-        if len(shown):
-            canvas.marks(middle[shown], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
+        marked = np.flatnonzero(mask)
+        marked = marked[canvas.seen(points.position[marked])]
+        if len(marked):
+            canvas.marks(middle[marked], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
 
 
 def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], colour: str) -> None:
@@ -162,20 +152,30 @@ def _why_none(falling: Sequence[str]) -> str:
 
 
 def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:
-    """Face colour and hatch of every block: by its role, or those given for the blocks of the mask `marked` (B,)."""
+    """Return face colour and hatch of every block: those of its role, or the given ones.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The structure.
+    marked : ndarray, optional
+        Mask (B,) of the blocks that get `colour` and `hatch` instead of those of their role.
+    colour, hatch : str
+        Face colour and hatch of the marked blocks.
+    """
     mask = np.zeros(len(assembly.blocks), dtype=bool) if marked is None else marked
     roles = drawn_roles(assembly)
-    face = [colour if own else ROLE_FACE[role] for own, role in zip(mask, roles, strict=True)]
-    return face, [hatch if own else ROLE_HATCH[role] for own, role in zip(mask, roles, strict=True)]
+    face = [colour if is_marked else ROLE_FACE[role] for is_marked, role in zip(mask, roles, strict=True)]
+    return face, [hatch if is_marked else ROLE_HATCH[role] for is_marked, role in zip(mask, roles, strict=True)]
 
 
 def _owner(blocks: Blocks) -> np.ndarray:
-    """Block (V,) of each vertex."""
+    """Return the block (V,) of each vertex."""
     return np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
 
 
 def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
-    """Arrows of the support's motion or the live load; returns what they show."""
+    """Draw arrows of the support's motion or of the live load; return their label for the legend."""
     blocks = assembly.blocks
     length = ARROW * structure_size(blocks)
     if assembly.has_live_load:
@@ -201,7 +201,7 @@ def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
 
 
 def _figure(assembly: Assembly, count: int, title: str) -> Figure:
-    """Figure whose height follows what its canvases show."""
+    """Return a figure for `count` canvases side by side; its height fits the structure."""
     low, high = window(assembly)
     width, height = high - low
     inches = 8.5 if count == 1 else 11.0
@@ -228,7 +228,7 @@ def _arrow_key(label: str, colour: str) -> Line2D:
 
 
 def _scale_words(assembly: Assembly, factor: float) -> str:
-    """What the drawn displacements belong to."""
+    """Return the scale of the drawn displacements as a sentence."""
     if assembly.has_live_load or not np.any(assembly.support_twist):
         return f"largest displacement drawn: {DRAWN * structure_size(assembly.blocks):.3g} m (displacements linear in it)"
     if np.any(assembly.support_twist[:, 3:]):
@@ -237,7 +237,7 @@ def _scale_words(assembly: Assembly, factor: float) -> str:
 
 
 def wrapped(title: str) -> str:
-    """A title in lines of bounded length."""
+    """Return a title in lines of at most TITLE_WIDTH characters."""
     return "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
 
 

@@ -1,8 +1,9 @@
-"""What a person opens: HTML, Markdown and JSON pages, the 3D view, ParaView files."""
+"""What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
 from comparison.report.paraview import export
-from comparison.report.report import VERDICTS, stored_report, write_report
+from comparison.report.report import stored_report, write_report
+from comparison.report.scene_view import VERDICTS
 from comparison.report.templating import flat, template_environment
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""What each method's answer is worth and what it took, and how each method's mechanism measures."""
+"""Details of one scene: accuracy and cost of each method's answer, energies of the run, measures of the mechanisms."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -14,7 +14,17 @@ MEASURES = (
 
 
 def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str]) -> Iterator[dict[str, str]]:
-    """How accurate each method's answer is and what it took; `evidence` names the residuals of the associated answer."""
+    """Yield accuracy, work and seconds of each method's answer, one row a method.
+
+    Parameters
+    ----------
+    comparison : dict
+        The content of the scene's `comparison.json`.
+    results : dict
+        Numbers of both methods, as `scene_view` collects them.
+    evidence : iterable of str
+        Names of the residuals of the associated answer; the row gives the largest.
+    """
     answers = comparison.get("limit_analysis") or {}
     associated, coulomb, path = (answers.get(name) or {} for name in ("associated", "coulomb", "path"))
     yade = comparison.get("yade") or {}
@@ -22,8 +32,8 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     quantity = "multiplier" if results["live"] else "reaction"
 
     def row(method: str, answer: Any, status: str, accuracy: str, work: str, seconds: Any) -> dict[str, str]:
-        shown = f"{format_number(answer, 5)}{unit}" if exists(answer) else status
-        return {"method": method, "answer": shown, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
+        value = f"{format_number(answer, 5)}{unit}" if exists(answer) else status
+        return {"method": method, "answer": value, "accuracy": accuracy, "work": work, "seconds": format_number(seconds, 2)}
 
     residuals = [associated[name] for name in evidence if exists(associated.get(name))]
     accuracy = f"largest residual {format_number(max(residuals), 2)}" if residuals else DASH
@@ -62,18 +72,18 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
 
 
 def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
-    """Every attempt at the accuracy asked for: method, what was chosen and why, the error by its parts, whether it is enough, seconds."""
-    bought = comparison.get("accuracy") or {}
-    for method in (name for name in ACCURACY_METHODS if name in bought):
-        for attempt in bought[method]["attempts"]:
+    """Yield every attempt at the requested accuracy: method, choice and reason, error by parts, success, seconds."""
+    record = comparison.get("accuracy") or {}
+    for method in (name for name in ACCURACY_METHODS if name in record):
+        for attempt in record[method]["attempts"]:
             parts = ", ".join(f"{name} {percent(value)}" for name, value in attempt["parts"].items())
-            error, asked = attempt["error"], bought["asked"]
+            error, requested = attempt["error"], record["asked"]
             yield {
                 "method": ACCURACY_METHODS[method],
-                "asked": percent(asked),
+                "asked": percent(requested),
                 "chosen": attempt["chosen"],
                 "error": f"{percent(error)}: {parts}",
-                "kept": "yes" if exists(error) and error <= asked else "no",
+                "kept": "yes" if exists(error) and error <= requested else "no",
                 "seconds": format_number(attempt["seconds"], 2),
             }
 
@@ -81,29 +91,32 @@ def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
 ENERGIES = {
     "weights": "work of the weights",
     "support": "work of the support",
-    "kinetic": "gained as motion",
-    "elastic": "gained by the joints' strain",
-    "friction": "taken by friction",
-    "viscous": "taken by damping",
+    "kinetic": "gained as kinetic energy",
+    "elastic": "gained as elastic energy of the joints",
+    "friction": "dissipated by friction",
+    "viscous": "dissipated by damping",
 }
 
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
-    """Where the energy of YADE's run came from and went, and what is not accounted for: J and share of the turnover; none without a run."""
-    found = comparison.get("energy") or {}
-    if not exists(found.get("drift")):
+    """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover.
+
+    The list is empty without a run.
+    """
+    audit = comparison.get("energy") or {}
+    if not exists(audit.get("drift")):
         return []
-    turnover = found["turnover"]
-    parts = {ENERGIES[name]: found[name] for name in ENERGIES} | {"not accounted for": found["drift"] * turnover}
+    turnover = audit["turnover"]
+    parts = {ENERGIES[name]: audit[name] for name in ENERGIES} | {"not accounted for": audit["drift"] * turnover}
     return [{"name": name, "joule": value, "share": f"{format_number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
 
 
 def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:
-    """Measures of each method's mechanism that is known; power per unit motion of the support is a force.
+    """Yield the measures of each known mechanism; power per unit motion of the support is a force (N).
 
-    A live load does the work itself, so that a share of the work of settling weights says nothing there.
+    Under a live load `dissipated_share` is None: the load does the work there, not the settling weights.
     """
-    for method, found in (comparison.get("mechanism_measures") or {}).items():
-        if found and exists(found.get("moving_mass_share")):
-            shown = {name: found.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
-            yield {"method": METHODS.get(method, method), **shown}
+    for method, measured in (comparison.get("mechanism_measures") or {}).items():
+        if measured and exists(measured.get("moving_mass_share")):
+            row = {name: measured.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
+            yield {"method": METHODS.get(method, method), **row}

@@ -1,4 +1,4 @@
-"""Results for ParaView: the blocks with their mechanisms, the contact forces, and YADE's states over the settlement."""
+"""Results as ParaView files: blocks with their mechanisms, contact forces, and YADE's states over the settlement."""
 
 from pathlib import Path
 
@@ -13,11 +13,21 @@ from la_core.model import Assembly
 
 
 def export(results: Results, folder: Path) -> list[Path]:
-    """Write all results into `folder` and return the files to open: `structure.pvd`, and `yade.pvd` where YADE stored states.
+    """Write all results into a folder and return the files to open.
 
-    `blocks.vtu`: faces, with the mechanisms as vectors for the unit motion of the support. `forces.vtu`: contact points, with the
-    forces on block b in N. The names of the vectors are associated, coulomb and yade. In `yade.pvd` the time is the settlement and
-    the vectors are displacement (m) from the case's geometry, and force (N).
+    These are `structure.pvd`, and `yade.pvd` where YADE stored states.
+
+    - `blocks.vtu` has the faces of the blocks, with the mechanisms as vectors for the unit motion of the support.
+    - `forces.vtu` has the contact points, with the forces on block b (N).
+    - The vectors of both files are named associated, coulomb and yade.
+    - In `yade.pvd` the time is the settlement (m or rad). Its vectors are displacement (m), from the case's geometry, and force (N).
+
+    Parameters
+    ----------
+    results : Results
+        Stored results of one scene.
+    folder : Path
+        Created where it does not exist. Files of an earlier export are replaced.
     """
     analysis, run = results.analysis, results.run
     folder.mkdir(parents=True, exist_ok=True)
@@ -33,7 +43,10 @@ def export(results: Results, folder: Path) -> list[Path]:
 
 
 def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
-    """YADE's stored states as a series; grids of an earlier and longer one are taken away."""
+    """Write YADE's stored states as a series and return its path.
+
+    Remaining grids of an earlier, longer series are deleted.
+    """
     rows = []
     for number, settlement in enumerate(run.poses.settlement):
         names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
@@ -50,29 +63,32 @@ def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
 
 
 def _mechanisms(results: Results) -> dict[str, np.ndarray]:
-    """Twists (B, 6) by method, of those that found a mechanism."""
+    """Return twists (B, 6) by method, for the methods that found a mechanism."""
     analysis, run = results.analysis, results.run
-    found = {"associated": analysis.bounds[analysis.main].twists}
+    twists = {"associated": analysis.bounds[analysis.main].twists}
     if analysis.coulomb is not None:
-        found["coulomb"] = analysis.coulomb.twists
+        twists["coulomb"] = analysis.coulomb.twists
     if run is not None:
-        found["yade"] = run.mechanism()
-    return {name: twists for name, twists in found.items() if np.isfinite(twists).all()}
+        twists["yade"] = run.mechanism()
+    return {name: values for name, values in twists.items() if np.isfinite(values).all()}
 
 
 def _forces(results: Results) -> dict[str, np.ndarray]:
-    """Contact forces (C, 3) on block b by method, N; YADE's are the mean over its plateau, or its last state."""
+    """Return contact forces (C, 3) on block b by method, N.
+
+    YADE's are the mean over its plateau, else its last state.
+    """
     analysis, run = results.analysis, results.run
-    found = {"associated": analysis.bounds[analysis.main].forces}
+    forces = {"associated": analysis.bounds[analysis.main].forces}
     if analysis.coulomb is not None:
-        found["coulomb"] = analysis.coulomb.forces
+        forces["coulomb"] = analysis.coulomb.forces
     if run is not None and len(run.poses.settlement):
-        found["yade"] = run.plateau_forces()
-    return {name: forces for name, forces in found.items() if np.isfinite(forces).all()}
+        forces["yade"] = run.plateau_forces()
+    return {name: values for name, values in forces.items() if np.isfinite(values).all()}
 
 
 def _arms(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
-    """Block of every vertex (V,), and the vertex from its block's centroid (V, 3), m."""
+    """Return the block of every vertex (V,), and the vertex relative to its block's centroid (V, 3), m."""
     block = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
     return block, blocks.vertices - blocks.centroid[block]
 
@@ -82,7 +98,10 @@ def _velocities(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
 
 
 def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """Displacement (V, 3) of vertices whose blocks move by displacements (B, 3) and rotation vectors (B, 3), of any size."""
+    """Return the displacements (V, 3) of the vertices, m.
+
+    The blocks move by displacements (B, 3), m, and rotation vectors (B, 3), rad, of any size.
+    """
     block, arm = _arms(blocks)
     return displacement[block] + Rotation.from_rotvec(rotation[block]).apply(arm) - arm
 

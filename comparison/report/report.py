@@ -1,67 +1,51 @@
-"""The report of a run: one self-contained offline HTML page, the same as Markdown that diffs well, and as JSON."""
+"""The report of a run: one self-contained offline HTML page, the same content as Markdown, and as JSON."""
 
-import base64
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from comparison.judge import without_undefined
-from comparison.numbers import DASH, exists, format_number, half_width, interval_words, signed, value_range
-from comparison.report.details import accuracy_rows, costs, energies, measures
+from comparison.report.scene_view import VERDICTS, view_of_scene
 from comparison.report.templating import flat, template_environment
-from comparison.report.viewer import embedded, scripts
+from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
 
-VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
-FIGURES = {
-    "assembly": "The structure: blocks by role, interfaces with their contact points, and what drives it.",
-    "mechanisms": "Mechanisms for the same motion of the support; contact points that open and that slide are marked.",
-    "reaction": "Reaction against settlement from rest, or a live load against its displacement: YADE's record and its plateau, "
-    "extrapolated to the undeformed geometry; limit analysis' bounds (associated), and where known its Coulomb prediction, the "
-    "interval that the mechanism leaves open, and the path from rest on joints of the same stiffness.",
-    "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by what they do.",
-    "animation": "The settlement as an animation: mechanisms by both methods, and YADE's reaction as it was recorded.",
-}
-EVIDENCE = {
-    "equilibrium_residual": "largest unbalanced force, of the mean block weight",
-    "cone_violation": "largest tension or excess of friction, of the mean block weight",
-    "mechanism_violation": "largest violation of the flow rule, of the fastest block's speed",
-    "duality_gap": "reaction from forces less reaction from work, of the mean block weight",
-}
-COULOMB_EVIDENCE = {
-    "equilibrium_residual": EVIDENCE["equilibrium_residual"],
-    "cone_violation": EVIDENCE["cone_violation"],
-    "dilatancy_residual": "work of the dilation left, over the work of the settling weights",
-    "strain_residual": "work of the dilation left, over the elastic energy of the joints",
-    "drift": "relative change of the reaction over the last step",
-}
 LIMITATIONS = (
-    "Contact forces are not compared one by one. Rigid blocks on more than the fewest contacts are hyperstatic: many force states "
-    "balance the same weights, and each method picks its own. Reactions and force sums over sections are what both must share.",
-    "Where joints slide, the associated answer is a bound and not a prediction: its flow rule dilates (u_n = mu u_t), dry stone does "
-    "not. The Coulomb prediction does not dilate, but what its mechanism carries may depend on friction's history: the interval says how "
-    "far, and elastic joints under one steady settlement select within it. Another history, such as repeated settlement, may end "
-    "elsewhere.",
-    "Limit analysis keeps the undeformed geometry; its bounds know no stiffness, its Coulomb prediction and its path take that of YADE's "
-    "joints. In YADE the support has moved and the blocks have inertia: "
-    "the plateau is extrapolated to zero settlement, but what stiffness and speed leave behind is only covered by the tolerances.",
-    "Contact points are drawn in from the arrises by the inset, the same in both methods, which shortens every lever arm. "
-    "Agreement at that inset says nothing on sharp arrises; the sharp reaction stands beside it for that reason.",
-    "A mechanism need not be unique, least of all in a large wall: two that differ may both belong to the right reaction.",
-    "Compressive strength is infinite, joints carry no tension or cohesion, blocks neither crush, crack nor chip; "
-    "forces act at points, so a corner's resistance to torsion is that of the friction at its points.",
-    "YADE's uncertainty is that of its fitted plateau and 0.02 % for its settings; friction's history may depend on them by more.",
+    "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
+    "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "
+    "forces over sections.",
+    "Where joints slide, the associated answer is a bound and not a prediction: its flow rule makes sliding joints open "
+    "(u_n = mu u_t), and those of dry stone do not. The Coulomb prediction has no dilatancy, but its reaction may depend on the "
+    "history of friction. The interval shows how much. Elastic joints under one steady settlement select a value within it. "
+    "Another history, such as repeated settlement, may select another value.",
+    "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path use the "
+    "stiffness of YADE's joints. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
+    "settlement; only the tolerances cover the remaining influence of stiffness and speed.",
+    "Contact points lie inside the arrises by the inset, the same in both methods. This shortens every lever arm. "
+    "Agreement at that inset does not prove the answer for sharp arrises; the report therefore gives that reaction too.",
+    "A mechanism need not be unique, least of all in a large wall: two different mechanisms may both belong to the right reaction.",
+    "Compressive strength is infinite. Joints carry neither tension nor cohesion. Blocks do not crush, crack or chip. "
+    "Forces act at points, so only friction at these points resists torsion at a corner.",
+    "YADE's uncertainty covers its fitted plateau, and 0.02 % for its settings; the influence of its settings on the history of "
+    "friction may be larger.",
 )
 
 
 def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> Path:
-    """Write report.html, report.md and report.json into `folder`, from comparison.json objects; returns the page's path.
+    """Write report.html, report.md and report.json into a folder and return the path of the HTML page.
 
-    Figures and interactive views are taken from `folder/<scene>/`, where they exist. Each file is whole or the one that was there before.
+    Figures and interactive views come from `folder/<scene>/`, where they exist. Each file is replaced as a whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of the run.
+    comparisons : list of dict
+        The content of each scene's `comparison.json`, in the order of the page.
+    provenance : dict
+        Versions and machine, shown at the end of the page; may be nested.
     """
-    scenes = [_scene_view(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)]
+    scenes = [view_of_scene(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)]
     page = {
         "scenes": scenes,
         "scripts": scripts() if any(scene["view"] for scene in scenes) else None,
@@ -77,191 +61,15 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
 
 
 def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:
-    """What report.json holds."""
+    """Return the content of report.json; undefined numbers are None."""
     return dict(without_undefined({"comparisons": comparisons, "provenance": provenance}))
 
 
-def _scene_view(folder: Path, index: int, comparison: dict[str, Any]) -> dict[str, Any]:
-    """Everything the templates show of one scene, by name; they only lay it out."""
-    scene = str(comparison.get("scene"))
-    symbol, word = VERDICTS.get(comparison.get("verdict"), VERDICTS[None])
-    results = _results(comparison)
-    return {
-        "anchor": f"scene-{index}",
-        "name": scene,
-        "title": comparison.get("title") or scene,
-        "source": comparison.get("source") or "",
-        "symbol": symbol,
-        "word": word,
-        "sentence": _sentence(comparison),
-        "notes": comparison.get("notes") or [],
-        "checks": [_check_view(check) for check in comparison.get("checks") or []],
-        "figures": list(_figures(folder / scene, scene)),
-        "view": embedded(folder / scene),
-        "results": results,
-        "expected": list(_expected(comparison)),
-        "rounding": _rounding(comparison),
-        "costs": list(costs(comparison, results, EVIDENCE)),
-        "accuracy": list(accuracy_rows(comparison)),
-        "energies": energies(comparison),
-        "measures": list(measures(comparison, results["live"])),
-        "model": list(_model(comparison)),
-        "effects": list(_effects(comparison)),
-        "evidence": list(_evidence(comparison)),
-        "settings": list(flat(comparison.get("settings") or {})),
-        "provenance": list(flat(comparison.get("provenance") or {})),
-    }
-
-
-def _associated(comparison: dict[str, Any]) -> dict[str, Any]:
-    return (comparison.get("limit_analysis") or {}).get("associated") or {}
-
-
-def _results(comparison: dict[str, Any]) -> dict[str, Any]:
-    """Numbers of both methods at the inset they share: bounds, YADE's reaction, their difference, times. None for none."""
-    associated, yade = _associated(comparison), comparison.get("yade") or {}
-    shared = associated.get("shared_inset") or associated
-    live = "multiplier" in associated
-    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
-    quantity = "multiplier" if live else "reaction"
-    shared_coulomb = coulomb.get("shared_inset") or coulomb
-    predicted, (low, high) = shared_coulomb.get(quantity), shared_coulomb.get(f"{quantity}_interval") or (None, None)
-    unit = comparison.get("unit", "" if live else "N")
-    least, found = shared.get("reaction"), yade.get("reaction")
-    nearest = predicted if exists(predicted) else least
-    reactions = {
-        "least": least,
-        "greatest": shared.get("reaction_max"),
-        "yade": found,
-        "uncertainty": yade.get("uncertainty"),
-        "coulomb": predicted,
-        "difference": found - nearest if exists(nearest) and exists(found) else None,
-    }
-    weight = comparison.get("weight")
-    ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
-    unbounded = associated.get("reaction_max_status") == "unbounded"
-    return reactions | {
-        "ratios": ratios,
-        "unit": unit,
-        "ratio_unit": "of W" if unit == "N" else "m, over W",
-        "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
-        "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
-        "interval": interval_words(low, high, unit),
-        "half_width": half_width(low, high),
-        "less": "Coulomb" if exists(predicted) else "R_min",
-        "coulomb_status": coulomb.get("status") or DASH,
-        "live": live,
-        "multiplier": associated.get("multiplier"),
-        "status": associated.get("status") or DASH,
-        "yade_status": yade.get("status") or "not run",
-        "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
-        "yade_seconds": yade.get("seconds"),
-    }
-
-
-def _sum(*values: Any) -> float | None:
-    found = [value for value in values if exists(value)]
-    return sum(found) if found else None
-
-
-def _sentence(comparison: dict[str, Any]) -> str:
-    """The verdict with its reason."""
-    verdict, reason = comparison.get("verdict"), comparison.get("reason") or ""
-    agreement = "The two methods agree." if comparison.get("yade") else "Limit analysis agrees with the expected value; YADE was not run."
-    openings = {"agree": agreement, "disagree": "The comparison fails.", "inconclusive": "No verdict can be given."}
-    return f"{openings.get(str(verdict), 'Nothing was compared.')} {reason}".strip()
-
-
-def _check_view(check: dict[str, Any]) -> dict[str, Any]:
-    symbol, word = VERDICTS.get(check.get("verdict"), VERDICTS[None])
-    names = ("name", "limit_analysis", "yade", "difference", "tolerance")
-    return {name: check.get(name) for name in names} | {
-        "symbol": symbol, "word": word, "unit": check.get("unit") or "", "reason": check.get("reason") or "",
-    }  # fmt: skip
-
-
-def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
-    for name, caption in FIGURES.items():
-        kind = "gif" if name == "animation" else "png"
-        path = folder / f"{name}.{kind}"
-        if path.is_file():
-            data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
-            yield {"name": name, "caption": caption, "path": f"{quote(scene)}/{path.name}", "data": data}
-
-
-def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Each expected value beside what limit analysis gives for sharp arrises."""
-    expected, associated = comparison.get("expected") or {}, _associated(comparison)
-    own = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
-    weight = comparison.get("weight")
-
-    def over(value: Any) -> float | None:
-        return value / weight if exists(value) and weight else None
-
-    found = {
-        "reaction_over_weight": ("R / W", over(own.get("reaction_sharp"))),
-        "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
-        "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
-        "multiplier": ("multiplier", own.get("multiplier_sharp")),
-        "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
-    }
-    for key, (name, value) in found.items():
-        if exists(expected.get(key)):
-            yield {"name": name, "expected": expected[key], "found": value} | {k: expected.get(k) for k in ("tolerance", "kind")}
-
-
-def _rounding(comparison: dict[str, Any]) -> str:
-    """What rounding the arrises costs, as a sentence; "" where nothing was rounded."""
-    associated, results = _associated(comparison), _results(comparison)
-    shared = associated.get("shared_inset") or associated
-    quantity = "multiplier" if results["live"] else "reaction"
-    sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
-    if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
-        return ""
-    change = rounded - sharp
-    share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
-    unit = f" {results['unit']}".rstrip()
-    return (
-        f"An inset of {format_number(1e3 * inset, 3)} mm changes the associated {quantity} "
-        f"from {format_number(sharp, 5)}{unit} for sharp arrises "
-        f"to {format_number(rounded, 5)}{unit}: {signed(change, 3)}{unit}{share}."
-    )
-
-
-def _model(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Size of what was modelled, as pairs of name and words."""
-    yield "weight of the free blocks, W", f"{format_number(comparison.get('weight'), 5)} N"
-    for name, words in (("free_blocks", "free blocks"), ("interfaces", "interfaces"), ("contact_points", "contact points")):
-        yield words, format_number(comparison.get(name))
-
-
-def _effects(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
-    """Every effect: on or off, how it is modelled, why, what leaving it out saves or keeping it took."""
-    for row in (comparison.get("effects") or {}).get("table") or []:
-        saved = ", ".join(f"{format_number(count)} {name}" for name, count in (row.get("saved") or {}).items())
-        took = f"took {format_number(row['seconds'], 2)} s" if exists(row.get("seconds")) else ""
-        yield {
-            "effect": str(row.get("effect")),
-            "what": str(row.get("what")),
-            "state": "on" if row.get("on") else "off",
-            "modelled": str(row.get("modelled")),
-            "reason": str(row.get("reason") or ""),
-            "cost": f"saves {saved}" if saved else took or DASH,
-        }
-
-
-def _evidence(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Residuals of the associated and of the Coulomb answer, with their meanings."""
-    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
-    for method, answer, meanings in (("associated", _associated(comparison), EVIDENCE), ("Coulomb", coulomb, COULOMB_EVIDENCE)):
-        for name, meaning in meanings.items():
-            if name in answer:
-                yield f"{method}: {meaning}", format_number(answer[name], 2)
-
-
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """How many scenes came to each verdict, verdicts without scenes left out."""
-    found = [comparison.get("verdict") for comparison in comparisons]
+    """Count the scenes of each verdict; verdicts without scenes are left out."""
+    verdicts = [comparison.get("verdict") for comparison in comparisons]
     return [
-        {"symbol": symbol, "word": word, "count": found.count(verdict)} for verdict, (symbol, word) in VERDICTS.items() if verdict in found
+        {"symbol": symbol, "word": word, "count": verdicts.count(verdict)}
+        for verdict, (symbol, word) in VERDICTS.items()
+        if verdict in verdicts
     ]

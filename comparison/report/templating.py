@@ -1,4 +1,4 @@
-"""What every page of a report shares: templates with all texts escaped, and nested facts as pairs of words."""
+"""Templates of every report page, with all texts escaped, and nested values as pairs of name and text."""
 
 import re
 from collections.abc import Iterator
@@ -10,8 +10,11 @@ from comparison.numbers import DASH, first_sentence, format_number, plural
 
 
 def template_environment(name: str) -> jinja2.Environment:
-    """The templates, for a page of this name: texts in HTML are escaped of themselves, those in Markdown by the filter `md`."""
-    found = jinja2.Environment(
+    """Return the templates for the page of this name.
+
+    HTML pages escape every text automatically; Markdown pages escape by the filter `md`.
+    """
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("comparison.report", "templates"),
         autoescape=name.endswith(".html"),
         undefined=jinja2.StrictUndefined,
@@ -19,17 +22,17 @@ def template_environment(name: str) -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    found.filters |= {"number": format_number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
-    return found
+    environment.filters |= {"number": format_number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
+    return environment
 
 
 def markdown(text: Any) -> str:
-    """Text with every sign that Markdown or HTML would read escaped, in one line."""
+    """Return the text in one line, with every character escaped that Markdown or HTML would interpret."""
     return re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", " ".join(str(text).split()))
 
 
 def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Pairs of dotted name and text, in order of the names."""
+    """Yield pairs of dotted name and text, in the order of the names; `prefix` goes before every name."""
     for key in sorted(values):
         value = values[key]
         if isinstance(value, dict):

@@ -1,6 +1,6 @@
-"""The interactive view of a scene in the report: its data as JSON, and the scripts of the page with their digests.
+"""The interactive 3D view of a scene in the report: its data as JSON, and the page's scripts with their digests.
 
-Data are little-endian arrays in base64, as `web/viewer.js` reads them; lengths in m, from the middle of the structure.
+Data are little-endian arrays in base64, read by `web/viewer.js`. Lengths are in m, from the middle of the structure.
 """
 
 import base64
@@ -20,32 +20,35 @@ from la_core.scene import Scene
 
 FILE = "viewer.json"
 WEB = Path(__file__).parent / "web"
-LARGEST = 600_000  # bytes of the states of one method; fewer of them are kept where each is large
+LARGEST = 600_000  # bytes of the states of one method; fewer states are kept where each is large
 MOST_STATES = 24
 SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
 
 
 def viewer_text(results: Results) -> str:
-    """What `viewer.json` holds."""
+    """Return the text of `viewer.json`."""
     scene, analysis = results.scene, results.analysis
-    assembly, shown = analysis.assembly, motions(results)
+    assembly, moving = analysis.assembly, motions(results)
     _, _, toward = canvas.view_axes(assembly.effects.plane)
     content = {
         "title": scene.title,
         "toward": toward.tolist(),
         "see_through": assembly.effects.plane or len(assembly.blocks) <= canvas.FEW,
-        **_travel(scene, shown),
+        **_travel(scene, moving),
         **_geometry(assembly),
         "palette": [{"name": name, "colour": ROLE_FACE[role]} for role, name in ROLE_NAME.items()]
-        + [_key(method) for method in shown.methods],
-        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(shown.methods)],
-        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in shown.methods), default=0.0),
+        + [_key(method) for method in moving.methods],
+        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(moving.methods)],
+        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in moving.methods), default=0.0),
     }
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
 
 def embedded(folder: Path) -> str:
-    """A scene's stored view as text that stays inside of its script element, "" where there is none or it is not JSON."""
+    """Return a scene's stored view as text that cannot end its script element.
+
+    The text is "" where the view is missing or not JSON.
+    """
     try:
         content = json.loads((folder / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -55,25 +58,38 @@ def embedded(folder: Path) -> str:
 
 @cache
 def scripts() -> dict[str, str]:
-    """Texts of the page's scripts by name, none of which could end its element, and the `policy` that admits them and no other."""
+    """Return the page's scripts by name, and the `policy` that allows these scripts only.
+
+    No script contains text that could end its element.
+    """
     texts = {name: "".join((WEB / file).read_text(encoding="utf-8") for file in files) for name, files in SCRIPTS.items()}
     digests = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts.values()]
     return texts | {"policy": " ".join(f"'sha256-{digest}'" for digest in digests)}
 
 
-def _travel(scene: Scene, shown: Motions) -> dict[str, Any]:
-    """What the slider moves, and its unit; times `unit_per_si` gives the shown number."""
-    words, unit, factor = "settlement", "mm", 1e3
+def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
+    """Return the quantity that the slider moves, its unit and range.
+
+    SI values times `unit_per_si` are in that unit.
+    """
+    quantity, unit, factor = "settlement", "mm", 1e3
     if scene.live is not None:
-        words, unit, factor = "growth of the mechanism", "%", 100.0 / (shown.end or 1.0)
+        quantity, unit, factor = "growth of the mechanism", "%", 100.0 / (moving.end or 1.0)
     elif scene.is_rotation:
-        words, unit = "rotation of the support", "mrad"
-    magnification = None if scene.live is not None else shown.magnification
-    return {"quantity": words, "unit": unit, "unit_per_si": factor, "start": shown.start, "end": shown.end, "magnification": magnification}
+        quantity, unit = "rotation of the support", "mrad"
+    magnification = None if scene.live is not None else moving.magnification
+    return {
+        "quantity": quantity,
+        "unit": unit,
+        "unit_per_si": factor,
+        "start": moving.start,
+        "end": moving.end,
+        "magnification": magnification,
+    }
 
 
 def _geometry(assembly: Assembly) -> dict[str, Any]:
-    """Blocks as triangles and edges of their faces, and contact points with the blocks a and b of each."""
+    """Return the blocks as triangles and edges, and the contact points with their blocks a and b."""
     blocks = assembly.blocks
     middle = (blocks.low.min(axis=0) + blocks.high.max(axis=0)) / 2.0
     first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
@@ -94,8 +110,11 @@ def _geometry(assembly: Assembly) -> dict[str, Any]:
     }
 
 
-def _method(assembly: Assembly, motion: Motion, own: int) -> dict[str, Any]:
-    """A method's states, no more than LARGEST bytes of them, and what each block and contact point does."""
+def _method(assembly: Assembly, motion: Motion, colour: int) -> dict[str, Any]:
+    """Return a method's states in at most LARGEST bytes, each block's look and each contact point's state.
+
+    `colour` is the place in the palette of the blocks that move.
+    """
     blocks = assembly.blocks
     known = bool(np.isfinite(motion.twists).all())
     marked = mechanism.moving(blocks, motion.twists) if known else np.isin(blocks.names, motion.falling)
@@ -108,7 +127,7 @@ def _method(assembly: Assembly, motion: Motion, own: int) -> dict[str, Any]:
     return {
         "label": motion.label,
         "note": motion.reason,
-        "looks": _array(np.where(marked, own, canvas.drawn_roles(assembly)), "u1"),
+        "looks": _array(np.where(marked, colour, canvas.drawn_roles(assembly)), "u1"),
         "contacts": _array(motion.states, "i1"),
         "settlement": _array(motion.settlement[kept], "<f4"),
         "displacement": _array(motion.displacement[kept], "<f4"),
@@ -117,8 +136,8 @@ def _method(assembly: Assembly, motion: Motion, own: int) -> dict[str, Any]:
 
 
 def _key(motion: Motion) -> dict[str, str]:
-    does = "falls" if motion.falling else "moves"
-    return {"name": f"{does}, {motion.label}", "colour": canvas.tint(canvas.method_colour(motion.label))}
+    verb = "falls" if motion.falling else "moves"
+    return {"name": f"{verb}, {motion.label}", "colour": canvas.tint(canvas.method_colour(motion.label))}
 
 
 def _lengths(forces: np.ndarray) -> np.ndarray:

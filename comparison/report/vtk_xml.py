@@ -1,6 +1,6 @@
-"""VTK's XML files, as ParaView opens them: an unstructured grid (.vtu) and a collection of them (.pvd).
+"""XML files of VTK, which ParaView opens: an unstructured grid (.vtu) and a collection of grids (.pvd).
 
-Format: VTK File Formats, kitware; arrays are inline base64 of a 64-bit byte count and little-endian numbers.
+Source: Kitware, "VTK File Formats". Arrays are inline base64 of a 64-bit byte count and little-endian numbers.
 """
 
 import base64
@@ -19,7 +19,21 @@ TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8")}  # by the kind of a num
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells of one type on points (N, 3): cell j owns connectivity[start[j]:start[j+1]]; arrays of points and cells by name."""
+    """Cells of one type on points.
+
+    Attributes
+    ----------
+    points : ndarray
+        Positions (N, 3), m.
+    connectivity : ndarray
+        Points of all cells, one cell after the other; cell j has `connectivity[start[j]:start[j + 1]]`.
+    start : ndarray
+        First place of each cell in `connectivity`, and the end (M + 1,).
+    cell_type : int
+        VERTEX or POLYGON, for all cells.
+    point_data, cell_data : mapping of str to ndarray
+        Values of every point (N,) or (N, k), and of every cell (M,) or (M, k), by name.
+    """
 
     points: np.ndarray
     connectivity: np.ndarray
@@ -30,7 +44,7 @@ class Grid:
 
 
 def write_grid(path: Path, grid: Grid) -> None:
-    """Write a .vtu file."""
+    """Write a grid as a .vtu file."""
     cells = len(grid.start) - 1
     topology = {"connectivity": grid.connectivity, "offsets": grid.start[1:], "types": np.full(cells, grid.cell_type)}
     parts = [
@@ -44,7 +58,10 @@ def write_grid(path: Path, grid: Grid) -> None:
 
 
 def write_collection(path: Path, rows: Iterable[tuple[float, Sequence[str]]]) -> None:
-    """Write a .pvd file: at each time (here a settlement) the names of the grids beside it, part by part."""
+    """Write a collection as a .pvd file.
+
+    Each row is a time (here a settlement, m or rad) and the names of its grids, which lie beside the file.
+    """
     entries = [
         _element("DataSet", [], timestep=repr(float(time)), part=part, file=name) for time, names in rows for part, name in enumerate(names)
     ]

@@ -1,4 +1,4 @@
-"""Studies of a method's own settings: what accuracy costs in time, and how sensitive the classic iteration is."""
+"""Studies of the methods' settings: the cost of accuracy in time, and the sensitivity of the classic iteration."""
 
 from comparison.studies import cost, sensitivity
 from comparison.studies.cost import CostStudy, cost_dict, measure_study, prediction_inset

@@ -1,4 +1,7 @@
-"""What accuracy costs in time: error against seconds over a ladder of methods and settings, on one scene."""
+"""The cost of accuracy: error against seconds for a ladder of methods and settings, on one scene.
+
+A rung of the ladder is one method with one setting.
+"""
 
 import dataclasses
 import math
@@ -16,19 +19,40 @@ from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Metho
 from la_core.scene import Scene
 from la_core.text_table import ROUND_OFF, number_text
 
-REPEATS, ENOUGH = 3, 10.0  # times a rung is run; seconds after which it is not run again
-FINEST_STEPS = 32  # of the prediction that all are held against where no value is known
-LEAST_ERROR = 1e-10  # smaller errors are what two solves of one programme differ by: they count as this
+REPEATS, ENOUGH = 3, 10.0  # runs of a rung; seconds after which it does not run again
+FINEST_STEPS = 32  # of the prediction that serves as reference where no exact value is known
+LEAST_ERROR = 1e-10  # two solutions of one programme differ by as much: smaller errors count as this error
 USABLE = ("solved", "plateau", "inaccurate")
 
 
 @dataclass(frozen=True)
 class CostPoint:
-    """One rung, measured. value and error: over the weight or as a multiplier, and relative to the reference; NaN where undefined,
-    as is an error relative to nothing but round-off.
+    """Measured value, error and seconds of one rung.
 
-    Seconds: median over the repeats, to build the model, to solve, for all the rest; scatter: range of the total, NaN for one run.
-    pareto: no other rung of the same target is both faster and closer.
+    Attributes
+    ----------
+    family : str
+        Name of the method.
+    setting : str
+        Its setting, in words.
+    target : str
+        ASSOCIATED or PREDICTION: the answer that the method aims at.
+    status : str
+        How the run ended.
+    value : float
+        Reaction over the weight (m for a rotation), or multiplier; NaN where undefined.
+    error : float
+        Relative error of the value; NaN where the value is undefined or the reference is zero.
+    uncertainty : float
+        Uncertainty that the method states itself, in the unit of `value`; NaN where it states none.
+    build, solve, post : float
+        Seconds to build the model, to solve it, and for the rest; medians over the repeats.
+    scatter : float
+        Range of the total seconds over the repeats; NaN for one run.
+    repeats : int
+        Number of runs.
+    pareto : bool
+        Whether no other rung of the same target is both faster and closer.
     """
 
     family: str
@@ -47,13 +71,25 @@ class CostPoint:
 
     @property
     def total(self) -> float:
-        """Seconds of one run."""
+        """Return the seconds of one run."""
         return self.build + self.solve + self.post
 
 
 @dataclass(frozen=True)
 class CostStudy:
-    """All rungs of a scene; reference: by target, what errors are relative to, and in words where it comes from."""
+    """All measured rungs of a scene.
+
+    Attributes
+    ----------
+    scene, title : str
+        Name and title of the scene.
+    quantity : str
+        "reaction" or "multiplier".
+    references : dict of str to (float, str)
+        Reference of the errors, in the unit of `CostPoint.value`, and its source in words; by target.
+    rungs : tuple of CostPoint
+        In the order of the runs.
+    """
 
     scene: str
     title: str
@@ -63,25 +99,35 @@ class CostStudy:
 
 
 def measure_study(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str], None]) -> CostStudy:
-    """Run every rung in turn, as often as it is quick; progress is told the number of the rung and its name."""
+    """Run every rung, REPEATS times where it is quick, and return the study.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to solve.
+    methods : sequence of Method
+        The rungs, in the order in which they run.
+    progress : callable
+        Called before each rung with its number, from 0, and its name.
+    """
     measured = []
     for k, method in enumerate(methods):
         progress(k, f"{method.family}, {method.setting}")
         measured.append((method, *_measure(method)))
     references = _references(scene, [(method, outcome) for method, outcome, *_ in measured])
-    rungs = [_rung(scene, *one, references[one[0].target][0]) for one in measured]
-    best = [rung for target in references for rung in front([one for one in rungs if one.target == target])]
+    rungs = [_rung(scene, *record, references[record[0].target][0]) for record in measured]
+    best = [rung for target in references for rung in front([other for other in rungs if other.target == target])]
     rungs = [dataclasses.replace(rung, pareto=rung in best) for rung in rungs]
     return CostStudy(scene.name, scene.title, scene.quantity, references, tuple(rungs))
 
 
 def prediction_inset(scene: Scene) -> float:
-    """Inset of limit analysis' predictions, m: sharp where the exact value is known, for that holds for sharp arrises."""
+    """Return the predictions' inset, m: 0 where the scene has an exact value, which holds for sharp arrises."""
     return 0.0 if _known(scene)[PREDICTION] is not None else shared_inset(scene)
 
 
 def _measure(method: Method) -> tuple[MethodOutcome, list[float], list[tuple[float, float]]]:
-    """Outcome, seconds of every run, and its seconds to build and to solve."""
+    """Run a rung; return its outcome, and for every run the total seconds and those to build and to solve."""
     totals: list[float] = []
     parts: list[tuple[float, float]] = []
     while len(totals) < REPEATS and sum(totals) <= ENOUGH:
@@ -115,46 +161,46 @@ def _rung(
 
 
 def _known(scene: Scene) -> dict[str, float | None]:
-    """Exact values by target, over the weight or as multipliers; for sharp arrises."""
+    """Return the exact values by target, over the weight or as multipliers, for sharp arrises; None where unknown."""
     expected = scene.expected
     if expected is None or expected.kind != "exact":
         return {ASSOCIATED: None, PREDICTION: None}
     live = scene.live is not None
-    own = expected.multiplier if live else expected.reaction_over_weight
+    prediction = expected.multiplier if live else expected.reaction_over_weight
     associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
-    return {ASSOCIATED: associated, PREDICTION: own}
+    return {ASSOCIATED: associated, PREDICTION: prediction}
 
 
 def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> dict[str, tuple[float, str]]:
-    """What errors are relative to: the scene's exact value, else the finest rung."""
+    """Return the references of the errors and their sources: the scene's exact value, else the finest rung."""
     divisor = 1.0 if scene.live is not None else scene.weight
     known = _known(scene)
     finest = [(m, o) for m, o in measured if m.target == ASSOCIATED and m.family == "cone programme" and o.status == "solved"][-1]
-    found = {ASSOCIATED: (finest[1].value / divisor, f"the cone programme with {finest[0].setting}")}
+    references = {ASSOCIATED: (finest[1].value / divisor, f"the cone programme with {finest[0].setting}")}
     inset = prediction_inset(scene)
     if known[PREDICTION] is None:
-        words = f"the Coulomb prediction in {FINEST_STEPS} steps, at the inset that both methods share, {1e3 * inset:g} mm"
-        found[PREDICTION] = (coulomb(scene, inset, FINEST_STEPS).value / divisor, words)
+        source = f"the Coulomb prediction in {FINEST_STEPS} steps, at the inset that both methods share, {1e3 * inset:g} mm"
+        references[PREDICTION] = (coulomb(scene, inset, FINEST_STEPS).value / divisor, source)
     for target, value in known.items():
         if value is not None:
-            found[target] = (value, "the exact value, for sharp arrises")
-    return found
+            references[target] = (value, "the exact value, for sharp arrises")
+    return references
 
 
 def front(rungs: Sequence[CostPoint]) -> list[CostPoint]:
-    """The Pareto front, by time: rungs than which none is as close in less time, or closer in as much."""
-    found: list[CostPoint] = []
-    for rung in sorted((one for one in rungs if math.isfinite(one.error)), key=lambda one: (one.total, one.error)):
-        if not found or max(rung.error, LEAST_ERROR) < found[-1].error:
-            found.append(rung)
-    return found
+    """Return the Pareto front in the order of time: each rung is closer than all faster rungs."""
+    best: list[CostPoint] = []
+    for rung in sorted((rung for rung in rungs if math.isfinite(rung.error)), key=lambda rung: (rung.total, rung.error)):
+        if not best or max(rung.error, LEAST_ERROR) < best[-1].error:
+            best.append(rung)
+    return best
 
 
 def cost_table(ladder: CostStudy, target: str) -> Table:
-    """One row a rung of a target; the Pareto front is marked."""
-    reference, words = ladder.references[target]
+    """Return a table with one row for each rung of a target; a dot marks the Pareto front."""
+    reference, source = ladder.references[target]
     over = "" if ladder.quantity == "multiplier" else " over W"
-    title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}{over}, {words}"
+    title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}{over}, {source}"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for head in (
         "method",
@@ -170,21 +216,21 @@ def cost_table(ladder: CostStudy, target: str) -> Table:
         "front",
     ):
         table.add_column(head, justify="left" if head in ("method", "setting", "status", "front") else "right")
-    for rung in (one for one in ladder.rungs if one.target == target):
+    for rung in (rung for rung in ladder.rungs if rung.target == target):
         seconds = [
             number_text(value if math.isfinite(value) else None, 2)
             for value in (rung.build, rung.solve, rung.post, rung.total, rung.scatter)
         ]
-        found = [number_text(value if math.isfinite(value) else None, digits) for value, digits in ((rung.value, 6), (rung.error, 2))]
-        table.add_row(rung.family, rung.setting, rung.status, *found, *seconds, "●" if rung.pareto else "")
+        results = [number_text(value if math.isfinite(value) else None, digits) for value, digits in ((rung.value, 6), (rung.error, 2))]
+        table.add_row(rung.family, rung.setting, rung.status, *results, *seconds, "●" if rung.pareto else "")
     return table
 
 
 def cost_dict(ladder: CostStudy) -> dict[str, Any]:
-    """The ladder as a JSON object; undefined numbers are null."""
-    references = {target: {"value": value, "source": words} for target, (value, words) in ladder.references.items()}
+    """Return the study as a JSON object; undefined numbers are null."""
+    references = {target: {"value": value, "source": source} for target, (value, source) in ladder.references.items()}
     rungs = [dataclasses.asdict(rung) | {"total": rung.total} for rung in ladder.rungs]
-    found: dict[str, Any] = without_undefined(
+    study: dict[str, Any] = without_undefined(
         {"scene": ladder.scene, "quantity": ladder.quantity, "references": references, "rungs": rungs}
     )
-    return found
+    return study

@@ -1,4 +1,4 @@
-"""The ladder of `crosscheck cost` in limit analysis: methods and settings that trade time for accuracy."""
+"""The rungs of `crosscheck cost` in limit analysis: methods and settings that trade time for accuracy."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -16,16 +16,25 @@ FACETS = (4, 8, 16, 32, 64)
 STEPS = (1, 2, 4, 8, 16)
 INCREMENTS = (2, 5, 10, 25, 50)
 INSETS = (0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)  # m
-LARGEST_INSET = 10.0  # times the smallest that both methods share: the narrowest interface bears it
-POINTS_PER_SIDE = {True: (2, 3, 5), False: (2, 3)}  # by whether the scene is plane
+LARGEST_INSET = 10.0  # times the smallest inset that both methods share: it fits into the narrowest interface
+POINTS_PER_SIDE = {True: (2, 3, 5), False: (2, 3)}  # True for a plane scene
 ASSOCIATED, PREDICTION = "associated", "prediction"
 
 
 @dataclass(frozen=True)
 class MethodOutcome:
-    """What one run came to: value in N, N m or as a multiplier, how it ended, seconds to build the model and to solve it.
+    """Result of one run.
 
-    uncertainty: as the method itself states it, in the value's unit; NaN where it states none.
+    Attributes
+    ----------
+    value : float
+        Reaction (N; N m for a rotation) or multiplier; NaN where undefined.
+    status : str
+        How the run ended.
+    build, solve : float
+        Seconds to build the model and to solve it.
+    uncertainty : float
+        Uncertainty that the method states itself, in the unit of `value`; NaN where it states none.
     """
 
     value: float
@@ -37,7 +46,19 @@ class MethodOutcome:
 
 @dataclass(frozen=True)
 class Method:
-    """One rung: its family, its setting, whether it aims at the associated answer or at the prediction, and how to run it."""
+    """One rung: a method with one setting.
+
+    Attributes
+    ----------
+    family : str
+        Name of the method.
+    setting : str
+        Its setting, in words.
+    target : str
+        ASSOCIATED or PREDICTION: the answer that the method aims at.
+    run : callable
+        Runs the method once and returns its result.
+    """
 
     family: str
     setting: str
@@ -46,12 +67,15 @@ class Method:
 
 
 def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
-    """All rungs of limit analysis. inset: of the rungs that predict, m; bounds are those of sharp arrises where no rung says otherwise."""
+    """Yield all rungs of limit analysis.
+
+    The rungs that predict use `inset`, m. Bounds are those of sharp arrises, except on the rungs that vary the inset.
+    """
     for accuracy in TOLERANCES:
         yield Method("cone programme", f"residual {accuracy:.0e}", ASSOCIATED, partial(_bound, scene, 0.0, accuracy))
     yield from _linearised_methods(scene)
-    for one in _insets(scene):
-        yield Method("inset", f"{1e3 * one:g} mm", ASSOCIATED, partial(_bound, scene, one))
+    for bound_inset in _insets(scene):
+        yield Method("inset", f"{1e3 * bound_inset:g} mm", ASSOCIATED, partial(_bound, scene, bound_inset))
     plane = assemble(scene).effects.plane
     for per_side in POINTS_PER_SIDE[plane]:
         count = per_side if plane else per_side**2
@@ -59,25 +83,29 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
     yield Method("associated", "for a prediction", PREDICTION, partial(_bound, scene, inset))
     yield Method("classic iteration", "its own settings", PREDICTION, partial(_classic, scene, inset))
     for steps in STEPS:
-        words = f"{steps} step{'s' if steps > 1 else ''}"
-        yield Method("Coulomb", words, PREDICTION, partial(coulomb, scene, inset, steps))
+        setting = f"{steps} step{'s' if steps > 1 else ''}"
+        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, steps))
     for increments in INCREMENTS:
         yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
 
 
 def _linearised_methods(scene: Scene) -> Iterator[Method]:
-    """HiGHS on polygonal cones, from either side; in the plane, where two lines are the cone, both of its algorithms."""
+    """Yield the rungs of HiGHS.
+
+    In space: inscribed and circumscribed polygonal cones. In the plane, where two lines are the exact cone: both algorithms.
+    """
     if assemble(scene).effects.plane:
-        for method, words in (("highs-ipm", "HiGHS interior point"), ("highs-ds", "HiGHS simplex")):
-            yield Method("linearised", words, ASSOCIATED, partial(_linearised, scene, FACETS[0], True, method))
+        for method, setting in (("highs-ipm", "HiGHS interior point"), ("highs-ds", "HiGHS simplex")):
+            yield Method("linearised", setting, ASSOCIATED, partial(_linearised, scene, FACETS[0], True, method))
         return
     for facets in FACETS:
-        for inscribed, words in ((True, "inscribed"), (False, "circumscribed")):
-            yield Method("linearised", f"{facets} facets {words}", ASSOCIATED, partial(_linearised, scene, facets, inscribed, "highs-ipm"))
+        for inscribed, side in ((True, "inscribed"), (False, "circumscribed")):
+            run = partial(_linearised, scene, facets, inscribed, "highs-ipm")
+            yield Method("linearised", f"{facets} facets {side}", ASSOCIATED, run)
 
 
 def coulomb(scene: Scene, inset: float, steps: int) -> MethodOutcome:
-    """The Coulomb prediction in so many steps."""
+    """Return the Coulomb prediction at an inset, m, in a number of steps."""
     assembly, stiffness, built = _elastic(scene, inset)
     bound = solve_associated(assembly, drives(scene)[0])
     answer = predict(assembly, stiffness, bound, wedging(scene), PredictionSettings(steps))
@@ -85,12 +113,12 @@ def coulomb(scene: Scene, inset: float, steps: int) -> MethodOutcome:
 
 
 def shared_inset(scene: Scene) -> float:
-    """Inset that both methods share, m."""
+    """Return the inset that both methods share, m."""
     return smallest_inset(assemble(scene)) if scene.inset == 0.0 and scene.live is None else scene.inset
 
 
 def _elastic(scene: Scene, inset: float) -> tuple[Assembly, JointStiffness, float]:
-    """The assembly at an inset, its stiffness, which is that of the inset both methods share, and the seconds they took."""
+    """Return the assembly at an inset, m, the joint stiffness at the shared inset, and the seconds to build both."""
     start = time.perf_counter()
     assembly = assemble(scene)
     shared = assembly.with_inset(scene, shared_inset(scene))
@@ -117,7 +145,7 @@ def _linearised(scene: Scene, facets: int, inscribed: bool, method: str) -> Meth
 
 
 def _insets(scene: Scene) -> list[float]:
-    """Insets that the scene's narrowest interface bears, m."""
+    """Return the insets that fit into the scene's narrowest interface, m."""
     largest = LARGEST_INSET * smallest_inset(assemble(scene))
     return [inset for inset in INSETS if inset <= largest]
 

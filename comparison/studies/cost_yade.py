@@ -1,4 +1,4 @@
-"""The ladder of `crosscheck cost` in YADE: one setting after the other moved away from what the program derives."""
+"""The rungs of `crosscheck cost` in YADE: the derived settings, then each setting changed alone."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ from comparison.yade import Yade, read_run, run_yade
 from la_core.analysis import analyse, write_case
 from la_core.scene import Scene
 
-FACTORS = {  # of what the program derives, by setting of YADE; words for people
+FACTORS = {  # of the derived value, by setting of YADE, with the setting's name in words
     "speed": ("settlement speed", (8.0, 4.0, 2.0, 0.5)),
     "normal_stiffness": ("joint stiffness", (0.25, 4.0)),
     "damping_ratio": ("damping", (0.33, 2.0)),
@@ -23,21 +23,33 @@ TIME_LIMIT = 3600.0  # s
 
 
 def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]) -> Iterator[Method]:
-    """All rungs of YADE, the derived settings first: the others are multiples of what that run used."""
+    """Yield all rungs of YADE; the first uses the derived settings, and the others multiples of these.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to solve.
+    yade : Yade
+        The YADE to run.
+    folder : Path
+        Each rung runs in a folder inside.
+    progress : callable
+        Called with YADE's progress lines.
+    """
     derived: dict[str, Any] = {}
-    base = shared_inset(scene)  # YADE takes its smallest where the scene has none
+    base = shared_inset(scene)  # the smallest inset for YADE where the scene has none
 
     def run(name: str, inset: float = 1.0, setting: str = "", factor: float = 1.0) -> MethodOutcome:
-        asked = scene.yade | ({setting: factor * derived[setting]} if setting else {})
-        outcome, settings = run_once(scene, base * inset, asked, yade, folder / name.replace(" ", "_"), progress)
+        requested = scene.yade | ({setting: factor * derived[setting]} if setting else {})
+        outcome, settings = run_once(scene, base * inset, requested, yade, folder / name.replace(" ", "_"), progress)
         if not setting and inset == 1.0:
             derived.update(settings)
         return outcome
 
     yield Method("YADE", "derived settings", PREDICTION, partial(run, "derived"))
-    for setting, (words, factors) in FACTORS.items():
+    for setting, (label, factors) in FACTORS.items():
         for factor in factors:
-            name = f"{words} x {factor:g}"
+            name = f"{label} x {factor:g}"
             yield Method("YADE", name, PREDICTION, partial(run, name, 1.0, setting, factor))
     for factor in INSET_FACTORS:
         name = f"inset x {factor:g}"
@@ -47,12 +59,28 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
 def run_once(
     scene: Scene, inset: float, settings: dict[str, Any], yade: Yade, folder: Path, progress: Callable[[dict[str, Any]], None]
 ) -> tuple[MethodOutcome, dict[str, Any]]:
-    """One run of YADE at an inset (m) with settings; its outcome and the settings it used."""
+    """Run YADE once and return the outcome and the settings it used.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to solve.
+    inset : float
+        Inset of the contact points, m.
+    settings : dict
+        Settings of YADE in place of the scene's; missing settings are derived.
+    yade : Yade
+        The YADE to run.
+    folder : Path
+        Folder of the run; created where it does not exist.
+    progress : callable
+        Called with YADE's progress lines.
+    """
     start = time.perf_counter()
-    effects = scene.effects.model_copy(update={"friction": "associated", "elasticity": "auto"})  # YADE has friction of its own
-    asked = replace(scene, inset=inset, yade=settings, effects=effects, path_asked=None)
+    effects = scene.effects.model_copy(update={"friction": "associated", "elasticity": "auto"})  # YADE needs no prediction
+    changed = replace(scene, inset=inset, yade=settings, effects=effects, path_asked=None)
     folder.mkdir(parents=True, exist_ok=True)
-    analysis = analyse(asked)
+    analysis = analyse(changed)
     write_case(folder / "case.h5", analysis, folder.name)
     built = time.perf_counter() - start
     run_yade(yade, folder, folder.name, settings.get("time_limit", TIME_LIMIT), progress)

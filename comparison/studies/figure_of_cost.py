@@ -1,4 +1,4 @@
-"""Error against seconds, both on logarithmic axes: a panel for the associated answer and one for the prediction."""
+"""Figure of a cost study: error against seconds on logarithmic axes, one panel for each target."""
 
 import math
 import textwrap
@@ -20,23 +20,28 @@ PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, fric
 
 
 def cost_figure(ladder: CostStudy) -> Figure:
-    """Every rung as a mark by its method; the Pareto fronts as lines, their rungs lettered and named below."""
+    """Draw every rung as a mark of its method, and the Pareto fronts as lines.
+
+    Letters name the rungs of the fronts below.
+    """
     figure = Figure(figsize=(12.5, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(ladder.title, parse_math=False, fontsize=11)
-    for axes, (target, words) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
+    for axes, (target, heading) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
         named = _draw(axes, [rung for rung in ladder.rungs if rung.target == target and math.isfinite(rung.error)])
         value, source = ladder.references[target]
-        title = f"{words}\n" + textwrap.fill(f"held against {value:.6g}: {source}", TITLE_WIDTH)
+        title = f"{heading}\n" + textwrap.fill(f"reference {value:.6g}: {source}", TITLE_WIDTH)
         axes.set_title(title, fontsize=8.5, parse_math=False)
         key = ", ".join(f"{letter} {rung.family}: {rung.setting}" for letter, rung in named)
-        axes.set_xlabel("time of one run (s)\n\n" + textwrap.fill(f"on a front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False)
-        axes.set_ylabel("error over the reference (-)")
+        axes.set_xlabel(
+            "time of one run (s)\n\n" + textwrap.fill(f"on a Pareto front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False
+        )
+        axes.set_ylabel("relative error (-)")
     return figure
 
 
 def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
-    """All rungs of a panel; returns those on a front with their letters."""
+    """Draw all rungs of a panel; return the rungs on a front with their letters."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     if not rungs:
@@ -45,15 +50,15 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
     for family in dict.fromkeys(rung.family for rung in rungs):
-        own = [rung for rung in rungs if rung.family == family]
+        members = [rung for rung in rungs if rung.family == family]
         style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
-        axes.plot([r.total for r in own], [_height(r) for r in own], label=family, markersize=7, alpha=0.85, **style)
+        axes.plot([r.total for r in members], [_height(r) for r in members], label=family, markersize=7, alpha=0.85, **style)
     named: list[tuple[str, CostPoint]] = []
-    alone = [rung for rung in rungs if rung.family == "YADE"]
-    for some, colour, words in ((rungs, INK, "Pareto front"), (alone, method_colour("YADE"), "Pareto front of YADE alone")):
-        best = front(some)
+    by_yade = [rung for rung in rungs if rung.family == "YADE"]
+    for candidates, colour, label in ((rungs, INK, "Pareto front"), (by_yade, method_colour("YADE"), "Pareto front of YADE alone")):
+        best = front(candidates)
         if best:
-            axes.plot([r.total for r in best], [_height(r) for r in best], color=colour, linestyle="--", linewidth=1.0, label=words)
+            axes.plot([r.total for r in best], [_height(r) for r in best], color=colour, linestyle="--", linewidth=1.0, label=label)
         new = [rung for rung in best if rung not in [known for _, known in named]]
         named += [(chr(ord("a") + len(named) + k), rung) for k, rung in enumerate(new)]
     for letter, rung in named:

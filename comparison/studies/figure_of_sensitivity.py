@@ -1,4 +1,4 @@
-"""The classic iteration's value and its number of programmes against its relaxation, one line a slope."""
+"""Figure of a sensitivity study: the classic iteration's value and number of programmes against its relaxation."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -21,10 +21,17 @@ DODGE = 0.12  # of the step between relaxations: lines that coincide stay apart
 
 
 def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float, int]] | None = None) -> Figure:
-    """Left the reaction over the weight (or multiplier), right how many programmes were solved.
+    """Draw the reaction over the weight, or the multiplier, on the left and the number of programmes on the right.
 
-    references: other methods by name, (value in N, N m or multiplier, programmes solved), as horizontal lines.
-    A hollow marker with the range of the last ten values has not converged; a cross is where a run found no equilibrium.
+    Each slope is a line. A hollow marker with a range is a run that did not converge: the range is that of its last ten values. A
+    cross is a run that found no equilibrium.
+
+    Parameters
+    ----------
+    result : Sensitivity
+        The study.
+    references : mapping of str to (float, int), optional
+        Value (N, N m or multiplier) and number of programmes of other methods, by name; drawn as horizontal lines.
     """
     figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -49,14 +56,14 @@ def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float
 
 
 def _style(k: int, count: int) -> dict[str, Any]:
-    """Line of the k-th slope: from dark to light, each with its own marker and dashes."""
+    """Return the line style of the k-th of `count` slopes: from dark to light, with different markers and dashes."""
     white = LIGHTEST * k / max(count - 1, 1)
-    colour = tuple((1.0 - white) * part + white for part in to_rgb(LIMIT_ANALYSIS))
+    colour = tuple((1.0 - white) * channel + white for channel in to_rgb(LIMIT_ANALYSIS))
     return {"color": colour, "marker": MARKERS[k % len(MARKERS)], "linestyle": LINES[k % len(LINES)], "markeredgecolor": INK}
 
 
 def _draw_slope(axes: Any, trials: list[Trial], shift: float, values: list[float], style: dict[str, Any]) -> None:
-    """Line through the converged runs of one slope; a marker for each run: filled, hollow or crossed by how it ended."""
+    """Draw a line through the converged runs of one slope, and a marker of its status for each run."""
     place = np.array([trial.relaxation for trial in trials]) + shift
     joined = np.where([trial.status is Status.SOLVED for trial in trials], values, np.nan)
     axes.plot(place, joined, color=style["color"], linestyle=style["linestyle"], linewidth=1.2, zorder=3)
@@ -69,7 +76,7 @@ def _draw_slope(axes: Any, trials: list[Trial], shift: float, values: list[float
 
 
 def _draw_ranges(axes: Any, trials: list[Trial], shift: float, divisor: float) -> None:
-    """Range of the last ten values of runs that did not converge."""
+    """Draw the range of the last ten values of runs that did not converge."""
     for trial in trials:
         if trial.status is Status.INACCURATE:
             x = trial.relaxation + shift
@@ -77,7 +84,7 @@ def _draw_ranges(axes: Any, trials: list[Trial], shift: float, divisor: float) -
 
 
 def _finish(value: Any, count: Any, result: Sensitivity, relaxations: list[float]) -> None:
-    """Axes, units and titles."""
+    """Set labels with units, and titles."""
     rotation = result.unit == "N m"
     names = {"multiplier": "collapse multiplier"}
     value.set_ylabel(names.get(result.quantity, f"reaction over weight, R / W{' (m)' if rotation else ''}"))
@@ -91,8 +98,8 @@ def _finish(value: Any, count: Any, result: Sensitivity, relaxations: list[float
         axes.margins(y=0.1)
     count.set_ylim(bottom=0.0)
     shared = result.parameters
-    words = f"cohesion {shared.cohesion:g} and tolerance {shared.tolerance:g} of the mean block weight"
-    value.set_title(f"{result.scene}: {words}", fontsize=9, loc="left", parse_math=False)
+    settings = f"cohesion {shared.cohesion:g} and tolerance {shared.tolerance:g} of the mean block weight"
+    value.set_title(f"{result.scene}: {settings}", fontsize=9, loc="left", parse_math=False)
     count.set_title(f"at most {shared.iterations} programmes", fontsize=9, loc="left")
 
 
@@ -107,12 +114,12 @@ def _reference_handles(references: Mapping[str, tuple[float, int]]) -> list[Line
 
 
 def _status_handles(result: Sensitivity) -> list[Line2D]:
-    """Keys of the ways in which runs of this study ended without convergence."""
+    """Return legend entries of the statuses without convergence that occur in this study."""
     hollow: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "white", "markeredgecolor": INK}
     handles = []
     statuses = {trial.status for trial in result.trials}
     if Status.INACCURATE in statuses:
         handles.append(Line2D([], [], marker="o", label="not converged, range of the last ten", **hollow))
     if statuses - {Status.SOLVED, Status.INACCURATE}:
-        handles.append(Line2D([], [], marker="x", markersize=9, label="no equilibrium found: last value before", **hollow))
+        handles.append(Line2D([], [], marker="x", markersize=9, label="no equilibrium found: last value", **hollow))
     return handles

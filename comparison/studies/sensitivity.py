@@ -1,4 +1,4 @@
-"""How the classic iteration for non-associative friction depends on its own parameters, for one scene."""
+"""Sensitivity of the classic iteration for non-associative friction to its parameters, on one scene."""
 
 import dataclasses
 import math
@@ -18,7 +18,7 @@ from la_core.text_table import number_text
 
 RELAXATIONS = (0.2, 0.4, 0.6, 0.8, 1.0)
 SLOPES = (0.001, 0.01, 0.1, 0.3, 1.0)
-LATE = 10  # iterations: the range of the value over the last ones shows whether a run that did not converge swings or creeps
+LATE = 10  # iterations: the value's range over the last ones shows whether an unconverged run oscillates or creeps
 STATUS_WORDS = {
     Status.SOLVED: "[green]✓ converged[/]",
     Status.INACCURATE: "[yellow]? not converged[/]",
@@ -30,11 +30,26 @@ STATUS_WORDS = {
 
 @dataclass(frozen=True)
 class Trial:
-    """One run of the iteration. Values are in N (N m), or multipliers; undefined numbers are NaN.
+    """One run of the iteration. Values are in N (N m for a rotation), or multipliers; undefined numbers are NaN.
 
-    status: SOLVED when it converged, INACCURATE when it did not, else what programme number `iterations` came to.
-    value: where it converged to, NaN else. last, lowest, highest: the last value it had and the range of the last ten.
-    violation: of Coulomb's limit by the last forces, and dilation: see `la_core.limit.classic_iteration.ClassicSolution`.
+    Attributes
+    ----------
+    relaxation, slope : float
+        The varied parameters b and a.
+    status : Status
+        SOLVED where the run converged, INACCURATE where it did not, else the status of its last programme.
+    value : float
+        Value of a converged run, else NaN.
+    last : float
+        Value of the last programme that was solved.
+    lowest, highest : float
+        Range of the last ten values.
+    iterations : int
+        Number of programmes.
+    violation, dilation, penetration : float
+        Residuals of the last forces and velocities, see `la_core.limit.ClassicSolution`.
+    seconds : float
+        Time of the run.
     """
 
     relaxation: float
@@ -53,7 +68,23 @@ class Trial:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Trials over a grid of relaxation and slope; `parameters` holds what all share. divisor: W, or 1 for a multiplier."""
+    """Runs over a grid of relaxation and slope.
+
+    Attributes
+    ----------
+    scene : str
+        Name of the scene.
+    quantity : str
+        "reaction" or "multiplier".
+    unit : str
+        Unit of the values, "" for a multiplier.
+    divisor : float
+        Weight W of the free blocks, N, or 1 for a multiplier; tables and figures show values over it.
+    parameters : ClassicParameters
+        Parameters that all runs share.
+    trials : tuple of Trial
+        The runs, slope by slope.
+    """
 
     scene: str
     quantity: str
@@ -71,7 +102,21 @@ def study(
     parameters: ClassicParameters | None = None,
     progress: Callable[[int, int, Trial], None] | None = None,
 ) -> Sensitivity:
-    """Run the classic iteration over the grid, slope by slope; `progress` is told how many runs of how many are done, and the last."""
+    """Run the classic iteration over a grid of its parameters, slope by slope.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, for its name and its units.
+    assembly : Assembly
+        The structure to solve.
+    relaxations, slopes : sequence of float
+        Values of the varied parameters b and a.
+    parameters : ClassicParameters, optional
+        Parameters that all runs share; the standard ones by default.
+    progress : callable, optional
+        Called after each run with the number of finished runs, the number of all runs, and the finished run.
+    """
     shared = parameters or ClassicParameters()
     drive = Drive.LIVE if assembly.has_live_load else Drive.YIELDING
     grid = list(product(slopes, relaxations))
@@ -105,7 +150,7 @@ def _trial(solution: ClassicSolution) -> Trial:
 
 
 def sensitivity_dict(result: Sensitivity) -> dict[str, Any]:
-    """The study as a JSON object; undefined numbers are null."""
+    """Return the study as a JSON object; undefined numbers are null."""
     trials = [dataclasses.asdict(trial) | {"status": trial.status.value} for trial in result.trials]
     shared = dataclasses.asdict(result.parameters)
     kept = {name: shared[name] for name in ("cohesion", "iterations", "tolerance")}
@@ -114,12 +159,15 @@ def sensitivity_dict(result: Sensitivity) -> dict[str, Any]:
 
 
 def reaction_symbol(result: Sensitivity) -> str:
-    """What the values are called once divided."""
+    """Return the symbol of the values over the divisor."""
     return "multiplier" if result.quantity == "multiplier" else "R/W"
 
 
 def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float, int]] | None = None) -> Table:
-    """One row a run, then the values of other methods: name to (value, programmes solved)."""
+    """Return a table with one row for each run, then one for each other method.
+
+    `references` has the value (N, N m or multiplier) and the number of programmes of other methods, by name.
+    """
     shared = result.parameters
     title = (
         f"classic iteration, {result.scene}: cohesion {number_text(shared.cohesion, 2)} and tolerance "
@@ -137,7 +185,7 @@ def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float,
 
 
 def _range(trial: Trial, divisor: float) -> str:
-    """The range of the last ten values where the run did not converge."""
+    """Return the range of the last ten values as text; "" for a converged run."""
     if trial.status is Status.SOLVED:
         return ""
     return f"{_shown(trial.lowest / divisor, 4)} to {_shown(trial.highest / divisor, 4)}"

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from comparison import provenance
+from comparison.figures import save
 from comparison.figures import scene_figures as figures_of
-from comparison.figures import structure
 from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
 from comparison.report import viewer
 from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
@@ -170,7 +170,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     summary = comparison_summary(results, outcome.yade, checks, outcome.notes)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in drawings.items():
-        structure.save(draw(), path)
+        save(draw(), path)
     write_text(view, viewer.viewer_text(results))
     summary["sum"] = _sum_of(summary)
     write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")

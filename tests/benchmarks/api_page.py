@@ -100,8 +100,8 @@ def _call(function: Any) -> Iterator[str]:
     for argument in (*arguments.args, *filter(None, [arguments.vararg])):
         argument.annotation = None
     arguments.args = [argument for argument in arguments.args if argument.arg != "self"]
-    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # as ruff writes code in Markdown
-    yield f"```python\n{call}\n```\n"
+    call = f"{tree.name}({ast.unparse(arguments)})".replace("'", '"')  # as ruff writes code
+    yield f"`{call}`\n"
 
 
 def _source(function: Any) -> ast.FunctionDef:

@@ -28,7 +28,7 @@ from marked_text import marked
 from process_memory import peak_memory
 
 from comparison import provenance
-from comparison.figures import structure
+from comparison.figures import save
 from comparison.yade import process
 from la_core.analysis import stage
 from la_core.analysis.case_file import write_case
@@ -236,7 +236,7 @@ def write(measured: list[dict[str, Any]], machine: str, folder: Path) -> None:
         "CPU time of a step of YADE (ms)": ("step", steps),
         "peak memory above that of the libraries (MiB)": ("memory", answers),
     }
-    structure.save(report.growth_figure(panels), folder / "growth.png")
+    save(report.growth_figure(panels), folder / "growth.png")
 
 
 def main() -> None:

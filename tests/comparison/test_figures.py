@@ -11,16 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from runs import made_up_run
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
-from comparison.figures import structure
+from comparison.figures import reaction_figure, save, structure
 from comparison.figures.line_labels import ROW, Word, write_words
 from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.equilibrium_path import Path as FollowedPath
+from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene, load_scene
 
@@ -89,7 +90,7 @@ def synthetic_run(analysis: LimitAnalysis, **result: Any) -> Run:
         "rotation": settlement[::20, None, None] * least.twists[None, :, 3:],
     }
     known = {"status": "plateau", "reaction": plateau, "uncertainty": 2.0, "plateau_start": 2e-4, "slope": 0.0, "message": "settled"}
-    return Run({**known, **result}, record, poses, np.zeros((0, 2), dtype=int), {})
+    return made_up_run({**known, **result}, record, poses)
 
 
 def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
@@ -112,10 +113,10 @@ def test_every_kind_of_scene_is_drawn(kind: str, tmp_path: Path) -> None:
     figures = {
         "assembly": structure.assembly_figure(scene, analysis.assembly),
         "mechanisms": structure.mechanism_figure(analysis.assembly, mechanisms, scene.title, solution.falling),
-        "reaction": structure.reaction_figure(Results(analysis, run)),
+        "reaction": reaction_figure(Results(analysis, run)),
     }
     for name, figure in figures.items():
-        structure.save(figure, tmp_path / f"{name}.png")
+        save(figure, tmp_path / f"{name}.png")
         assert all(has_ink(tmp_path / f"{name}.png", figure, axes) for axes in figure.axes)
     for figure in (figures["assembly"], figures["mechanisms"]):
         assert TITLE in " ".join(figure.get_suptitle().split())  # as it was written, not read as a formula
@@ -128,7 +129,7 @@ def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["solid"])
     analysis = analyse(scene)
     for path in (tmp_path / "first.png", tmp_path / "second.png"):
-        structure.save(structure.reaction_figure(Results(analysis, synthetic_run(analysis))), path)
+        save(reaction_figure(Results(analysis, synthetic_run(analysis))), path)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
 
 
@@ -201,7 +202,7 @@ box = { from = [1.5, 0.0, -0.5], to = [2.5, 1.0, 0.0] }
 def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
-    whole, close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes
+    whole, close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes
     greatest, least = (analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
     assert close.get_ylim()[1] < greatest
     assert "lies above" in close.get_title(loc="right")
@@ -213,7 +214,7 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
     run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
-    (axes,) = structure.reaction_figure(Results(analysis, run)).axes
+    (axes,) = reaction_figure(Results(analysis, run)).axes
     assert "no plateau" in axes.get_title(loc="left")
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
@@ -224,8 +225,10 @@ def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float
     least = analysis.bounds[analysis.main].value
     coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
     settlement = np.linspace(0.0, 8e-4, 9)
-    path = FollowedPath(settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1)
-    return replace(analysis, coulomb=coulomb, path=path)
+    path = EquilibriumPath(
+        settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
+    )
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb), path=path)
 
 
 def labels_of(axes: Any) -> dict[str, Any]:
@@ -242,8 +245,8 @@ def labels_of(axes: Any) -> dict[str, Any]:
 def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), share)
-    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
-    structure.save(figure, tmp_path / "reaction.png")
+    figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
+    save(figure, tmp_path / "reaction.png")
     least = analysis.bounds[Drive.YIELDING].value
     for axes in figure.axes:
         band = labels_of(axes).get(plot_reaction.HISTORY)
@@ -257,13 +260,13 @@ def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[floa
 def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    figure = structure.reaction_figure(Results(analysis, synthetic_run(analysis)))
+    figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     beside = {
         plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
         plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
-        plot_reaction.HISTORY: "friction's history decides within",
+        plot_reaction.HISTORY: "value depends on friction's history",
         plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
         plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
         r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
@@ -278,7 +281,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
 def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
-    figure = structure.reaction_figure(Results(analysis))
+    figure = reaction_figure(Results(analysis))
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any("associated, and Coulomb prediction" in word for word in words)
     assert not any(word.startswith("Coulomb prediction") for word in words)
@@ -289,9 +292,12 @@ def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None
 def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES[kind])
     analysis = frictional(analyse(scene), (1.0, 1.3))
-    missing: dict[str, Any] = {name: None for name in ("coulomb", "path") if name not in known}
-    figure = structure.reaction_figure(Results(replace(analysis, **missing)))
-    structure.save(figure, tmp_path / "reaction.png")
+    if "coulomb" not in known:
+        analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=None))
+    if "path" not in known:
+        analysis = replace(analysis, path=None)
+    figure = reaction_figure(Results(analysis))
+    save(figure, tmp_path / "reaction.png")
     assert len(figure.axes) == (2 if "path" in known else 1)
     for axes in figure.axes:
         assert (plot_reaction.COULOMB in labels_of(axes)) == ("coulomb" in known)
@@ -305,7 +311,7 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
 def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = frictional(analyse(scene), (1.0, 5.0))
-    close = structure.reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
+    close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
     assert close.get_ylim()[1] < 1.5 * analysis.bounds[Drive.YIELDING].value
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.report import report
+from comparison.numbers import format_number
+from comparison.report import report, scene_view
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -23,7 +24,7 @@ from la_core.scene.shipped import find
     ],
 )  # fmt: skip
 def test_numbers(value: Any, shown: str) -> None:
-    assert report.number(value) == shown
+    assert format_number(value) == shown
 
 
 HOSTILE = '<script>alert(1)</script> | `a` "b" https://example.org'
@@ -131,7 +132,7 @@ def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
         "34233 steps",
         "7 iterations",
         "8.1",
-        "takes the associated reaction from 359.70 N",
+        "changes the associated reaction from 359.70 N",
         "+1.0 %",
     ):
         assert words in page
@@ -215,12 +216,12 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
             assert words in text
     for seconds in ("0.010", "0.23", "0.57", "8.1"):
         assert f'<td class="number">{seconds}</td>' in page
-    assert "Coulomb: work of the dilation left, over the elastic energy of the joints" in page
+    assert "Coulomb: work of the remaining dilation, over the elastic energy of the joints" in page
 
 
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
-    table = page[page.index("Mechanisms, measured") :]
+    table = page[page.index("Measures of the mechanisms") :]
     table = table[: table.index("</table>")]
     assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
         "associated",
@@ -264,7 +265,7 @@ def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> 
     assert "less R_min" in page
     del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
     page, _ = page_and_markdown(tmp_path, comparison)
-    assert "Mechanisms, measured" not in page
+    assert "Measures of the mechanisms" not in page
     comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
     comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
     page, _ = page_and_markdown(tmp_path, comparison)
@@ -282,7 +283,7 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 
 def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
     scene = load_scene(find("two_blocks"))
-    rows = {row["name"]: row for row in report._expected(limit_analysis_summary(scene, analyse(scene)))}
+    rows = {row["name"]: row for row in scene_view._expected(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
 

@@ -121,7 +121,7 @@ def test_sliding_askew_to_every_axis() -> None:
 def test_stage_reports_one_status_for_all_drives() -> None:
     overhang = scenes.box("overhang", (0.2, 0.0, 0.0), (1.9, 1.0, 0.5))
     analysis = analyse(scenes.build(*PADS, STANDING, overhang, inset=0.001))
-    for solutions in (analysis.bounds, analysis.sharp):
+    for solutions in (analysis.bounds, analysis.sharp.bounds):
         assert {s.status for s in solutions.values()} == {Status.INFEASIBLE}
         assert {s.falling for s in solutions.values()} == {("overhang",)}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scenes
 
-from comparison.figures.structure import save
+from comparison.figures import save
 from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
 from la_core.limit.associated import Status, solve_associated
@@ -155,7 +155,7 @@ def test_study_of_the_parameters_tells_how_every_run_ended(tmp_path: Path) -> No
     figure = sensitivity_figure(result, references)
     save(figure, tmp_path / "sensitivity.png")
     assert [text.get_text() for text in figure.legends[0].get_texts()][-3:] == [
-        "associated", "not converged, range of the last ten", "no equilibrium found: last value before",
+        "associated", "not converged, range of the last ten", "no equilibrium found: last value",
     ]  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import scenes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from comparison.figures import structure
+from comparison.figures import save
 from comparison.figures.dissipation import POWER, dissipation_figure
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
@@ -248,7 +248,7 @@ def figure_of(scene: Scene, title: str = "Costs $5 and $\\badmacro") -> tuple[Fi
 @pytest.mark.parametrize("kind", FIGURES)
 def test_every_kind_of_mechanism_is_drawn_with_all_its_words_inside(kind: str, tmp_path: Path) -> None:
     figure, measures = figure_of(FIGURES[kind]())
-    structure.save(figure, tmp_path / "figure.png")
+    save(figure, tmp_path / "figure.png")
     assert (tmp_path / "figure.png").stat().st_size > 5000
     axes = figure.axes[0]
     summary = next(text for text in axes.texts if text.get_text().startswith(("friction", "no mechanism")))
@@ -281,5 +281,5 @@ def test_more_power_is_darker_in_greyscale_too() -> None:
 
 def test_the_same_figure_has_the_same_bytes(tmp_path: Path) -> None:
     for name in ("first.png", "second.png"):
-        structure.save(figure_of(wall())[0], tmp_path / name)
+        save(figure_of(wall())[0], tmp_path / name)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()

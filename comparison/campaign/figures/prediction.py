@@ -16,6 +16,7 @@ from comparison.campaign.row_values import Row, bounds, over_weight, prediction,
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.judge import HISTORY
 from comparison.numbers import exists
+from la_core.limit import Drive
 
 OUTSIDE = 1e9  # end of an infinite bar, outside every frame
 BOUNDED = 60  # cases; bounds of more would cover each other
@@ -140,5 +141,5 @@ def _bar_handles(rows: list[Row]) -> list[Any]:
         Line2D([], [], color=LIMIT_ANALYSIS, linewidth=1.6, label="interval of the mechanism"),
     ]
     if len(rows) <= BOUNDED:
-        handles.append(Line2D([], [], color=PALE, linewidth=3.5, label="R_min to R_max"))
+        handles.append(Line2D([], [], color=PALE, linewidth=3.5, label=f"{Drive.YIELDING.symbol} to {Drive.PUSHING.symbol}"))
     return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {HISTORY:.0%}: tolerance of sliding joints")]

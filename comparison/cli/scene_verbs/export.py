@@ -1,13 +1,10 @@
 """`crosscheck export`: write stored results, or limit analysis of a scene, as files for ParaView."""
 
-from pathlib import Path
-
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.report import export
 from comparison.yade import Results, locate_results, read_results
 from la_core.analysis import analyse
-from la_core.errors import SceneError
 from la_core.scene import load_scene, shipped
 
 
@@ -30,6 +27,4 @@ def results_of(source: str) -> Results:
     folder = locate_results(source)
     if folder is None:
         return Results(analyse(load_scene(shipped.find(source))))
-    if folder != Path(source):
-        raise SceneError(source, "holds the results of a run, not of one scene", hint=f"name one of its folders: {folder.name}")
     return read_results(folder)

@@ -5,7 +5,7 @@ from pathlib import Path
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
-from comparison.figures import structure
+from comparison.figures import assembly_figure, save
 from la_core.analysis import decided_model
 from la_core.scene import load_scene, shipped
 
@@ -16,7 +16,7 @@ def execute(context: Context) -> int:
     scene = load_scene(shipped.find(options.scene))
     decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
-    structure.save(structure.assembly_figure(scene, decided.assembly), figure)
+    save(assembly_figure(scene, decided.assembly), figure)
     facts = tables.scene_facts(scene, decided)
     if options.json:
         context.print_json(facts | {"figure": str(figure)})

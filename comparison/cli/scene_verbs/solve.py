@@ -42,6 +42,6 @@ def execute(context: Context) -> int:
 
 
 def _draw(analysis: LimitAnalysis, path: Path) -> None:
-    from comparison.figures import structure  # loads matplotlib, which printing a number does not need
+    from comparison.figures import reaction_figure, save  # loads matplotlib, which printing a number does not need
 
-    structure.save(structure.reaction_figure(Results(analysis)), path)
+    save(reaction_figure(Results(analysis)), path)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
-from comparison.figures import structure
+from comparison.figures import save
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import refuse_names, write_text
@@ -66,7 +66,7 @@ def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narra
         ladder = measure_study(
             scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}")
         )
-    structure.save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
+    save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
     stored = cost_dict(ladder) | {"provenance": describe()}
     write_text(folder / f"{scene.name}-cost.json", json.dumps(stored, indent=2, ensure_ascii=False) + "\n")
     return ladder

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
-from comparison.figures import structure
+from comparison.figures import save
 from comparison.progress import Narration
 from comparison.studies import Sensitivity, sensitivity, sensitivity_figure, study
 from la_core.analysis import analyse
@@ -45,5 +45,5 @@ def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Se
         analysis.whole,
         progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}"),
     )
-    structure.save(sensitivity_figure(result, references), figure)
+    save(sensitivity_figure(result, references), figure)
     return result, references

@@ -1,10 +1,10 @@
 "use strict";
-// What the interactive view shows of one method; beside it `viewer.js` in the same script.
+// One method in the interactive view; `viewer.js` follows in the same script.
 
 const INK = "#222222", FAINT = "#9a9a9a", FORCE = "#a3181f"; // the first two as in the figures
 const LONGEST = 0.25; // of the structure's size: the largest contact force
 const LEAST = 0.005; // of the largest contact force: smaller ones are left out
-const MARKS = { // by la_core.dissipation.ContactState: words, colour, edge
+const MARKS = { // by la_core.measures.ContactState: label, colour, edge
   0: ["sticks", INK, "#ffffff"], 1: ["carries nothing", FAINT, "#ffffff"], 2: ["slides", "#c2185b", "#ffffff"], 3: ["opens", "#ffffff", "#00695c"],
 };
 
@@ -16,13 +16,13 @@ const make = (tag, properties, ...children) => {
 
 const decode = (text, Type) => new Type(Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer);
 
-// The library lies in the page as text: it costs nothing until the first view is opened.
+// The library is in the page as text: it costs nothing until the first view opens.
 function library() {
   if (!window.THREE) document.head.append(make("script", { textContent: document.getElementById("viewer-library").textContent }));
   return window.THREE;
 }
 
-// Mark of a contact point by its state, told apart by shape and colour, for the picture and its legend.
+// Mark of a contact point for the picture and its legend; states differ in shape and colour.
 function mark(state) {
   const [, fill, edge] = MARKS[state], canvas = make("canvas", { width: 32, height: 32 }), pen = canvas.getContext("2d");
   const shape = new Path2D(state === "2" ? "M7 7L25 25M25 7L7 25" : "");
@@ -35,16 +35,16 @@ function mark(state) {
   return canvas;
 }
 
-// One method's blocks, contact points and forces: a scene of its own, moved by `show`.
+// One method's blocks, contact points and forces in a separate scene; `show` moves them.
 class Method {
-  constructor(three, data, geometry, own, place) {
-    Object.assign(this, { three, data, geometry, label: own.label, note: own.note, scene: new three.Scene() });
+  constructor(three, data, geometry, method, place) {
+    Object.assign(this, { three, data, geometry, label: method.label, note: method.note, scene: new three.Scene() });
     this.look = data.palette.length - data.methods.length + place; // of the blocks that move
-    this.settlement = decode(own.settlement, Float32Array);
-    this.displacement = decode(own.displacement, Float32Array);
-    this.forces = decode(own.forces, Float32Array);
-    this.looks = decode(own.looks, Uint8Array);
-    this.states = decode(own.contacts, Int8Array);
+    this.settlement = decode(method.settlement, Float32Array);
+    this.displacement = decode(method.displacement, Float32Array);
+    this.forces = decode(method.forces, Float32Array);
+    this.looks = decode(method.looks, Uint8Array);
+    this.states = decode(method.contacts, Int8Array);
     this.position = new three.BufferAttribute(geometry.vertices.slice(), 3);
     this.scene.add(new three.HemisphereLight("#ffffff", "#c8c8c8", 2.4));
     const sun = new three.DirectionalLight("#ffffff", 1.6);

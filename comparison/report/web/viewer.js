@@ -1,4 +1,4 @@
-// The report's interactive views: one for each <details class="viewer">, made when it is opened and released when it is closed.
+// The report's interactive views: one for each <details class="viewer">, built when it opens and released when it closes.
 
 const MOST_OPEN = 6; // a browser keeps about sixteen WebGL contexts, and memory is finite
 const MARGIN = 0.12; // of the size: room for what moves
@@ -19,7 +19,7 @@ class View {
     const geometry = {};
     for (const name of ["vertices", "centroids", "points"]) geometry[name] = decode(data[name], Float32Array);
     for (const name of ["owner", "triangles", "edges", "sides"]) geometry[name] = decode(data[name], Uint32Array);
-    this.methods = data.methods.map((own, place) => new Method(three, data, geometry, own, place));
+    this.methods = data.methods.map((method, place) => new Method(three, data, geometry, method, place));
     this.fill();
     this.look(geometry.vertices);
     this.listen();
@@ -44,7 +44,7 @@ class View {
       Object.assign(key.style, { background: colour, borderColor: border });
       return make("span", {}, key, words);
     };
-    const found = (name) => new Set(this.methods.flatMap((method) => [...method[name]])), looks = found("looks"), states = found("states");
+    const values = (name) => new Set(this.methods.flatMap((method) => [...method[name]])), looks = values("looks"), states = values("states");
     const palette = data.palette.filter((_, look) => looks.has(look)), known = Object.keys(MARKS).filter((state) => states.has(Number(state)));
     const marks = known.map((state) => make("span", {}, mark(state), MARKS[state][0]));
     this.stage.replaceChildren(
@@ -56,7 +56,7 @@ class View {
     );
   }
 
-  // The camera: parallel, from where the figures look; its frustum holds one method with a margin.
+  // The camera: a parallel view from the direction of the figures; its frustum shows one method with a margin.
   look(vertices) {
     const { three, data } = this;
     this.camera = new three.OrthographicCamera(-1, 1, 1, -1, 0.1 * data.size, 30 * data.size);
@@ -66,12 +66,12 @@ class View {
     this.camera.updateMatrixWorld();
     const [right, up] = [0, 1].map((axis) => new three.Vector3().setFromMatrixColumn(this.camera.matrixWorld, axis));
     const vertex = new three.Vector3();
-    this.reach = [0, 0];
+    this.halfSize = [0, 0];
     for (let v = 0; v < vertices.length; v += 3) {
       vertex.fromArray(vertices, v);
-      this.reach = [Math.max(this.reach[0], Math.abs(vertex.dot(right))), Math.max(this.reach[1], Math.abs(vertex.dot(up)))];
+      this.halfSize = [Math.max(this.halfSize[0], Math.abs(vertex.dot(right))), Math.max(this.halfSize[1], Math.abs(vertex.dot(up)))];
     }
-    this.reach = this.reach.map((half) => half + MARGIN * data.size);
+    this.halfSize = this.halfSize.map((half) => half + MARGIN * data.size);
     this.controls = new three.OrbitControls(this.camera, this.canvas);
     this.controls.enableZoom = false; // a page that is scrolled past must not zoom
     this.controls.saveState();
@@ -142,21 +142,21 @@ class View {
   }
 
   resize() {
-    const width = this.stage.clientWidth, count = this.methods.length, [reach, height] = this.reach;
+    const width = this.stage.clientWidth, count = this.methods.length, [halfWidth, halfHeight] = this.halfSize;
     if (!width) return;
     const beside = width >= 560 || count === 1;
-    const cell = beside ? width / count : width, tall = Math.min(Math.max((cell * height) / reach, 220), 560);
+    const cell = beside ? width / count : width, tall = Math.min(Math.max((cell * halfHeight) / halfWidth, 220), 560);
     this.cells = this.methods.map((_, k) => (beside ? [k * cell, 0, cell, tall] : [0, (count - 1 - k) * tall, cell, tall]));
     this.size = [width, beside ? tall : count * tall];
     this.stage.classList.toggle("stacked", !beside);
     this.renderer.setSize(...this.size);
-    const metres = Math.max(reach / cell, height / tall); // for half a pixel
+    const metres = Math.max(halfWidth / cell, halfHeight / tall); // for half a pixel
     Object.assign(this.camera, { left: -metres * width, right: metres * width, top: metres * this.size[1], bottom: -metres * this.size[1] });
     this.camera.updateProjectionMatrix();
     this.ask();
   }
 
-  // Once a frame, however many events there were.
+  // Draws at most once a frame, whatever the number of events.
   ask() {
     this.frame ??= requestAnimationFrame(() => {
       this.frame = undefined;
