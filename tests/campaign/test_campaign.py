@@ -389,9 +389,10 @@ def test_a_worker_that_loaded_another_version_stores_nothing(tmp_path: Path, mon
 
 
 def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    def with_a_run(folder: Path):
-        scene, analysis, _ = read_results(folder)
-        return scene, analysis, SimpleNamespace(mechanism=lambda: analysis.bounds[analysis.main].twists)
+    def with_a_run(*place: Any) -> SimpleNamespace:
+        results = read_results(*place)
+        twists = results.analysis.bounds[results.analysis.main].twists
+        return SimpleNamespace(scene=results.scene, analysis=results.analysis, run=SimpleNamespace(mechanism=lambda: twists))
 
     run(QUICK, tmp_path / "fresh" / "out")
     monkeypatch.setattr(job, "read_results", with_a_run)
