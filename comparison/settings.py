@@ -47,13 +47,13 @@ class Settings(Table):
 
     output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
     time_limit: Positive | None = Field(
-        default=None, description="longest wall time of each YADE run, s; the scene's, or 3600, where none is set"
+        default=None, description="longest wall time of each YADE run, s; where none is set, the `time_limit` of the scene, or 3600"
     )
     workers: Annotated[int, Strict(), Field(ge=1, le=MOST_WORKERS)] | None = Field(
-        default=None, description="cases of a campaign run side by side; as many as the machine has cores where none is set"
+        default=None, description="number of campaign cases that run in parallel; where none is set, the number of cores"
     )
     yade: PathText | None = Field(
-        default=None, description="folder that holds YADE's Python package; found by the program `yade` where none is set"
+        default=None, description="folder with YADE's Python package; where none is set, the program `yade` gives it"
     )
     yade_python: PathText = Field(default=Path(SYSTEM_PYTHON), description="interpreter that loads YADE")
 

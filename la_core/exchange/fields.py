@@ -44,17 +44,19 @@ CASE_FIELDS = (
     Field("scene/title", "str", (), "", "title for people"),
     Field("scene/gravity", "f8", (3,), "m/s2", "acceleration of gravity"),
     Field("scene/plane", "u1", (), "", "1: motion in the xz plane only; contact points lie at mid depth"),
-    Field("scene/effects", "str", (), "", "effects as they were decided, with their reasons, a JSON object"),
-    Field("scene/displacement", "str", (), "", "small: contacts are those listed; finite: new ones are looked for"),
-    Field("scene/least_gap", "f8", (), "m", "blocks without a joint are at least so far apart; NaN where nobody looked"),
-    Field("scene/recording", "str", (), "", "states stored: plateau (at rest and on the plateau) or states (all along)"),
+    Field("scene/effects", "str", (), "", "decided effects with their reasons, a JSON object"),
+    Field("scene/displacement", "str", (), "", "small: only the listed contacts; finite: YADE searches for new ones"),
+    Field("scene/least_gap", "f8", (), "m", "lower bound of the gap between blocks without a joint; NaN where it was not computed"),
+    Field("scene/recording", "str", (), "", "states stored: plateau (at rest and on the plateau) or states (over the whole run)"),
     Field("scene/inset", "f8", (), "m", "inset of the contact points stored here"),
     Field("scene/support_twist", "f8", (6,), "-", "support's unit motion: velocity of the origin, angular velocity"),
-    Field("scene/settings", "str", (), "", "YADE settings asked for in place of derived ones, a JSON object"),
-    Field("scene/accuracy", "str", (), "", "what was tried for the accuracy asked for, a JSON object; null where none was"),
+    Field("scene/settings", "str", (), "", "YADE settings of the scene, in place of derived ones, a JSON object"),
+    Field("scene/accuracy", "str", (), "", "attempts at the requested accuracy, a JSON object; null where none was requested"),
     Field("blocks/name", "str", ("B",), "", "unique block names"),
     Field("blocks/role", "i8", ("B",), "", "0 free, 1 fixed, 2 support"),
-    Field("blocks/aside", "u1", ("B",), "", "1: a free block of the scene, held here, out of the motion's reach"),
+    Field(
+        "blocks/aside", "u1", ("B",), "", "1: a free block of the scene that is held here, because the support's motion does not affect it"
+    ),
     Field("blocks/mass", "f8", ("B",), "kg", "density times volume"),
     Field("blocks/centroid", "f8", ("B", 3), "m", "centre of mass"),
     Field("blocks/inertia", "f8", ("B", 3, 3), "kg m2", "inertia about the centroid, global axes"),
@@ -89,7 +91,7 @@ _SOLUTION = (
     ("falling", "str", ("K",), "", "blocks that fall, where the structure cannot stand"),
 )
 _COULOMB = (
-    ("status", "str", (), "", "solved, inaccurate, failed, or why the associated answer has no value"),
+    ("status", "str", (), "", "solved, inaccurate or failed; the status of the associated answer where that one has no value"),
     ("value", "f8", (), "N, N m or -", "reaction or multiplier with friction that does not dilate"),
     ("interval", "f8", (2,), "N, N m or -", "least and greatest value that the mechanism allows"),
     ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
@@ -102,7 +104,7 @@ _COULOMB = (
     ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
     ("seconds", "f8", (), "s", "solver time"),
     ("iterations", "i8", (), "", "associated programmes solved"),
-    ("steps", "i8", (), "", "steps from rest to the plateau, as asked for"),
+    ("steps", "i8", (), "", "requested number of steps from rest to the plateau"),
 )
 # Dimension P of a path: rest, then one entry an increment.
 PATH_FIELDS = (
@@ -138,7 +140,7 @@ RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
     Field("result/reaction", "f8", (), "N or N m", "plateau reaction, extrapolated to zero settlement"),
     Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
-    Field("result/settlement", "f8", (), "m or rad", "support motion reached, read from the support's pose"),
+    Field("result/settlement", "f8", (), "m or rad", "achieved motion of the support, read from its pose"),
     Field("result/asked_settlement", "f8", (), "m or rad", "support motion imposed until the stop: integral of its speed"),
     Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
     Field("result/slope", "f8", (), "N/m", "slope of the fitted line"),
@@ -160,7 +162,7 @@ RUN_FIELDS = (
     Field("poses/rotation", "f8", ("P", "B", 3), "rad", "rotation vector from the case's geometry"),
     Field("poses/forces", "f8", ("P", "C", 3), "N", "contact force on b at the case's contact points, global axes"),
     Field("extra_contacts/blocks", "i8", ("E", 2), "", "block pairs that touched in YADE at a point the case does not list"),
-    Field("extra_contacts/position", "f8", ("E", 3), "m", "where they touched first"),
+    Field("extra_contacts/position", "f8", ("E", 3), "m", "point where they touched first"),
 )
 
 

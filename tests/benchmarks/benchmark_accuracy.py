@@ -37,8 +37,8 @@ INTRODUCTION = (
     "# What a requested accuracy costs, and whether it is kept",
     "",
     "Every row is one run of `crosscheck run SCENE --accuracy SHARE`. *error* is the difference from the scene's exact or published",
-    "value, where there is one; *estimated* is each method's own estimate of its error, and must not exceed *asked*; *s* is the time of",
-    "each method in seconds.",
+    "value, where one exists; *estimated* is each method's own estimate of its error. It must not exceed *asked*, the requested accuracy.",
+    "*s* is the time of each method in seconds.",
     "",
     "`python tests/benchmarks/benchmark_accuracy.py -o comparison/gallery/accuracy.md`",
     "",
@@ -91,8 +91,8 @@ def conclusions(rows: list[list[str]]) -> str:
     if {"1 %", "0.2 %"} <= set(times):
         coarse, fine = times["1 %"], times["0.2 %"]
         lines.append(
-            f"On `{WALL}` 1 % costs {number_text(coarse, 2)} s, which is {number_text(coarse / fine, 2)} "
-            f"of the {number_text(fine, 2)} s of 0.2 %."
+            f"On `{WALL}` an accuracy of 1 % takes {number_text(coarse, 2)} s, which is {number_text(coarse / fine, 2)} "
+            f"of the {number_text(fine, 2)} s for 0.2 %."
         )
     return sentences(lines)
 

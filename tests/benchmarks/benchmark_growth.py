@@ -74,9 +74,9 @@ Running-bond walls with as many courses as blocks per course settle under a thir
 give the CPU time and memory of limit analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger
 sizes.
 
-Every size runs in a process of its own; the best of several repeats counts where one is quick. *build* is scene, contacts, assembly and
-matrices; *solver* is set-up and solution of cone programmes; *rest* is everything else. *associated* is one bound, *Coulomb* a bound and
-the prediction; *all of* each is the whole analysis that the program does, with inset and sharp."""
+Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
+matrices; *solver* is set-up and solution of cone programmes; *rest* is everything else. *associated* is one bound; *Coulomb* is a bound and
+the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
@@ -189,7 +189,10 @@ def markdown(measured: list[dict[str, Any]], machine: str) -> str:
     heads = ("scene", "blocks", "steps", "rows", "states", "bare loop s", "overhead", "least", "most", "over one at constant speed")
     heads += ("inside the driver", "ms a row")
     rows = [[one["dimension"], *(share(one, part) for part in parts)] for one in measured if one["method"] == "driver"]
-    sections += ["## The driver against a bare loop of YADE over the same bodies, the support moved alike", report.table(heads, rows)]
+    sections += [
+        "## The driver compared with a bare loop of YADE over the same bodies, with the same motion of the support",
+        report.table(heads, rows),
+    ]
     return "\n\n".join(sections) + "\n"
 
 

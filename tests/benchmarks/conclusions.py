@@ -67,11 +67,11 @@ def ladders(folder: Path) -> str:
         [
             "Where no joint slides, the bound is the prediction, and it takes milliseconds "
             f"({number_text(1e3 * arch['associated', 'for a prediction']['total'], 2)} ms on the arch with 11 voussoirs). "
-            f"What remains is the inset: on two pads {_percent(pads, coarse)} at 1 mm and {_percent(pads, fine)} at 0.2 mm, in YADE "
-            f"{_percent(pads, ('YADE', 'derived settings'))} and {_percent(pads, ('YADE', 'inset x 0.2'))}.",
+            f"The remaining error is that of the inset: on two pads {_percent(pads, coarse)} at 1 mm and {_percent(pads, fine)} at 0.2 mm, "
+            f"in YADE {_percent(pads, ('YADE', 'derived settings'))} and {_percent(pads, ('YADE', 'inset x 0.2'))}.",
             f"Where joints slide, the bound is {_percent(wall, ('associated', 'for a prediction'))} off on the wall and the classic "
             f"iteration {_percent(wall, CLASSIC)}. Every Coulomb prediction, every path and every YADE run is within {percent(most)}, and "
-            "no setting buys more: friction's history decides the rest.",
+            "no setting gives a smaller error: friction's history decides the rest.",
             f"A settlement eight times as fast takes {percent(speed)} of YADE's time there.",
             f"On the corner the settings matter: one step and that speed are {listed([percent(error) for error in rough])} off, eight "
             f"steps and the derived speed {listed([percent(error) for error in derived])}. The classic iteration ends as "
@@ -130,8 +130,8 @@ def reactions(rows: list[dict[str, str]]) -> str:
             f"{span([100.0 * fall for fall in kept])} % where the mechanism stays"
             + (f", and by {span([100.0 * fall for fall in switched])} % where it changes." if switched else "."),
             f"In {alike} of these {sum(map(len, zones.values()))} cases the same blocks move in both methods.",
-            f"In {wedges} of {len(many)} walls of different height YADE moves the same {wedge.split('-')[0]} blocks; taller walls are "
-            "heavier, so that these blocks are a smaller share of the weight.",
+            f"In {wedges} of {len(many)} walls of different height YADE finds the same {wedge.split('-')[0]} moving blocks; taller "
+            "walls are heavier, so these blocks are a smaller share of the weight.",
         ]
     )
 

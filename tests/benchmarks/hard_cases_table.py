@@ -30,9 +30,9 @@ from la_core.text_table import number_text, over_weight
 LONGEST = 120.0  # s of wall time for YADE
 TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
 INTRODUCTION = """\
-Structures that break programs go through limit analysis, YADE and the judge: units, densities and friction far from the usual, blocks of
-very different size, joints at the tolerance of geometry, towers, arches at the edge of standing, rubble. A refusal or *inconclusive* is an
-answer; a value that differs from what is *known*, or from that of the *other solvers*, would be an error.
+This page has structures that are hard for every program, run through limit analysis, YADE and the checks: unusual units, densities and
+friction, blocks of very different size, joints at the tolerance of geometry, towers, arches at the limit of stability, rubble. A refusal or
+*inconclusive* is a correct answer. A value that differs from the *known* one, or from that of the *other solvers*, would be an error.
 """
 HEAD = (
     "case",
@@ -126,9 +126,13 @@ def page(outcomes: list[Outcome], quick: bool = False) -> str:
     command = f"python tests/benchmarks/hard_cases_table.py {'--quick ' if quick else ''}-o comparison/gallery/hard_cases.md"
     lines = ["# Hard cases", "", INTRODUCTION, f"`{command}`{': long runs of YADE are left out' if quick else ''}", "", facts, ""]
     right = sum(one.is_right for one in outcomes)
-    lines += [f"{right} of {len(outcomes)} limit analyses say what is known, or what only laws can judge.", ""]
     lines += [
-        "Other solvers: the static form by its own programme; HiGHS with pyramids for cones. Both bounds; the largest difference over W.",
+        f"{right} of {len(outcomes)} limit analyses give the known answer, or have no known answer and are judged by mechanical laws only.",
+        "",
+    ]
+    lines += [
+        "The *other solvers* are the static form as a programme of its own, and HiGHS with pyramids in place of cones. "
+        "The number is the largest difference of both bounds over W.",
         "",
     ]
     lines += [f"| {' | '.join(HEAD)} |", "|" + "---|" * len(HEAD)]

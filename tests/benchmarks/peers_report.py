@@ -18,64 +18,66 @@ PACKAGES = ("ecos", "scs", "qoco", "piqp", "compas_cra", "compas_lmgc90")
 AHEAD, LEVEL = 0.9, 1.1  # of our time: below the first a peer is ahead, up to the second it is level
 
 INTRODUCTION = """\
-Our limit analysis and other solvers take the same problems side by side, and YADE and LMGC90 follow the same settlements. *ratio* is a
-peer's time over ours: below 1 the peer is faster; only answers whose residuals we recomputed and accept count (`solved`).
+Our limit analysis and other solvers (the peers) solve the same problems in one run, and YADE and LMGC90 follow the same settlements.
+*ratio* is a peer's time over ours: below 1 the peer is faster. An answer counts (`solved`) only if we recomputed and accepted its
+residuals.
 """
 
 LIMIT = f"""\
 Every solver gets the same associated limit analysis, the least reaction: the rows, cones, offset and power of
 `la_core.limit.DrivenProblem`, scaled. Residuals are recomputed from forces and velocities in the same way for all (balance of
-each block, friction cones, flow rule, duality gap; relative to the mean block): *residual* is the largest, `solved` says that it
-is at most {ACCEPTED:.0e}, `inaccurate` that it is not, whatever the solver says. A solver with a tolerance is asked for 1e-5, then
-for ten times less until its answer is `solved`; timed is that setting alone. *error*: of R/W, relative to the certified answer
-with the least residual, {LEAST_ERROR:.0e} at least.
+each block, friction cones, flow rule, duality gap; relative to the mean block). *residual* is the largest of them. `solved` means that it
+is at most {ACCEPTED:.0e}, and `inaccurate` that it is larger, whatever the solver reports. A solver with a tolerance starts with 1e-5, and
+the tolerance is divided by ten until its answer is `solved`; only the time of this last setting counts. *error* is the relative error of
+R/W against the certified answer with the least residual, at least {LEAST_ERROR:.0e}.
 
-*CPU s*: seconds of the processor for the solver's own work, its set-up included, median over up to nine repeats, with their
-*range*; the first solve warms up. *clock s* counts other work on the machine, too. *ratio*: seconds over those of our own solve,
-which follows every repeat in the same process, median; our own row shows the noise. One process at a time with one thread, and at
-most {{limit:g}} s of the processor for a solve: `>` stands before what that leaves open.
+*CPU s*: processor time of the solver's own work with its set-up, as the median of up to nine repeats, with their *range*; a first solve
+is not counted. *clock s* also includes other work on the machine. *ratio*: the time over that of our own solve, which follows every repeat
+in the same process, as a median; our own row shows the noise. Only one process with one thread runs at a time, for at most {{limit:g}} s of
+processor time a solve: `>` marks a solve that this limit stopped.
 
 {{summary}}
 
 {{table}}
 
-- **HiGHS** (through scipy) has no cones. In the plane two lines are the cone. In space pyramids are inscribed, with as many
-  facets as the setting says, and their flow rule differs from the true one by some 2e-2 with 8 facets and 1e-3 with 32: the 1e-6 of
-  the others would take about a thousand, but for answers in which every joint that slides does so towards a corner.
-  Walls of more than 500 blocks get 8 facets alone.
-- **ECOS, SCS, QOCO** pose the problem as clarabel does.
-- **PIQP** has linear and quadratic programmes only: the plane, not space.
-- **compas_cra** has no settlement and minimises no reaction. Posed is any equilibrium of the structure with all its supports at
-  rest, on the same contact points (RBE: convex, octagons about the friction cones and tension at a penalty; CRA: coupled with a
-  virtual displacement, not convex). Its tolerances are its own: the penalty leaves some 1e-6 of tension, octagons up to 8 % of
-  excess friction, whatever IPOPT is asked for. Its residual is that of an equilibrium: balance and cones. Our time beside it is that of
-  the least reaction, whose forces are such an equilibrium. Timed is IPOPT alone, not the building of its matrices in Python.
+- **HiGHS** (through scipy) has no cones. In the plane two lines form the exact cone. In space inscribed pyramids replace the
+  cones; the setting gives their number of facets. Their flow rule differs from the true one by about 2e-2 with 8 facets and 1e-3 with 32.
+  The 1e-6 of the other solvers would need about a thousand facets, except where all sliding joints slide towards a corner of the pyramid.
+  Walls of more than 500 blocks run with 8 facets only.
+- **ECOS, SCS, QOCO** solve the same form of the problem as clarabel.
+- **PIQP** solves linear and quadratic programmes only, so it runs in the plane and not in space.
+- **compas_cra** has no settlement and minimises no reaction. It finds any equilibrium of the structure with all supports
+  at rest, on the same contact points (RBE: convex, with octagons about the friction cones and a penalty on tension; CRA: coupled with a
+  virtual displacement, not convex). It has its own tolerances: the penalty leaves about 1e-6 of tension, and the octagons up to 8 % of
+  excess friction, whatever the tolerance of IPOPT. Its residual is that of an equilibrium: balance and cones. We compare its time with our
+  time for the least reaction, whose forces are such an equilibrium. Only the time of IPOPT counts, not that of its matrices in Python.
 
-Why peers are ahead of us on small problems in the plane: there clarabel's set-up is a quarter to a half of our time (on the arch 0.46 ms
-against 0.26 ms of all of PIQP's), and we solve small structures to residuals some hundred times smaller than the peers are asked for,
-one iteration more in eight, so that an answer in a report needs no error bar. On 1,000 blocks PIQP takes more iterations than clarabel,
-48 against 42, and a sixth less time for each.
+Peers are faster on small problems in the plane for two reasons. First, the set-up of clarabel takes a quarter to a half of our time (on the
+arch 0.46 ms, while PIQP takes 0.26 ms in all). Second, we solve small structures to residuals about a hundred times smaller than those
+required of the peers, with one iteration more in eight, so that an answer in a report needs no error bar. On 1,000 blocks PIQP takes more
+iterations than clarabel, 48 against 42, but a sixth less time for each.
 """
 
 DYNAMICS = """\
 ## YADE and LMGC90: a settlement followed in time
 
-The same blocks, friction and direction of the support's motion, to a third of a millimetre. *predicted*: our Coulomb prediction
-on the same contact points, drawn in by the inset in YADE and limit analysis, sharp in LMGC90. *scatter*: of the reaction about
-the fitted line. Seconds are of one whole run, from the scene to the reaction; *ratio*: over those of limit analysis on the same points.
+Both programs have the same blocks, friction and direction of the support's motion, which goes to a third of a millimetre. *predicted* is
+our Coulomb prediction on the same contact points: with the inset for YADE and limit analysis, sharp for LMGC90. *scatter* is that of the
+reaction about the fitted line. Seconds are those of one whole run, from the scene to the reaction; *ratio* divides them by those of limit
+analysis on the same points.
 
 {table}
 
-- **LMGC90** (through `compas_lmgc90`) takes imposed velocities and gives contact forces, so the reaction is read as in YADE. It
+- **LMGC90** (through `compas_lmgc90`) accepts imposed velocities and gives contact forces, so the reaction is measured as in YADE. It
   finds its own contact points, four at the sharp corners of each interface; there is no inset and no plane model. The tolerance
-  of its contact solver is compiled in (1.666e-4), it has no criterion by which to stop, and one process holds one simulation.
-- **YADE** stops by itself when the reaction is steady and states its own uncertainty; its time includes its start (about a second).
+  of its contact solver is fixed in the compiled program (1.666e-4), it has no criterion for stopping, and one process holds one simulation.
+- **YADE** stops when the reaction is steady and states its own uncertainty; its time includes its start (about a second).
 """
 
 
 def page(command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run], versions: str) -> str:
     """The whole page as Markdown. limit: seconds for one solve; versions: machine and packages that made the rows, in a line."""
-    parts = ["# Peers, side by side in one run\n", INTRODUCTION, f"```console\n$ {command}\n```\n", f"{versions}\n"]
+    parts = ["# Other solvers (peers), compared in one run\n", INTRODUCTION, f"```console\n$ {command}\n```\n", f"{versions}\n"]
     parts.append(marked("conclusions", conclusions(rows, runs)) + "\n")
     if rows:
         parts.append(LIMIT.format(limit=limit, summary=summary_table(rows), table=limit_table(rows)))
@@ -96,7 +98,7 @@ def conclusions(rows: Sequence[Row], runs: Sequence[Run]) -> str:
         if fastest
         else ""
     ]
-    for name, posed in (("SCS", "SCS"), ("compas_cra", "compas_cra, which seeks any equilibrium and not the least reaction,")):
+    for name, posed in (("SCS", "SCS"), ("compas_cra", "compas_cra, which finds any equilibrium and not the least reaction,")):
         ratios = [row.ratio for row in timed if row.solver.startswith(name)]
         lines.append(f"{posed} takes {span(ratios)} times as long as we do where its answer is certified." if ratios else "")
     lines.append(_closest(timed))
@@ -114,7 +116,7 @@ def _closest(timed: Sequence[Row]) -> str:
     ahead, level = ([f"{row.solver} on {row.scene} ({number(row.ratio)})" for row in timed if low <= row.ratio < high]
                     for low, high in ((0.0, AHEAD), (AHEAD, LEVEL)))  # fmt: skip
     words = f"We are not ahead everywhere. Faster than we are: {listed(ahead)}." if ahead else "No peer is faster than we are."
-    return words + (f" About level: {listed(level)}." if level else "")
+    return words + (f" About as fast: {listed(level)}." if level else "")
 
 
 def _certified(timed: Sequence[Row], scene: str) -> str:

@@ -49,7 +49,7 @@ def hdf5_fields() -> str:
         ("### `case.h5`: structure", exchange.schema_table(exchange.CASE_FIELDS)),
         ("### `case.h5`: associated answers", exchange.schema_table(exchange.solution_fields("GROUP"))),
         ("### `case.h5`: Coulomb predictions", exchange.schema_table(exchange.coulomb_fields("GROUP"))),
-        ("### `case.h5`: the path, where one is asked for", exchange.schema_table(exchange.PATH_FIELDS)),
+        ("### `case.h5`: the path, where one is requested", exchange.schema_table(exchange.PATH_FIELDS)),
         ("### `run.h5`", exchange.schema_table(exchange.RUN_FIELDS)),
     ]
     return "\n\n".join(text for part in parts for text in part)

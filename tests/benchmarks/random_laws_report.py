@@ -33,10 +33,10 @@ from la_core.scene.scene import Scene
 INTRODUCTION = """\
 # Laws under random structures
 
-Structures of 2 to 15 free blocks: walls with openings, piles, posts and lintels, arches, rubble and crossed beams, in the plane and
-in space, friction 0 to 1.5 and at times 1e-6 or 5, densities alike or mixed over 1 : 1000, gravity at times tilted, any part of the
-base settling in any direction or turning, or a live load; many cannot stand. *scenes*: those that the law has something to say of.
-Written by `python tests/benchmarks/random_laws_report.py -o comparison/gallery`.
+The structures have 2 to 15 free blocks: walls with openings, piles, posts and lintels, arches, rubble and crossed beams, in the plane and
+in space. Friction is 0 to 1.5, sometimes 1e-6 or 5; densities are equal or differ by up to 1 : 1000; gravity is sometimes tilted. Any part
+of the base settles in any direction or turns, or there is a live load. Many structures cannot stand. *scenes* counts those to which the law
+applies. Written by `python tests/benchmarks/random_laws_report.py -o comparison/gallery`.
 
 """
 

@@ -46,8 +46,8 @@ INTRODUCTION = """\
 # Results: every shipped scene by both methods
 
 Each row is one shipped scene, run by `crosscheck run SCENE`: the reaction R of the settling support over the weight W of the free blocks
-(or the multiplier of a live load) by limit analysis and by YADE. *agree* means that all checks of the comparison hold; YADE's value should
-lie between the bounds *R_min* and *R_max*, and at the Coulomb prediction.
+(or the multiplier of a live load) by limit analysis and by YADE. *agree* means that all checks passed; YADE's value should lie between
+the bounds *R_min* and *R_max*, and be equal to the Coulomb prediction.
 
 ```console
 $ .venv/bin/python tests/benchmarks/results_page.py
@@ -55,19 +55,19 @@ $ .venv/bin/python tests/benchmarks/results_page.py
 
 The columns:
 
-- *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: what the
-  predicted mechanism allows, whatever friction's history was.
-- *Coulomb sharp*: the prediction with contact points at the arrises; all other values have the scene's inset.
-- *solves*: associated programmes solved for the Coulomb prediction. *LA s*: seconds of the solver in all of limit analysis, with inset and
-  sharp. *YADE s*: seconds of one run on one core. Seconds are by the clock: where other work shared the machine they are up to a few times
-  too long.
+- *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: the
+  values that the predicted mechanism allows, whatever friction's history was.
+- *Coulomb sharp*: the prediction with contact points at the sharp edges; all other values are for the scene's inset.
+- *solves*: associated programmes solved for the Coulomb prediction. *LA s*: seconds of the solver for the whole limit analysis, with the
+  inset and with sharp edges. *YADE s*: seconds of one run on one core. Seconds are by the clock: while other work ran on the machine, they
+  are up to a few times too long.
 """
 FULL_INTRODUCTION = """\
 ## Reduced and full model
 
-`crosscheck run` leaves out what a scene does not need: motion out of the plane, sliding, contacts that come into being
-([effects.md](effects.md)). Here every scene stands beside itself *with everything* modelled (`crosscheck run --full SCENE`): in space, with
-friction, all blocks and new contacts.
+`crosscheck run` leaves out effects that a scene does not need: motion out of the plane, sliding, new contacts
+([effects.md](effects.md)). This table compares each scene with its full model, *with everything* (`crosscheck run --full SCENE`): in space,
+with friction, all blocks and new contacts.
 """
 
 
@@ -161,14 +161,15 @@ def _figures(entries: dict[str, Entry]) -> str:
     if BUILDING in entries:
         model, seconds = entries[BUILDING]["reduced"], entries[BUILDING]["reduced"]["yade_seconds"]
         text = (
-            f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes of YADE and is *{model['verdict']}*: YADE sticks and slips, "
-            f"{percent(_off(model))} above the prediction with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, and its "
-            "normal forces would allow a smaller reaction. Both values lie within the interval of the one mechanism that both methods find."
+            f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes in YADE and is *{model['verdict']}*. Its joints stick and "
+            f"slip in YADE. The reaction is {percent(_off(model))} above the prediction, with an uncertainty of "
+            f"{percent(model['uncertainty'] / model['yade'])}, and YADE's normal forces would "
+            "allow a smaller reaction. Both values lie within the interval of the one mechanism that both methods find."
         )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
             f"![A building of {entries[BUILDING]['blocks']:,} blocks whose corner settles: the mechanism by limit analysis and by YADE; "
-            "blocks that were left out in grey](building.png)\n"
+            "grey blocks were left out](building.png)\n"
         )
     return "\n".join(parts)
 
@@ -183,8 +184,8 @@ def _full_conclusions(entries: dict[str, Entry]) -> str:
     slower = [full["yade_seconds"] / reduced["yade_seconds"] for reduced, full in run.values()]
     return sentences(
         [
-            f"What is left out changes the prediction by at most {percent(change[largest])} (`{largest}`) and YADE's reaction by at most "
-            f"{percent(moved[farthest])} (`{farthest}`).",
+            f"Leaving effects out changes the prediction by at most {percent(change[largest])} (`{largest}`) and YADE's reaction by at "
+            f"most {percent(moved[farthest])} (`{farthest}`).",
             f"The full model takes {span(dearer)} times the time in limit analysis and {span(slower)} times in YADE.",
         ]
     )

@@ -10,7 +10,6 @@ import conclusions
 import pytest
 import results_page
 from conftest import CrossChecked, every_shipped_scene
-from la_core.scene.full_model import full_model
 from marked_text import marked, with_part
 from peers_report import conclusions as peers_conclusions
 from peers_table import LEAST_REACTION, SOLVED, Row
@@ -24,7 +23,7 @@ from la_core import text_table
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Drive, Status
-from la_core.scene import shipped
+from la_core.scene import full_model, shipped
 from la_core.scene.scene import load_scene
 
 GALLERY = conclusions.GALLERY

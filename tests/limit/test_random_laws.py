@@ -227,7 +227,7 @@ def test_a_mirrored_structure_has_the_same_answer(scene: Scene) -> None:
 
 @given(scene=random_scenes())
 def test_units_do_not_matter(scene: Scene) -> None:
-    """invariance: told in mm and km, light and heavy"""
+    """invariance: in mm and km, light and heavy"""
     for scale, density in ((1e3, 1e-3), (1e-3, 1e3)):
         assert_same_answers(scene, told(scene, scale=scale, density=density))
 

@@ -20,7 +20,7 @@ class Springers(Table):
 class Ring(Table):
     """Straight-sided voussoirs with radial joints in the xz plane, numbered from the left springing."""
 
-    centre: Vector = described("centre of the circle; its y is where the depth or the length begins", "m")
+    centre: Vector = described("centre of the circle; the depth or the length starts at its y", "m")
     radius: Positive = described("radius of the ring's mid line", "m")
     thickness: Positive = described("of the ring, along the radius; less than twice the radius", "m")
     voussoirs: Count = described("number of voussoirs of a ring; one may span at most 120 degrees")
@@ -44,14 +44,14 @@ class Ring(Table):
 class Arch(Ring):
     """One ring of a given depth along y."""
 
-    name: Name = described("goes before the voussoirs' numbers", default="arch")
+    name: Name = described("prefix of the voussoirs' names, before their numbers", default="arch")
     depth: Positive = described("along y", "m")
 
 
 class Vault(Ring):
     """Barrel vault: courses of voussoirs along y, cut into `rings` of equal length."""
 
-    name: Name = described("goes before the voussoirs' numbers", default="vault")
+    name: Name = described("prefix of the voussoirs' names, before their numbers", default="vault")
     length: Positive = described("of the vault along y", "m")
     rings: Count = described("rings of equal length along y")
     bond: Literal["running", "stack"] = described("running: every other course is shifted by half a ring, with half voussoirs at its ends")
@@ -66,14 +66,14 @@ class Vault(Ring):
 class Dome(Table):
     """Dome or sector of one about the vertical through its centre; courses from the crown down, lunes from the x axis towards y.
 
-    A lune is what two neighbouring meridian joints cut out. Springers, one to a lune, are fixed but for those in `support`.
+    A lune is the part between two neighbouring meridian joints. Each lune has one springer. Springers are fixed, except those in `support`.
     """
 
-    name: Name = described("goes before the blocks' numbers", default="dome")
+    name: Name = described("prefix of the blocks' names, before their numbers", default="dome")
     centre: Vector = described("centre of the sphere", "m")
     radius: Positive = described("radius of the middle surface", "m")
     thickness: Positive = described("of the shell, along the radius; less than twice the radius", "m")
-    courses: Count = described("courses from the crown to the springing, the keystone among them")
+    courses: Count = described("courses from the crown to the springing, the keystone included")
     lunes: Annotated[Count, Field(ge=3)] = described("lunes of the full circle, also for a sector")
     embrace: Annotated[Real, Field(gt=0.0, le=90.0)] = described(
         "angle from the crown to the springing: 90 is hemispherical, less is segmental", "degrees", default=90.0
@@ -83,7 +83,7 @@ class Dome(Table):
         "angle about the vertical, a multiple of a lune; 360 is the whole dome", "degrees", default=360.0
     )
     sides: Literal["fixed", "free"] | None = described(
-        "only of a sector, and needed there: abutments along its two end meridians, or nothing", default=None
+        "needed for a sector, and only there: fixed abutments along its two end meridians, or free ends", default=None
     )
     support: tuple[Count, Count] | None = described(
         "first and last lune whose springers move with the settlement; all others are fixed", default=None

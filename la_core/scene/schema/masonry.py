@@ -18,7 +18,7 @@ class Opening(Table):
     """Rectangle cut out of a wall, in the wall's own length and height (from its lower left corner), under a head."""
 
     from_: Pair = described("lower left corner: along the wall, up; the height lies on a course line", "m", alias="from")
-    to: Pair = described("upper right corner; a course must be left above it for the head", "m")
+    to: Pair = described("upper right corner; at least one course must remain above it for the head", "m")
     bearing: Positive = described(
         "length by which the head extends beyond the opening on either side; of a flat arch, at its upper edge", "m"
     )
@@ -43,10 +43,10 @@ class Opening(Table):
 class Wall(Table):
     """Courses of equal blocks along x, bottom course first; of two or three leaves, tied by courses of headers."""
 
-    name: Name = described("goes before the blocks' numbers: wall 3.2 is the second block of the third course", default="wall")
-    bond: Literal["running", "stack"] = described(
-        "running: every other course is shifted by half a block; stack: all joints above each other"
+    name: Name = described(
+        "prefix of the blocks' names, before their numbers: wall 3.2 is the second block of the third course", default="wall"
     )
+    bond: Literal["running", "stack"] = described("running: every other course is shifted by half a block; stack: vertical joints in line")
     origin: Vector = described("lower left front corner of the wall", "m")
     block: tuple[Positive, Positive, Positive] = described("length (x), depth (y) of one leaf, height (z) of a block", "m")
     per_course: Count = described("blocks in a full course: the length of the wall over that of a block")
@@ -54,7 +54,9 @@ class Wall(Table):
     first: Literal["full", "half"] = described("the block that the bottom course of a running bond starts with", default="full")
     leaves: Annotated[Count, Field(le=3)] = described("leaves side by side in depth", default=1)
     headers_every: Count | None = described(
-        "every how many courses a course of headers ties two leaves; a block is then twice as long as deep", "courses", default=None
+        "number of courses from one course of headers to the next; headers tie two leaves, and blocks are then twice as long as deep",
+        "courses",
+        default=None,
     )
     density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
     opening: tuple[Opening, ...] = described("doors and windows", default=())
@@ -89,9 +91,9 @@ class BuildingOpening(Opening):
 
 
 class Floor(Table):
-    """A floor borne by walls: mass per metre of wall that the blocks of one course take up."""
+    """A floor on walls: its mass per metre of wall is added to the blocks of one course."""
 
-    course: Count = described("course whose blocks take up the floor, counted from 1 at the bottom")
+    course: Count = described("course whose blocks carry the floor, counted from 1 at the bottom")
     mass: Positive = described("mass of the floor per metre of wall", "kg/m")
     sides: tuple[Name, ...] = described("walls that bear the floor; all where none is named", default=())
 
@@ -123,7 +125,7 @@ class Building(Table):
     (along x, along y, through each other's middle).
     """
 
-    name: Name = described("goes before the walls' names and the blocks' numbers", default="building")
+    name: Name = described("prefix of the blocks' names, before the wall's name and the numbers", default="building")
     plan: Literal["rectangle", "L", "T", "cross"] = described("walls and their names, as above", default="rectangle")
     origin: Vector = described("corner of the plan with the least x and y, at the foot of the walls", "m")
     size: tuple[Positive, Positive] = described("outer length in x and in y, each at least two lengths of a block", "m")

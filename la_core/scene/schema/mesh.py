@@ -40,7 +40,7 @@ class Mesh(Table):
     file: Annotated[Name, AfterValidator(_within_the_scene_s_folder)] = described(
         "an .obj, .ply, .stl or .json file, or a folder of .ply or .stl files; a path from the scene's folder on, and within it"
     )
-    name: Text = described("goes before the bodies' names, for scenes with several meshes", default="")
+    name: Text = described("prefix of the bodies' names, for scenes with several meshes", default="")
     density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
     fixed: tuple[Pattern, ...] = described("patterns of the names of bodies that are ground, such as `ground*`", default=())
     support: tuple[Pattern, ...] = described("patterns of the names of bodies that move with the settlement", default=())

@@ -94,9 +94,9 @@ class Block(Table):
     name: Name = described("unique in the scene; reports and messages use it")
     role: Role = described("free: may move; fixed: ground; support: moves with the settlement", default="free")
     density: Positive | None = described("density of this block, in place of [stone]'s", "kg/m3", default=None)
-    box: Box | None = described("one of the three shapes must be given", default=None)
-    prism: Prism | None = described("likewise", default=None)
-    polyhedron: Polyhedron | None = described("likewise", default=None)
+    box: Box | None = described("exactly one of the three shapes must be given", default=None)
+    prism: Prism | None = described("exactly one of the three shapes must be given", default=None)
+    polyhedron: Polyhedron | None = described("exactly one of the three shapes must be given", default=None)
 
     @model_validator(mode="after")
     def _has_one_shape(self) -> Self:
@@ -129,12 +129,14 @@ class Live(Table):
 class RequestedPath(Table):
     """Asks limit analysis for the curve of the reaction from rest to the plateau."""
 
-    settlement: Positive | None = described("how far the support moves; as far as in YADE where none is given", "m or rad", default=None)
+    settlement: Positive | None = described(
+        "distance that the support moves; the travel of YADE where none is given", "m or rad", default=None
+    )
     increments: Annotated[Count, Field(le=10_000)] = described("points on the curve after rest", default=25)
 
 
 class RequestedEffects(Table):
-    """Which effects to model; "auto" decides from the scene."""
+    """Effects to model; with "auto" the program decides from the scene."""
 
     plane: AutoOrBool = described("true: motion in the xz plane only; false: a model in space", default="auto")
     friction: Literal["auto", "coulomb", "associated", "none-slides"] = described(
@@ -151,7 +153,7 @@ class RequestedEffects(Table):
 
 
 class Expected(Table):
-    """The known answer for sharp edges (inset 0), and how it is known; limit analysis is checked by it. At least one value is needed."""
+    """The known answer for sharp edges (inset 0), and its source; limit analysis is checked with it. At least one value is needed."""
 
     reaction_over_weight: Real | None = described("R/W with the scene's own friction", default=None)
     reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)
@@ -159,7 +161,7 @@ class Expected(Table):
     associated_reaction_over_weight: Real | None = described("R/W by the associated flow rule", default=None)
     associated_multiplier: Real | None = described("multiplier by the associated flow rule", default=None)
     tolerance: Positive = described("largest difference that still agrees, in the unit of these values", default=1e-4)
-    kind: Literal["exact", "published", "computed"] = described("how the value is known: by hand, from a publication, by another program")
+    kind: Literal["exact", "published", "computed"] = described("source of the value: calculation by hand, publication, or another program")
 
     @model_validator(mode="after")
     def _expects_something(self) -> Self:
@@ -174,7 +176,7 @@ class SceneFile(Table):
     title: Text = described("heading of tables and reports", default="")
     source: Text = described("where the expected value, or the structure, comes from", default="")
     accuracy: Accuracy | None = described(
-        "share of the answer that both methods must reach by the cheapest settings; as `crosscheck run --accuracy`", default=None
+        "requested accuracy of both methods, as a share of the answer; as `crosscheck run --accuracy`", default=None
     )
     gravity: Gravity = described("acceleration of gravity, z is up", "m/s2", default=(0.0, 0.0, -9.81))
     stone: Stone | None = described("material of blocks without their own density", default=None)
