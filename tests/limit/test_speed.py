@@ -4,6 +4,7 @@ Numpy does the same calls whatever the number of blocks, and memory grows as the
 (benchmark_scale.py, benchmark_growth.py) measure seconds, and the pages of the gallery hold the solver's share of them.
 """
 
+import gc
 import sys
 import tracemalloc
 from collections.abc import Callable
@@ -40,11 +41,14 @@ def calls(work: Callable[[], object]) -> int:
         count += event in ("call", "c_call")
 
     before = sys.getprofile()
+    gc.collect()
+    gc.disable()  # libraries may be called back by the collector, whenever it runs
     sys.setprofile(hear)
     try:
         work()
     finally:
         sys.setprofile(before)
+        gc.enable()
     return count
 
 
