@@ -170,7 +170,7 @@ def test_a_peer_that_is_faster_is_named() -> None:
     rows = [Row("arch", name, "1e-6", LEAST_REACTION, SOLVED, processor=(seconds,), beside=(1.0,)) for name, seconds in
             (("ECOS", 0.5), ("QOCO", 1.0), ("SCS", 3.0))]  # fmt: skip
     words = peers_conclusions(rows, [])
-    assert "Faster than we are: ECOS on arch (0.50). About level: QOCO on arch (1.0)." in words
+    assert "Faster than we are: ECOS on arch (0.50). About as fast: QOCO on arch (1.0)." in words
     assert "No peer is faster" in peers_conclusions(rows[1:], [])
 
 
