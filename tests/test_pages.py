@@ -217,6 +217,7 @@ def test_the_demo_ends_as_the_readme_says(cross_checked: Callable[[str], CrossCh
         assert float(row[2]) == pytest.approx(float(predicted), rel=ROUND_OFF)
 
 
+@pytest.mark.slow
 def test_the_results_of_the_readme_are_those_of_today(cross_checked: Callable[[str], CrossChecked]) -> None:
     rows = _table("| scene | Coulomb | its interval |")
     assert 3 <= len(rows) <= 6

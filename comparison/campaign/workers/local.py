@@ -143,6 +143,7 @@ def _serve(pipe: Connection) -> None:
     def stop(number: int, frame: FrameType | None) -> None:
         if not is_working:
             os._exit(0)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # one stop is enough: a second one must not interrupt the cleaning up
         raise StoppedError
 
     signal.signal(signal.SIGTERM, stop)
