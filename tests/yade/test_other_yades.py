@@ -62,5 +62,5 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
     assert capsys.readouterr().err.count("running YADE 2025.2.0 (untested version, see `crosscheck doctor`)") == 2
     assert main(["run", str(tmp_path / "finite.toml"), "-o", str(out)]) == TOOL
     said = capsys.readouterr().err
-    assert "no box along the axes" in said and 'displacement = "small"' in said and said.count("YADE: failed") == 1
+    assert "is not a box along the axes" in said and 'displacement = "small"' in said and said.count("YADE: failed") == 1
     assert "Debian 12" in said and "Traceback" not in said
