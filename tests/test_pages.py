@@ -194,6 +194,7 @@ def test_the_campaign_of_its_page_has_the_cases_that_the_page_counts() -> None:
 
 
 @pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "two_blocks"])
+@pytest.mark.slow
 def test_every_check_of_a_run_has_a_row(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
     table = CHECKS.read_text(encoding="utf-8")
     for check in cross_checked(name).summary["checks"]:

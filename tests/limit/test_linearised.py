@@ -84,6 +84,7 @@ def test_pyramids_bracket_the_cone(scene: Scene, drive: Drive) -> None:
 
 
 @both_drives
+@pytest.mark.slow
 def test_pyramids_bracket_the_cone_on_a_corner_of_two_walls(drive: Drive) -> None:
     assembly = assemble(scenes.shipped("corner_settling_end"))
     true, loose = solved(solve_associated(assembly, drive)).value, SAME * assembly.mean_weight

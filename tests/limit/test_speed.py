@@ -96,6 +96,7 @@ def operations(assembly: Assembly, solution: Solution) -> float:
     return solution.iterations * float(np.sum(columns.astype(float) ** 2))
 
 
+@pytest.mark.slow
 def test_a_plane_model_is_several_times_cheaper_and_gives_the_same_reaction() -> None:
     plane, solid = (assemble(wall_of(32, 31, flat)) for flat in (True, False))
     assert len(plane.blocks) > 1000
@@ -118,6 +119,7 @@ def test_finding_contacts_grows_in_proportion_to_the_wall() -> None:
     assert peak(lambda: assemble(large)) < LINEAR * growth * peak(lambda: assemble(small))
 
 
+@pytest.mark.slow
 def test_finding_contacts_in_a_massive_block_of_masonry_grows_as_its_joints() -> None:
     """Eight times the blocks, piled in all three directions: comparing all pairs would take 64 times the memory, not some nine."""
 
