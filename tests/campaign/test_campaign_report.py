@@ -31,6 +31,8 @@ from comparison.cli.exit_codes import TOOL
 from comparison.figures.canvas import LIMIT_ANALYSIS, YADE
 from la_core.exchange.dem_settings import SETTINGS
 
+pytestmark = pytest.mark.slow
+
 ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
 MU, INSET, LAW = "joint.friction", "joint.inset", "effects.friction"
 FRICTIONS = [0.2, 0.3, 0.4, 0.5, 0.6]

@@ -10,6 +10,8 @@ from comparison.cli.commands import main
 from comparison.cli.help_verbs import tutorial
 from comparison.workflow import one_scene
 
+pytestmark = pytest.mark.slow
+
 CHEAPEST = "pads"  # its runs in YADE take seconds
 every_tutorial = pytest.mark.parametrize("name", tutorial.NAMES)
 

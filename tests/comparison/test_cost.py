@@ -19,6 +19,8 @@ from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 from la_core.model.contact_grid import with_grid
 
+pytestmark = pytest.mark.slow
+
 REDUNDANT = 1e-6  # of the reaction: solver tolerance
 ROUNDING = 0.05  # of an error: what YADE adds to that of rounded arrises
 
