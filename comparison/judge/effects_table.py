@@ -3,13 +3,13 @@
 from typing import Any
 
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import STATIONS, STEPS
+from la_core.coulomb import PredictionSettings
 from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.geometry import contact_points
 from la_core.model import PLANE_FREEDOMS, Assembly
 from la_core.scene import Scene
 
-SEARCH = len(STATIONS) + 1  # programmes that look for a sliding joint
+PATHS = len(PredictionSettings().viscosities)  # of a prediction; the search for a sliding joint follows one
 BODIES_OF_BLOCK = 3  # clump, carrier and face
 
 EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices that leave the effect out
@@ -76,8 +76,8 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
     free, points, plane, aside = int(assembly.blocks.free.sum()), len(assembly.points), assembly.effects.plane, int(assembly.aside.sum())
     freedoms, components = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     saved = {
-        "friction": {"cone programmes, at least": (1 if scene.live is not None and scene.inset == 0.0 else 2) * (STEPS + 1) - SEARCH},
-        "elasticity": {"unknowns of a programme": points * components},
+        "friction": {"quasi-static paths, at least": PATHS - 1},
+        "elasticity": {"springs": points * components},
         "displacement": {"engine in YADE, the collider": 1},
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }
@@ -102,8 +102,8 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
 
 def _seconds(analysis: LimitAnalysis | None) -> dict[str, float]:
     """Return the solver's seconds that an effect alone took, by effect."""
-    if analysis is None or analysis.coulomb is None or analysis.sharp.coulomb is None:
+    if analysis is None or analysis.coulomb is None:
         return {}
-    solutions = {id(solution): solution for solution in (analysis.coulomb, analysis.sharp.coulomb)}
+    solutions = {id(solution): solution for solution in (analysis.coulomb, analysis.sharp.coulomb) if solution is not None}
     seconds = {"friction": sum(solution.seconds for solution in solutions.values())}
     return seconds | ({"elasticity": analysis.path.seconds} if analysis.path is not None else {})

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.judge.check import Check, Verdict, inside, within
-from comparison.judge.tolerances import HISTORY, REACH, REACTION, accuracy_share, is_broad, least_reaction, reaction_tolerance
+from comparison.judge.tolerances import BROAD, HISTORY, REACH, REACTION, accuracy_share, is_broad, least_reaction, reaction_tolerance
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import SLIDING_SHARE, CoulombSolution
@@ -22,7 +22,6 @@ REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within
 SIMILAR = 0.95  # modal assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
 SAME_MASS = 0.05  # share of the mass that may move in one method and not in the other
-DOUBTFUL = 1e-2  # dilatancy residual: an iteration with a larger one predicts nothing, one with a smaller one may confirm YADE
 STEADY = 5e-3  # of the reaction: scatter about the plateau's line above this is stick-slip
 CONSISTENT = 1e-2  # of the reaction: slow steady runs are within 1e-4, runs that stick and slip miss by per cents
 
@@ -70,16 +69,10 @@ def predicted(results: Results) -> Prediction:
         return Prediction(least.value, (math.nan, math.nan), least.twists, True, REACTION, obstacle)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
-        share = HISTORY + abs(coulomb.drift) if slides else REACTION
-        share += REACH if assembly.effects.reach else 0.0
-        accuracy = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
-        unconverged = f"The Coulomb iteration has not converged ({accuracy}), so its value cannot contradict YADE."
-        remedy = "" if analysis.accuracy else " Repeat it in more steps with --accuracy 1%."
-        doubt = "" if coulomb.status is Status.SOLVED else unconverged + remedy
-        if doubt and not (coulomb.dilatancy_residual <= DOUBTFUL and abs(coulomb.drift) <= DOUBTFUL):
-            return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
-        share += _spurious_share(analysis, coulomb) if doubt else 0.0
-        return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, "", doubt)
+        unsure = coulomb.uncertainty / max(abs(coulomb.value), least_reaction(analysis))
+        share = (HISTORY if slides else REACTION) + unsure + (REACH if assembly.effects.reach else 0.0)
+        obstacle = f"Limit analysis states an uncertainty of {unsure:.1%}, too large to judge YADE. Refine it with --accuracy." if unsure > BROAD else ""
+        return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle, "" if obstacle else _doubt(coulomb))
     slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(results)
     obstacle = _associated_obstacle(assembly.effects.friction) if slides else ""
     return Prediction(least.value, (math.nan, math.nan), least.twists, slides, REACTION, obstacle)
@@ -93,10 +86,14 @@ def _associated_obstacle(friction: str) -> str:
     return dilates if friction == "coulomb" else f"{dilates} {MODEL_SLIDING}"
 
 
-def _spurious_share(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
-    """Share of the reaction by which the remaining dilation may shift it: its work, by the balance of power of one mechanism."""
-    settling = float(np.maximum(np.sum(analysis.assembly.dead_load * coulomb.twists, axis=1), 0.0).sum())
-    return coulomb.dilatancy_residual * settling / abs(coulomb.value) if coulomb.value else math.inf
+def _doubt(coulomb: CoulombSolution) -> str:
+    """Why a prediction may confirm YADE but not contradict it, or ""."""
+    if len(coulomb.plateaus):
+        several = ", ".join(f"{value:.4g}" for value in coulomb.plateaus)
+        return f"The structure has several plateaus ({several}), so a single one cannot contradict YADE."
+    if coulomb.status is not Status.SOLVED:
+        return f"The end of the path is no limit state (largest residual {coulomb.certificate:.1e}), so its value cannot contradict YADE."
+    return ""
 
 
 def slides_unforeseen(results: Results) -> bool:

@@ -82,9 +82,10 @@ def chosen_settings(attempt: Attempt) -> str:
         inset = "sharp arrises"
         if settings["inset"]:
             inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {percent(INSET_SHARE)} of the accuracy)"
-        if "steps" not in settings:
+        if "viscosity" not in settings:
             return f"{inset}, cone programmes solved to their smallest tolerance, at almost no cost"
-        return f"{settings['steps']:.0f} steps (compared with half that number, which shows their effect on friction's history), {inset}"
+        paths = f"paths from viscosities of {10.0 * settings['viscosity']:g} and {settings['viscosity']:g}"
+        return f"{paths} (their difference shows the effect of friction's history), {inset}"
     if "damping_ratio" not in settings:
         return "settings of another model"
     speed = TRAVEL_PERIODS / settings["travel_periods"]

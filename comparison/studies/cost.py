@@ -16,11 +16,12 @@ from rich.table import Table
 
 from comparison.judge import without_undefined
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, coulomb, shared_inset
+from la_core.coulomb import PredictionSettings
 from la_core.scene import Scene
 from la_core.text_table import ROUND_OFF, number_text
 
 REPEATS, ENOUGH = 3, 10.0  # runs of a rung; seconds after which it does not run again
-FINEST_STEPS = 32  # of the prediction that serves as reference where no exact value is known
+FINEST = PredictionSettings((1e-3, 1e-4), finer=10.0)  # reference where no exact value is known
 LEAST_ERROR = 1e-10  # two solutions of one programme differ by as much: smaller errors count as this error
 USABLE = ("solved", "plateau", "inaccurate")
 
@@ -179,8 +180,8 @@ def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> d
     references = {ASSOCIATED: (finest[1].value / divisor, f"the cone programme with {finest[0].setting}")}
     inset = prediction_inset(scene)
     if known[PREDICTION] is None:
-        source = f"the Coulomb prediction in {FINEST_STEPS} steps, at the inset that both methods share, {1e3 * inset:g} mm"
-        references[PREDICTION] = (coulomb(scene, inset, FINEST_STEPS).value / divisor, source)
+        source = f"the Coulomb prediction on paths and steps ten times finer, at the inset that both methods share, {1e3 * inset:g} mm"
+        references[PREDICTION] = (coulomb(scene, inset, FINEST).value / divisor, source)
     for target, value in known.items():
         if value is not None:
             references[target] = (value, "the exact value, for sharp arrises")

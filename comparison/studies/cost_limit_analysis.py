@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from la_core.analysis import drives, smallest_inset, wedging
@@ -13,7 +13,9 @@ from la_core.scene import Scene
 
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 FACETS = (4, 8, 16, 32, 64)
-STEPS = (1, 2, 4, 8, 16)
+VISCOSITIES = (1e-1, 1e-2, 1e-3, 1e-4)  # first viscosity of a single path
+FINER = (2.0, 10.0)  # times shorter steps
+DOUBLINGS = (0, 2, 4)  # of the travel
 INCREMENTS = (2, 5, 10, 25, 50)
 INSETS = (0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)  # m
 LARGEST_INSET = 10.0  # times the smallest inset that both methods share: it fits into the narrowest interface
@@ -82,9 +84,15 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
         yield Method("contact points", f"{count} an interface", ASSOCIATED, partial(_bound, scene, 0.0, ACCEPTED, per_side))
     yield Method("associated", "for a prediction", PREDICTION, partial(_bound, scene, inset))
     yield Method("classic iteration", "its own settings", PREDICTION, partial(_classic, scene, inset))
-    for steps in STEPS:
-        setting = f"{steps} step{'s' if steps > 1 else ''}"
-        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, steps))
+    default = PredictionSettings()
+    for viscosity in VISCOSITIES:
+        yield Method("Coulomb", f"1 path, viscosity {viscosity:g}", PREDICTION, partial(coulomb, scene, inset, replace(default, viscosities=(viscosity,))))
+    yield Method("Coulomb", f"{len(default.viscosities)} paths (default)", PREDICTION, partial(coulomb, scene, inset, default))
+    for finer in FINER:
+        yield Method("Coulomb", f"steps {finer:g} times shorter", PREDICTION, partial(coulomb, scene, inset, replace(default, finer=finer)))
+    for doublings in DOUBLINGS:
+        setting = f"at most {2**doublings} travel{'s' if doublings else ''}"
+        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, replace(default, doublings=doublings)))
     for increments in INCREMENTS:
         yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
 
@@ -104,12 +112,12 @@ def _linearised_methods(scene: Scene) -> Iterator[Method]:
             yield Method("linearised", f"{facets} facets {side}", ASSOCIATED, run)
 
 
-def coulomb(scene: Scene, inset: float, steps: int) -> MethodOutcome:
-    """Return the Coulomb prediction at an inset, m, in a number of steps."""
+def coulomb(scene: Scene, inset: float, settings: PredictionSettings) -> MethodOutcome:
+    """Return the Coulomb prediction at an inset, m."""
     assembly, stiffness, built = _elastic(scene, inset)
     bound = solve_associated(assembly, drives(scene)[0])
-    answer = predict(assembly, stiffness, bound, wedging(scene), PredictionSettings(steps))
-    return MethodOutcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds)
+    answer = predict(assembly, stiffness, bound, wedging(scene), settings)
+    return MethodOutcome(answer.value, answer.status.value, built, bound.seconds + answer.seconds, answer.uncertainty)
 
 
 def shared_inset(scene: Scene) -> float:

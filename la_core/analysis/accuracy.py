@@ -16,22 +16,21 @@ from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.settings import AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
-from la_core.limit import Status
+from la_core.limit import Solution, Status
 from la_core.model import Assembly
 from la_core.scene import Scene, same_structure
 
-ROUNDED, HISTORY, DILATANCY, ELASTIC, GAP = "rounded arrises", "friction's history", "dilatancy", "elastic settlement", "duality gap"
+ROUNDED, HISTORY, ELASTIC, GAP = "rounded arrises", "friction's history", "elastic settlement", "duality gap"
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
-# Error of friction's history, of the answer, times the number of steps. Of 128 walls (tests/benchmarks/benchmark_friction.py)
-# 127 are within 5 % in 2 steps, and 123 within 1 % in 8. Only the change by twice as many steps counts as an estimate.
-HISTORY_OF_STEPS = 0.08
-FEWEST_STEPS, MOST_STEPS = 2, 64
+# Paths of the attempts: viscosities and effort relative to the default, division of the steps. The first suffices for LOOSE
+# accuracies: of 128 walls (tests/benchmarks/benchmark_friction.py) nine in ten are then within 0.1 %.
+LOOSE = 0.02
+ATTEMPTS = ((10.0, 0.5, 1.0), (1.0, 1.0, 1.0), (0.1, 4.0, 3.0), (0.01, 16.0, 10.0))
 # Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
 ELASTIC_SHARE = 0.03
 LEAST_SCALE = 0.01  # of the weight, or a multiplier: errors of smaller answers are relative to this
-MOST_ATTEMPTS = 6
 
 
 def with_accuracy(scene: Scene, accuracy: float) -> Scene:
@@ -47,7 +46,7 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
     model : StructuralModel
         Model of a scene with an accuracy.
     settings : AnalysisSettings
-        Settings of every attempt, apart from the steps of the prediction, which each attempt chooses.
+        Settings of every attempt, apart from the paths of the prediction, which each attempt chooses.
 
     Returns
     -------
@@ -56,27 +55,37 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
     """
     accuracy = model.scene.accuracy
     assert accuracy is not None
-    tried, steps, before = model, _first_steps(accuracy), math.nan
+    tried, level = model, 0 if accuracy >= LOOSE else 1
     attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
-        analysis = analyse_once(tried, replace(settings, prediction=PredictionSettings(steps)))
-        attempts.append((_attempt(analysis, steps, before, start), analysis))
+        analysis = analyse_once(tried, replace(settings, prediction=_paths(level)))
+        attempts.append((_attempt(analysis, level, start), analysis))
         attempt = attempts[-1][0]
-        finer = _finer(model.scene, analysis, attempt, accuracy)
+        finer = _finer(model.scene, analysis, attempt, accuracy, level)
         is_worse = len(attempts) > 1 and attempt.error > attempts[-2][0].error
-        if attempt.is_within(accuracy) or finer is None or is_worse or len(attempts) == MOST_ATTEMPTS:
+        if attempt.is_within(accuracy) or finer is None or is_worse:
             break
-        before = analysis.sharp.sharpest.value
-        tried, steps = model.with_scene(replace(model.scene, inset=finer[0])), finer[1]
+        tried, level = model.with_scene(replace(model.scene, inset=finer[0])), finer[1]
     attempts.sort(key=lambda pair: -pair[0].error if math.isfinite(pair[0].error) else -math.inf)  # the best one is the answer
     record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
     return replace(attempts[-1][1], scene=model.scene, accuracy=record)
 
 
+def _paths(level: int) -> PredictionSettings:
+    """Return the paths of an attempt."""
+    default, (viscosity, effort, finer) = PredictionSettings(), ATTEMPTS[level]
+    return PredictionSettings(tuple(viscosity * first for first in default.viscosities), finer, effort * default.effort)
+
+
+def stated(analysis: LimitAnalysis) -> Solution | CoulombSolution:
+    """Return the answer that errors are relative to: for sharp arrises, or the prediction at the inset where joints slide."""
+    return analysis.at_inset.sharpest if has_history(analysis) else analysis.sharp.sharpest
+
+
 def scale(analysis: LimitAnalysis) -> float:
     """Return the scale of relative errors (N, N m, multiplier): the answer's size, at least LEAST_SCALE of the weight."""
-    return max(abs(analysis.sharp.sharpest.value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
+    return max(abs(stated(analysis).value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
 
 
 def _unit(assembly: Assembly, weight: float) -> float:
@@ -90,55 +99,51 @@ def has_history(analysis: LimitAnalysis) -> bool:
 
 
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the relative errors that both methods share, by source: rounded arrises and elastic joints."""
-    rounded, sharp, stiffness = analysis.at_inset.sharpest, analysis.sharp.sharpest, analysis.stiffness
+    """Return the relative errors that both methods share, by source: rounded arrises and elastic joints.
+
+    Where joints slide, the bounds show what rounded arrises change: their values have no history.
+    """
+    rounded, sharp, stiffness = analysis.at_inset, analysis.sharp, analysis.stiffness
+    pair = (rounded.bounds[analysis.main], sharp.bounds[analysis.main]) if has_history(analysis) else (rounded.sharpest, sharp.sharpest)
     return {
-        ROUNDED: abs(rounded.value - sharp.value) / scale(analysis),
+        ROUNDED: abs(pair[0].value - pair[1].value) / scale(analysis),
         ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
     }
 
 
-def _attempt(analysis: LimitAnalysis, steps: int, before: float, start: float) -> Attempt:
+def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
     """Estimate the relative error of an analysis; NaN without a solution.
 
-    steps: steps of the prediction. before: sharp answer of the attempt with half the steps (N, N m or multiplier), NaN
-    for the first attempt. start: time at which the attempt began, s, by `time.perf_counter`.
+    level: index into ATTEMPTS. start: time at which the attempt began, s, by `time.perf_counter`.
     """
     settings: dict[str, float] = {"inset": analysis.assembly.inset}
-    rounded, sharp = analysis.at_inset.sharpest, analysis.sharp.sharpest
-    parts = shared_parts(analysis)
-    if has_history(analysis) and isinstance(sharp, CoulombSolution) and isinstance(rounded, CoulombSolution):
-        settings["steps"] = steps
-        parts[HISTORY] = abs(sharp.value - before) / scale(analysis)
-        parts[DILATANCY] = max(rounded.dilatancy_residual, sharp.dilatancy_residual)
+    answer, parts = stated(analysis), shared_parts(analysis)
+    if has_history(analysis) and isinstance(answer, CoulombSolution):
+        paths = _paths(level)
+        settings |= {"viscosity": paths.viscosities[-1], "finer": paths.finer}
+        parts[HISTORY] = answer.uncertainty / scale(analysis)
     else:
         del parts[ELASTIC]  # the answer knows no stiffness
         gap = analysis.sharp.bounds[analysis.main].duality_gap
         parts[GAP] = gap * _unit(analysis.assembly, analysis.assembly.mean_weight) / scale(analysis)
         if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
-    solved = rounded.status is Status.SOLVED and sharp.status is Status.SOLVED
+    rounded = analysis.at_inset.sharpest
+    solved = rounded.status is Status.SOLVED and answer.status is Status.SOLVED
     return Attempt(settings, rounded.value, parts if solved else dict.fromkeys(parts, math.nan), time.perf_counter() - start)
 
 
-def _first_steps(accuracy: float) -> int:
-    """Return half the number of steps (a power of two) that the calibrated model needs for a relative accuracy."""
-    needed = 2 ** math.ceil(math.log2(HISTORY_OF_STEPS / accuracy))
-    return max(FEWEST_STEPS, min(needed, MOST_STEPS) // 2)  # its doubling measures what fewer steps change
-
-
-def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float) -> tuple[float, int] | None:
-    """Return inset (m) and steps of the next attempt; None where finer ones do not help or there is no answer."""
+def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float, level: int) -> tuple[float, int] | None:
+    """Return inset (m) and level of the next attempt; None where finer ones do not help or there is no answer."""
     if analysis.bounds[analysis.main].status is not Status.SOLVED:
         return None
-    inset, steps = attempt.settings["inset"], int(attempt.settings.get("steps", 0))
-    if steps == MOST_STEPS:
-        return None
+    inset = attempt.settings["inset"]
     least, goal = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy
     rounded = attempt.parts[ROUNDED]
     is_tied_to_inset = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
     finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not is_tied_to_inset else inset
-    return None if steps == 0 and finer_inset == inset else (finer_inset, 2 * steps)
+    finer_paths = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not attempt.parts[HISTORY] <= accuracy / 2.0
+    return (finer_inset, level + finer_paths) if finer_paths or finer_inset != inset else None
 
 
 def _one_digit(value: float) -> float:

@@ -84,6 +84,18 @@ class Answer(Tabled):
         return (NAN, NAN) if coulomb is None else coulomb.interval
 
     @property
+    def uncertainty(self) -> float:
+        """Stated uncertainty of the prediction (N, N m, multiplier); NaN where it is unknown."""
+        coulomb = self.analysis.printed.coulomb
+        return NAN if coulomb is None else coulomb.uncertainty
+
+    @property
+    def plateaus(self) -> tuple[float, ...]:
+        """Values of all plateaus (N, N m, multiplier) where the structure has several; empty where it has one."""
+        coulomb = self.analysis.printed.coulomb
+        return () if coulomb is None else tuple(coulomb.plateaus.tolist())
+
+    @property
     def least_sharp(self) -> float:
         """`least` for sharp arrises."""
         return self._bound(Drive.YIELDING, sharp=True)
@@ -95,7 +107,7 @@ class Answer(Tabled):
 
     @property
     def coulomb_sharp(self) -> float:
-        """`coulomb` for sharp arrises."""
+        """`coulomb` for sharp arrises; NaN where joints slide and the scene's arrises are rounded."""
         coulomb = self.analysis.sharp.coulomb
         return NAN if coulomb is None else coulomb.value
 
@@ -154,7 +166,7 @@ def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
     }
 
 
-COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "equilibrium_residual", "cone_violation")
+COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "sliding_residual", "equilibrium_residual", "cone_violation")
 EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
 
 
@@ -188,17 +200,22 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     """Return the prediction's values by their JSON keys, insets as in `associated_values`; None without a prediction."""
     scene, name = analysis.scene, analysis.scene.quantity
     rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
-    if rounded is None or sharp is None or printed is None:
+    if rounded is None or printed is None:
         return None
     values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
-    values |= {f"{name}_sharp": sharp.value, f"{name}_interval_sharp": list(sharp.interval)}
+    values |= {"uncertainty": printed.uncertainty, "plateaus": printed.plateaus.tolist()}
+    values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
+    values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
     if scene.inset == 0.0 and analysis.assembly.inset:
         values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
     values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
     return values | {
         "iterations": printed.iterations,
         "steps": printed.steps,
-        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp)}.values()),
+        "travel": printed.travel,
+        "viscosities": printed.viscosities.tolist(),
+        "curve": {"settlement": printed.path_settlement.tolist(), name: printed.path_value.tolist()},
+        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp) if s is not None}.values()),
     }
 
 
@@ -248,12 +265,16 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield "Coulomb: status", answer["status"], ""
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
+    yield _quantity(scene, "Coulomb: uncertainty", answer["uncertainty"])
+    for plateau in answer["plateaus"]:
+        yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
     yield _quantity(scene, "Coulomb: least by its mechanism", low)
     yield _quantity(scene, "Coulomb: greatest by its mechanism", high)
-    yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
-    for name in ("dilatancy_residual", "drift", "seconds"):
+    if math.isfinite(answer[f"{scene.quantity}_sharp"] or math.nan):
+        yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
+    for name in ("strain_residual", "drift", "travel", "seconds"):
         yield f"Coulomb: {name.replace('_', ' ')}", number_text(answer[name], 2), ""
-    yield "Coulomb: associated solves", str(answer["iterations"]), ""
+    yield "Coulomb: iterations", str(answer["iterations"]), ""
 
 
 def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:

@@ -24,11 +24,11 @@ from la_core.scene import Scene
 PACKAGE = Path(__file__).parents[1]
 
 
-def _fields(scene: Scene, has_coulomb: bool, has_path: bool) -> tuple[exchange.Field, ...]:
+def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
     groups = [f"{arrises}/{drive.group}" for arrises in ("associated", "associated_sharp") for drive in drives(scene)]
     fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
-    if has_coulomb:
-        fields += exchange.coulomb_fields("coulomb") + exchange.coulomb_fields("coulomb_sharp")
+    for group, with_path in predictions.items():
+        fields += exchange.coulomb_fields(group, with_path)
     return fields + exchange.PATH_FIELDS if has_path else fields
 
 
@@ -76,7 +76,8 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    exchange.write(path, _fields(scene, analysis.coulomb is not None, analysis.path is not None), values, inputs)
+    predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
+    exchange.write(path, _fields(scene, predictions, analysis.path is not None), values, inputs)
 
 
 def _below(group: str, solution: Any) -> dict[str, Any]:
@@ -110,14 +111,15 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     exchange.ExchangeError
         The file is missing or damaged, or belongs to another scene.
     """
-    has_coulomb = exchange.holds(path, "limit_analysis/coulomb")
-    data = exchange.read(path, _fields(scene, has_coulomb, exchange.holds(path, "path")))
+    stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
+    predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
+    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")))
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):
-        return _analysis(path, scene, whole, data, has_coulomb)
+        return _analysis(path, scene, whole, data, predictions)
 
 
-def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], has_coulomb: bool) -> LimitAnalysis:
+def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], predictions: dict[str, bool]) -> LimitAnalysis:
     """Return the stored analysis; the file must belong to the given assembly of the whole structure."""
     if data["blocks/name"] != list(whole.blocks.names):
         raise exchange.ExchangeError(f"{path}: blocks/name differs from that of {scene.path}; run it again")
@@ -129,7 +131,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], h
         if data["blocks/aside"].any():
             assembly = reach.set_aside(assembly, data["blocks/aside"].astype(bool))
         bounds = {drive: _solution(data, f"limit_analysis/associated{suffix}/{drive.group}") for drive in drives(scene)}
-        return Answers(assembly, bounds, _coulomb(data, f"coulomb{suffix}") if has_coulomb else None)
+        return Answers(assembly, bounds, _coulomb(data, f"coulomb{suffix}") if f"coulomb{suffix}" in predictions else None)
 
     at_inset = answers(whole, "")
     _refuse_another(path, scene, at_inset.assembly, data)
@@ -163,7 +165,7 @@ def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:
     """Return the values of one result by name, scalars as plain numbers."""
-    values = {name: data[f"{group}/{name}"] for name in kind.__dataclass_fields__}
+    values = {name: data[f"{group}/{name}"] for name in kind.__dataclass_fields__ if f"{group}/{name}" in data}
     return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
 
 

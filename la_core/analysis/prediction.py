@@ -26,7 +26,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     bounds : tuple of Answers
         Bounds of the whole structure at the shared inset and for sharp arrises, without prediction.
     settings : AnalysisSettings
-        Settings of the analysis, among them the steps of the prediction.
+        Settings of the analysis, among them the paths of the prediction.
 
     Returns
     -------
@@ -84,7 +84,9 @@ def _held(answers: Pair, aside: np.ndarray) -> Pair:
 def _why_not_valid(whole: Pair, region: Pair) -> str:
     """Return why the region's answers do not hold for the whole structure at both insets, or ""."""
     for complete, reduced in zip(whole, region, strict=True):
-        answer = reduced.sharpest
+        if reduced.coulomb is None:
+            continue
+        answer = reduced.coulomb
         if obstacle := reach.why_not_valid(complete.assembly, reduced.assembly, answer.twists, answer.forces):
             return obstacle
     return ""
@@ -97,6 +99,8 @@ def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, se
     """
     at_inset, sharp = answers
 
+    slides = search is None or search.found
+
     def prediction(bounds: Answers) -> CoulombSolution:
         associated = bounds.bounds[bounds.main]
         if search is not None and not search.found:
@@ -104,20 +108,26 @@ def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, se
             return timed.as_coulomb(bounds.assembly, associated)
         return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings)
 
-    if at_inset.assembly.effects.friction != "coulomb" and (search is None or search.found):
+    if at_inset.assembly.effects.friction != "coulomb" and slides:
         return answers
     changed = replace(at_inset, coulomb=prediction(at_inset))
-    return changed, changed if sharp is at_inset else replace(sharp, coulomb=prediction(sharp))
+    if sharp is at_inset:
+        return changed, changed
+    if slides and model.scene.inset > 0.0:  # see `LimitAnalysis.sharp`
+        return changed, sharp
+    return changed, replace(sharp, coulomb=prediction(sharp))
 
 
 def _with_whole_at_rest(model: StructuralModel, answers: Pair) -> Pair:
     """Replace the region's reactions at rest by the whole structure's: the region sags differently beside held blocks."""
     at_inset, sharp = answers
-    if at_inset.coulomb is None or sharp.coulomb is None or at_inset.assembly.effects.friction != "coulomb":
+    if at_inset.coulomb is None or at_inset.assembly.effects.friction != "coulomb":
         return answers
 
     def at_rest(assembly: Assembly, coulomb: CoulombSolution) -> CoulombSolution:
         return replace(coulomb, at_rest=reaction_at_rest(assembly, model.stiffness, wedging(model.scene)))
 
     changed = replace(at_inset, coulomb=at_rest(model.assembly, at_inset.coulomb))
-    return changed, changed if sharp is at_inset else replace(sharp, coulomb=at_rest(model.sharp, sharp.coulomb))
+    if sharp is at_inset or sharp.coulomb is None:
+        return changed, changed if sharp is at_inset else sharp
+    return changed, replace(sharp, coulomb=at_rest(model.sharp, sharp.coulomb))

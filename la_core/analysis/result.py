@@ -53,7 +53,9 @@ class LimitAnalysis:
     at_inset : Answers
         Answers at the shared inset.
     sharp : Answers
-        Answers for sharp arrises (inset 0); the same object as `at_inset` where both insets are equal.
+        Answers for sharp arrises (inset 0); the same object as `at_inset` where both insets are equal. It has no
+        prediction where joints slide and the scene's arrises are rounded: sharp joints then slide in another order, and
+        the value belongs to another history of friction, not to other lever arms.
     stiffness : JointStiffness
         Stiffness of the joints at the shared inset.
     least_gap : float

@@ -17,7 +17,7 @@ class AnalysisSettings:
         Reason why joints are known to slide, such as an earlier run of YADE. It keeps friction in the model where
         "auto" might leave it out. "" where nothing is known.
     prediction : PredictionSettings
-        Steps to the plateau. A scene that requests an accuracy overrides them.
+        Viscosities and steps of the paths to the plateau. A scene that requests an accuracy overrides them.
     """
 
     follow_path: bool = False

@@ -1,29 +1,18 @@
-"""Rigid blocks on elastic joints with friction without dilatancy: one associated cone programme for a given shift.
+"""Rigid blocks on elastic joints with Coulomb friction that does not dilate: displacements, forces and their derivative.
 
-The relative displacement of a joint since the blocks were laid is u = e + (gap, slip), with elastic part e,
-gap >= 0 and slip. The normal force follows the whole elastic part, n = -kn e_n. The friction force follows its change
-in each step, t = t_before - ks (change of e_t), so that it keeps the history of slip. Friction without dilatancy is
-the associated law with the normal displacement shifted by s = mu |slip|:
-    (gap + s, slip) in the dual of Coulomb's cone, orthogonal to the contact force
-(De Saxce & Feng 1998; Acary, Cadoux, Lemarechal & Malick 2011, doi 10.1002/zamm.201000073). For a given s this is the
-optimum of
-    maximise  w . q - sum (kn e_n^2 + ks |e_t|^2) / 2 + t_before . e_t   subject to   (u - e) + s n in the dual cone
-over displacements q of the blocks and e of the joints; the contact forces are its multipliers. For every s the forces
-are in equilibrium and within Coulomb's cone. Matrix and cones never change, so `conic.Programme` is set up once.
+At every contact point u is the relative displacement since the blocks were laid. The normal force follows it,
+n = max(0, -kn u_n). The friction force follows its change in a step, t = t_before - ks (change of u_t), and is cut back to
+mu n where it exceeds that limit. Only the friction force has a history, and a point that parts forgets it. YADE's
+contacts obey the same law with the same stiffness.
 
-Displacements are over `unit`, the travel of the fastest support point; forces over the weight W.
+Displacements are over `unit`, the travel of the fastest support point; forces are over the weight W.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
-from la_core.limit import Programme, ProgrammeAnswer, ProgrammeOutcome, scaled_problem
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
-
-LEAST_WORK = 1e-3  # of the weight's work over the support's motion
-TOLERANCE = 1e-8  # of the solver; residuals are recomputed from its answer
 
 
 @dataclass(frozen=True)
@@ -42,39 +31,8 @@ class JointState:
     force: np.ndarray
 
 
-@dataclass(frozen=True)
-class Trial:
-    """Answer of the programme for one shift; all numbers are scaled.
-
-    Attributes
-    ----------
-    solved : bool
-        Whether the solver has an answer.
-    blocks : (n,) array
-        Displacements of the free blocks.
-    joints : JointState
-        Displacements and forces of the joints.
-    gap : (C,) array
-        Opening of each contact point.
-    slip : (C, k - 1) array
-        Slip of each contact point in this step.
-    load : float
-        Multiplier of the live load; NaN where it does not act.
-    energy : float
-        Elastic energy of the joints.
-    """
-
-    solved: bool
-    blocks: np.ndarray
-    joints: JointState
-    gap: np.ndarray
-    slip: np.ndarray
-    load: float
-    energy: float
-
-
 class ElasticJoints:
-    """An assembly on elastic joints of given stiffness. It counts its `solves` and the `seconds` they take.
+    """An assembly on elastic joints.
 
     Parameters
     ----------
@@ -82,124 +40,102 @@ class ElasticJoints:
         Blocks, contact points, weights, and the support's motion or the live load.
     stiffness : JointStiffness
         Stiffness of a contact point, and the travel of the support, which is the unit of displacement.
+
+    Attributes
+    ----------
+    kinematics : (C k, n) sparse matrix
+        From the displacements of the free blocks (rotations times the mean block size) to relative displacements.
+    motion : (C, k) array
+        Relative displacements that the support's whole travel imposes.
+    weights, live_load : (n,) array
+        Dead load, and live load per unit multiplier.
+    mass : (n,) array
+        Share of the mass that moves with each freedom; it weights the drag.
+    normal, shear : float
+        Stiffness of a contact point.
+    sag : float
+        Largest sag of the glued structure under its weight, over `unit`.
     """
 
     def __init__(self, assembly: Assembly, stiffness: JointStiffness) -> None:
-        self.assembly = assembly
-        self.live = assembly.has_live_load
+        self.assembly, self.live = assembly, assembly.has_live_load
         speed, motion = support_motion(assembly, 0.0 if self.live else 1.0)
         self.unit = stiffness.travel * speed
-        self.solves, self.seconds = 0, 0.0
-        self._width = 2 if assembly.effects.plane else 3
+        self.sag = stiffness.sag / self.unit
+        self.width = 2 if assembly.effects.plane else 3
+        self.friction = assembly.points.friction
         kinematics = assembly.kinematic_matrix(assembly.length)
-        self._blocks = kinematics[:, np.repeat(assembly.blocks.free, kinematics.shape[1] // len(assembly.blocks))]
-        self.motion = self._local(kinematics @ columns(assembly, motion))
+        self.freedoms = kinematics.shape[1] // len(assembly.blocks)
+        free = np.repeat(assembly.blocks.free, self.freedoms)
+        self.motion = self.local(kinematics @ columns(assembly, motion))
+        self.all_kinematics = kinematics
+        self.kinematics = kinematics[:, free].tocsr()
+        self.transposed = self.kinematics.T.tocsr()
         self.weights = scaled_load(assembly, assembly.dead_load)
-        self._live_load = scaled_load(assembly, assembly.live_load)
-        problem = scaled_problem(assembly, every_point=True)  # every point has its own spring
-        self._flow_rule, self._cones = problem.flow_rule, problem.cones
-        stiff = np.full((len(assembly.points), self._width), stiffness.shear)
-        stiff[:, 0] = stiffness.normal
-        self._stiffness = stiff * (self.unit / assembly.weight)
-        self._compliance = np.divide(1.0, self._stiffness, out=np.zeros_like(stiff), where=self._stiffness > 0.0)
-        self._programmes: dict[tuple[bool, bool], Programme] = {}
+        self.live_load = scaled_load(assembly, assembly.live_load)
+        mass = assembly.blocks.mass[assembly.blocks.free]
+        self.mass = np.repeat(mass / mass.sum(), self.freedoms)
+        self.normal, self.shear = (value * self.unit / assembly.weight for value in (stiffness.normal, stiffness.shear))
 
     @property
     def laid(self) -> JointState:
         """Joints as laid, without displacement or force."""
-        zero = np.zeros((len(self.assembly.points), self._width))
+        zero = np.zeros((len(self.friction), self.width))
         return JointState(zero, zero)
 
-    def live_displacement(self, blocks: np.ndarray) -> float:
-        """Mean displacement along the live load, weighted by the load, for displacements (n,) of the free blocks."""
-        return float(self._live_load @ blocks)
+    def local(self, values: np.ndarray) -> np.ndarray:
+        """Values of all contact points (C k,) as an array (C, k)."""
+        return values.reshape(-1, self.width)
 
-    def value(self, trial: Trial) -> float:
-        """Scaled reaction, or multiplier of the live load.
+    def displacement(self, blocks: np.ndarray, progress: float) -> np.ndarray:
+        """Relative displacements (C, k) for displacements (n,) of the free blocks and the support's motion over its travel."""
+        return self.local(self.kinematics @ blocks) + progress * self.motion
 
-        A reaction is over the weight, per unit speed of the fastest support point. A multiplier is 0 where the load
-        does not act.
-        """
-        if self.live:
-            return trial.load if np.isfinite(trial.load) else 0.0
-        return float(np.sum(self.motion * trial.joints.force))
-
-    def work(self, trial: Trial, before: Trial, stride: float) -> float:
-        """Scaled work put into the structure over one step; residuals are relative to it.
-
-        The sinking weights do work, and so does the live load, or a support that has to be pulled. The result is at
-        least LEAST_WORK of the work of the whole weight.
+    def force(self, displacement: np.ndarray, before: JointState) -> tuple[np.ndarray, np.ndarray]:
+        """Contact forces at the end of a step, and minus their derivative by the displacements.
 
         Parameters
         ----------
-        trial, before : Trial
-            States at the end and at the start of the step.
-        stride : float
-            Motion of the support, or displacement along the live load, in the step; over `unit`.
-        """
-        freedoms = len(self.weights) // int(self.assembly.blocks.free.sum())
-        weights = np.sum((self.weights * (trial.blocks - before.blocks)).reshape(-1, freedoms), axis=1)
-        value = self.value(trial)
-        driving = abs(value) if self.live else max(-value, 0.0)
-        return max(float(np.maximum(weights, 0.0).sum()) + driving * stride, LEAST_WORK * stride)
-
-    def solve(self, before: JointState, motion: np.ndarray, shift: np.ndarray, live: float | None = None) -> Trial:
-        """Solve the associated programme once for a given shift.
-
-        Parameters
-        ----------
+        displacement : (C, k) array
+            Relative displacements at the end of the step.
         before : JointState
             Joints at the start of the step, with their history of friction.
-        motion : (C, k) array
-            Relative displacement of the joints that the supports impose, since the blocks were laid.
-        shift : (C,) array
-            Shift s of the normal displacement.
-        live : float, optional
-            Displacement to impose along the live load; None where the load does not act.
+
+        Returns
+        -------
+        force : (C, k) array
+            Contact forces on block b.
+        tangent : (C, k, k) array
+            Stiffness of each contact point: not symmetric where it slides, zero where it parts.
         """
-        offset = motion.copy()
-        offset[:, 0] += shift
-        offset[:, 1:] -= before.displacement[:, 1:]
-        history = before.force.copy()
-        history[:, 0] = 0.0
-        bound = self._flow_rule @ offset.ravel()
-        if live is not None:
-            bound = np.concatenate([[-live], bound])
-        for refine in (False, True):  # joints almost without friction need refinement
-            answer = self._programme(live is not None, refine).solve(np.concatenate([self.weights, history.ravel()]), bound)
-            self.solves, self.seconds = self.solves + 1, self.seconds + answer.seconds
-            if answer.outcome is ProgrammeOutcome.OPTIMUM:
-                break
-        return self._trial(answer, before, motion, driven=live is not None)
+        normal = np.maximum(-self.normal * displacement[:, 0], 0.0)
+        trial = before.force[:, 1:] - self.shear * (displacement[:, 1:] - before.displacement[:, 1:])
+        size = np.linalg.norm(trial, axis=1)
+        limit = self.friction * normal
+        slides = size > limit
+        direction = trial / np.where(size > 0.0, size, 1.0)[:, None]
+        share = np.where(slides, limit / np.where(size > 0.0, size, 1.0), 1.0)
+        force = np.concatenate([normal[:, None], trial * share[:, None]], axis=1)
+        loaded = normal > 0.0
+        tangent = np.zeros((len(normal), self.width, self.width))
+        tangent[:, 0, 0] = self.normal * loaded
+        across = np.where(loaded, self.shear * share, 0.0)
+        for i in range(1, self.width):
+            tangent[:, i, 0] = np.where(slides & loaded, self.friction * self.normal * direction[:, i - 1], 0.0)
+            for j in range(1, self.width):
+                along = slides * direction[:, i - 1] * direction[:, j - 1]
+                tangent[:, i, j] = across * ((i == j) - along)
+        return force, tangent
 
-    def _trial(self, answer: ProgrammeAnswer, before: JointState, motion: np.ndarray, driven: bool) -> Trial:
-        count = len(self.weights)
-        solved = answer.outcome is ProgrammeOutcome.OPTIMUM and bool(np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all())
-        multipliers = answer.multipliers[1:] if driven else answer.multipliers
-        blocks, elastic = answer.x[:count], self._local(answer.x[count:])
-        force = self._local(self._flow_rule.T @ multipliers)
-        displacement = self._local(self._blocks @ blocks) + motion
-        return Trial(
-            solved,
-            blocks,
-            JointState(displacement, force),
-            gap=displacement[:, 0] - elastic[:, 0],
-            slip=displacement[:, 1:] - before.displacement[:, 1:] - elastic[:, 1:],
-            load=float(answer.multipliers[0]) if driven else float("nan"),
-            energy=float(np.sum(force**2 * self._compliance) / 2.0),
-        )
+    def unbalanced(self, force: np.ndarray) -> np.ndarray:
+        """Force (n,) on the free blocks that the contact forces (C, k) and the weights leave unbalanced."""
+        balance: np.ndarray = self.transposed @ force.ravel() + self.weights
+        return balance
 
-    def _programme(self, driven: bool, refine: bool) -> Programme:
-        """The programme without or with the row that imposes the live displacement, set up at its first use."""
-        if (driven, refine) not in self._programmes:
-            rows, cones = sparse.hstack([self._flow_rule @ self._blocks, -self._flow_rule]).tocsr(), self._cones
-            if driven:
-                live = np.concatenate([self._live_load, np.zeros(self._stiffness.size)])
-                rows = sparse.vstack([sparse.csr_matrix(live), rows]).tocsr()
-                cones = replace(cones, equalities=cones.equalities + 1)
-            quadratic = np.concatenate([np.zeros(len(self.weights)), self._stiffness.ravel()])
-            self._programmes[driven, refine] = Programme(rows, cones, quadratic, TOLERANCE, refine=refine)
-        return self._programmes[driven, refine]
+    def reaction(self, force: np.ndarray) -> float:
+        """Reaction of the support over the weight, per unit speed of its fastest point."""
+        return float(np.sum(self.motion * force))
 
-    def _local(self, values: np.ndarray) -> np.ndarray:
-        return values.reshape(len(self.assembly.points), self._width)
+    def value_in_units(self, scaled: float) -> float:
+        """Reaction in N or N m, or the multiplier, from its scaled value."""
+        return scaled if self.live else scaled * self.assembly.weight * self.assembly.support_speed

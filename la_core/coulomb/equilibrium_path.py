@@ -1,19 +1,25 @@
-"""Reaction against settlement, or live load against displacement, from rest to the plateau, with the history of slip."""
+"""Reaction against settlement, or live load against displacement, from rest to a settlement that the user requests."""
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
 
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.plateau import follow, value_of
+from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY, first_travel
+from la_core.coulomb.quasi_static_path import Point, QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.tangent import Tangent
 from la_core.model import Assembly, JointStiffness
+
+FIRST_VISCOSITY = 1e-3
+LEAST_SHARE = 1e-6  # of the weight, or a multiplier: the drag of smaller values is relative to this
 
 
 @dataclass(frozen=True)
 class EquilibriumPath:
     """Curve of the reaction over the settlement: rest under gravity, then one point per increment.
 
-    It ends early, with fewer points P, where a step has no answer.
+    It ends early, with fewer points P, where the path cannot go on; it has none where the blocks do not come to rest.
 
     Attributes
     ----------
@@ -22,13 +28,13 @@ class EquilibriumPath:
     value : (P,) array
         Reaction (N; N m for a rotation) or multiplier.
     strain_residual : (P,) array
-        Work of the spurious dilation over the elastic energy of the joints.
+        Part of the value that replaces the drag of the path, over the value.
     converged : (P,) array of bool
-        Whether the iteration of each step converged.
+        Whether the path reached the increment.
     solves : (P,) array of int
-        Associated programmes solved in each step.
+        Newton iterations of each increment.
     seconds : float
-        Time in the solver, all steps.
+        Time of the path.
     """
 
     settlement: np.ndarray
@@ -40,7 +46,7 @@ class EquilibriumPath:
 
 
 def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float, increments: int, wedging: float = 0.0) -> EquilibriumPath:
-    """Follow the reaction from rest to a settlement. The first steps are short, because the reaction falls fast there.
+    """Follow the reaction from rest to a settlement. The first increments are short, because the reaction falls fast there.
 
     Parameters
     ----------
@@ -51,18 +57,32 @@ def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float
     settlement : float
         Final motion of the support, m or rad; for a live load the mean displacement along it, m.
     increments : int
-        Number of steps after rest; their ends grow as the square of their number.
+        Number of increments after rest; their ends grow as the square of their number. The path takes as many steps
+        within an increment as it needs.
     wedging : float
         Motion of the support against its settlement before gravity acts, m or rad.
     """
+    start = time.perf_counter()
     joints = ElasticJoints(assembly, stiffness)
-    stations = settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2
-    steps = [step for step in follow(joints, stations, stiffness, wedging) if step.trial.solved]
+    tangent = Tangent(joints)
+    rest, _ = come_to_rest(joints, tangent, wedging / stiffness.travel)
+    points: list[Point] = []
+    if rest is not None:
+        viscosity = Viscosity(FIRST_VISCOSITY, LAST_VISCOSITY, ANNEALED * first_travel(joints))
+        path = QuasiStaticPath(joints, tangent, rest, viscosity)
+        points.append(path.points[0])
+        for station in settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2:
+            *_, reached = [points[-1], *path.advance_to(station)]
+            if path.last.progress < station:
+                break
+            points.append(reached)
+    values = np.array([point.value for point in points])
+    drags = np.array([point.drag for point in points])
     return EquilibriumPath(
-        np.array([step.progress for step in steps]) * stiffness.travel,
-        np.array([value_of(joints, step) for step in steps]),
-        np.array([step.strain_residual for step in steps]),
-        np.array([step.converged for step in steps]),
-        np.array([step.solves for step in steps]),
-        joints.seconds,
+        np.array([point.progress for point in points]) * stiffness.travel,
+        values * joints.value_in_units(1.0),
+        np.abs(drags) / np.maximum(np.abs(values), LEAST_SHARE),
+        np.ones(len(points), dtype=bool),
+        np.diff([point.iterations for point in points], prepend=0).astype(int),
+        time.perf_counter() - start,
     )

@@ -11,45 +11,42 @@ from dataclasses import replace
 import numpy as np
 from scipy import sparse
 
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.fixed_point import Step
+from la_core.coulomb.certificate import JointRates
+from la_core.coulomb.elastic_joints import ElasticJoints, JointState
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
-THRESHOLD = 0.03  # of the support's motion: slower slip and parting are elastic strain of the last step
+THRESHOLD = 0.03  # of the support's motion: slower slip and parting count as sticking
 LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
 # A friction coefficient below SLIGHT may act in any direction: it moves an end by no more, and exact directions contradict equilibrium.
 SLIGHT = 1e-5
 FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 
 
-def reaction_interval(joints: ElasticJoints, before: Step, last: Step, threshold: float = THRESHOLD) -> tuple[float, float]:
-    """Least and greatest reaction (N, N m) or multiplier that the mechanism of the last step allows.
+def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float = THRESHOLD) -> tuple[float, float]:
+    """Least and greatest reaction (N, N m) or multiplier that a mechanism allows.
 
     An end is infinite where nothing limits it, and NaN where no state of forces fits the mechanism.
 
     Parameters
     ----------
     joints : ElasticJoints
-        Structure on its elastic joints; the time of the two programmes is added to its `seconds`.
-    before, last : Step
-        The last two steps; the mechanism is the difference of their states.
+        Structure on its elastic joints.
+    rates : JointRates
+        Parting and slip in the mechanism.
+    state : JointState
+        Joints in that mechanism.
     threshold : float
         Least speed of slip and of parting, over the motion of the fastest support point.
     """
-    stride = last.progress - before.progress
-    slip = last.trial.slip / stride
-    speed = np.linalg.norm(slip, axis=1)
-    unloaded = last.joints.force[:, 0] <= LOADED  # a loaded sliding joint may part by the remaining spurious dilation
-    parting = unloaded & ((last.trial.gap - before.trial.gap) / stride > threshold)
-    sliding = ~parting & (speed > threshold) & (joints.assembly.points.friction > SLIGHT)
-    direction = slip / np.where(speed > 0.0, speed, 1.0)[:, None]
-    ends, seconds = _ends(joints.assembly, parting, sliding, direction)
-    joints.seconds += seconds
-    return ends
+    speed = np.linalg.norm(rates.slip, axis=1)
+    parting = (state.force[:, 0] <= LOADED) & (rates.gap > threshold)
+    sliding = ~parting & (speed > threshold) & (joints.friction > SLIGHT)
+    direction = rates.slip / np.where(speed > 0.0, speed, 1.0)[:, None]
+    return _ends(joints.assembly, parting, sliding, direction)
 
 
-def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[tuple[float, float], float]:
+def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[float, float]:
     sticking = replace(assembly, points=assembly.points.subset(~parting & ~sliding))
     problem = scaled_problem(sticking)
     guided = sparse.vstack([_guide(assembly, edge)[sliding] for edge in _fan(direction)]).tocsr()
@@ -57,7 +54,7 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
     imposed = sparse.vstack([problem.imposed_rows[:split], guided, problem.imposed_rows[split:]]).tocsr()
     cones = replace(problem.cones, inequalities=problem.cones.inequalities + guided.shape[0])
     free = np.repeat(assembly.blocks.free, imposed.shape[1] // len(assembly.blocks))
-    speed, ends, seconds = 1.0, [], 0.0
+    speed, ends = 1.0, []
     for sign in (1.0, -1.0):
         if assembly.has_live_load:
             live = sparse.csr_matrix(scaled_load(assembly, assembly.live_load))
@@ -68,8 +65,7 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
             speed, motion = support_motion(assembly, sign)
             answer = optimum(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
         ends.append(sign * _value(answer, problem.power) * (1.0 if assembly.has_live_load else assembly.weight * speed))
-        seconds += answer.seconds
-    return (ends[0], ends[1]), seconds
+    return ends[0], ends[1]
 
 
 def _fan(direction: np.ndarray) -> list[np.ndarray]:

@@ -1,279 +1,83 @@
-"""Coulomb limit analysis: the reaction at collapse, or the collapse multiplier, with friction that does not dilate.
+"""Plateau of a curve: whether it is flat, its value, and what the paths leave uncertain.
 
-With rigid joints the plateau of such friction is not unique. The elasticity of the joints, however stiff, selects the
-physical one (see `la_core.coulomb.elastic_joints`). From rest under gravity the support moves, or the live load
-displaces the structure, in a few steps. They grow geometrically from the first strain of the joints to a travel of
-many times that strain, where the mechanism moves on at constant forces.
+A value is judged against the larger of its size and a share of the weight, so that a reaction of zero is flat, too.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.fixed_point import DILATANCY, Step, advance
-from la_core.coulomb.interval import reaction_interval
-from la_core.limit import Drive, Solution, Status
-from la_core.measures import mechanism, residuals
-from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
-
-STEPS = 8  # to the plateau; tests/benchmarks/benchmark_friction.py measures cost and error of fewer and more
-FIRST_SAGS = 6.0  # travel of the first step over the elastic sag: joints are strained, few have slid
-SOFTEST = 0.05  # largest sag over the travel: the strain of softer joints would pass for a mechanism
-DRIFT = 0.1  # largest relative change of the value over the last step: beyond it the travel has no plateau
-ACCEPTED_RESIDUAL = 1e-5  # equilibrium and cone residuals, of the mean block weight; friction's history matters far more
+FLAT = 5e-4  # of the value: change between the means over two successive stretches of a flat curve
+LEAST = 1e-3  # of the weight, or a multiplier: smaller values are judged by this
+ALIKE = 1e-2  # of the value: plateaus closer than this are one
+TAIL = 0.05  # share of the travel at either end of the values that counts as stray: a jump in progress
 
 
 @dataclass(frozen=True)
-class PredictionSettings:
-    """Steps of a prediction.
+class Plateau:
+    """What one path comes to; all numbers are scaled.
 
     Attributes
     ----------
-    steps : int
-        Steps from rest to the whole travel.
-    first_sags : float
-        Travel of the first step over the elastic sag.
-    """
-
-    steps: int = STEPS
-    first_sags: float = FIRST_SAGS
-
-
-@dataclass(frozen=True)
-class CoulombSolution:
-    """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
-
-    Attributes
-    ----------
-    status : Status
-        SOLVED where the last step converged to a plateau and all residuals are small enough.
     value : float
-        Reaction (N; N m for a rotation) or multiplier on the plateau.
-    interval : tuple of float
-        Least and greatest value that the mechanism allows over all histories of friction.
-    twists : (B, 6) array
-        Mechanism for the support's unit motion, or for unit power of the unit live load.
-    forces : (C, 3) array
-        Contact forces on block b on the plateau, N, global axes.
-    at_rest : float
-        Reaction before the support moves; 0 for a live load.
-    drift : float
-        Relative change of the value over the last step.
-    dilatancy_residual : float
-        Work of the remaining spurious dilation, sum of n |mu |slip| - s|, over the work put in during the last step
-        by the sinking weights and by a support that has to be pulled, or by the live load.
-    strain_residual : float
-        The same work of dilation over the elastic energy of the joints.
-    equilibrium_residual : float
-        Largest unbalanced force on a free block over the mean free-block weight.
-    cone_violation : float
-        Largest tension or excess of |t| over mu n, over the mean free-block weight.
-    seconds : float
-        Time in the solver.
-    iterations : int
-        Associated programmes solved.
-    steps : int
-        Requested steps from rest to the plateau. Where the iteration did not converge, twice as many were tried. 0
-        where no steps were taken.
+        Value at the certified end of the path.
+    mean : float
+        Mean over the second half of the travel.
+    change : float
+        Difference between the means over the second half and over the quarter before it.
+    scatter : float
+        Largest distance of the values over the last quarter of the travel from the value, without stray ones.
+    travel : float
+        Progress at the end, over the travel.
     """
 
-    status: Status
     value: float
-    interval: tuple[float, float]
-    twists: np.ndarray
-    forces: np.ndarray
-    at_rest: float
-    drift: float
-    dilatancy_residual: float
-    strain_residual: float
-    equilibrium_residual: float
-    cone_violation: float
-    seconds: float
-    iterations: int
-    steps: int = 0
+    mean: float
+    change: float
+    scatter: float
+    travel: float
 
 
-def predict(
-    assembly: Assembly,
-    stiffness: JointStiffness,
-    associated: Solution,
-    wedging: float = 0.0,
-    settings: PredictionSettings | None = None,
-) -> CoulombSolution:
-    """Follow the structure from rest to its plateau and return the state there.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Structure with its support motion or live load.
-    stiffness : JointStiffness
-        Stiffness of the joints, and the travel.
-    associated : Solution
-        Associated answer of the same assembly; without a value the prediction has none either, and the same status.
-    wedging : float
-        Motion of the support against its settlement before gravity acts, m or rad.
-    settings : PredictionSettings, optional
-        Number and first length of the steps. Where the iteration does not converge, twice as many steps are tried.
-    """
-    settings = settings or PredictionSettings()
-    if associated.status is not Status.SOLVED:
-        return _without_value(assembly, associated.status)
-    joints = ElasticJoints(assembly, stiffness)
-    first = min(0.5, settings.first_sags * stiffness.sag / joints.unit)
-    best: CoulombSolution | None = None
-    for count in (settings.steps, 2 * settings.steps):  # shorter steps where the iteration does not converge
-        stations = np.geomspace(1.0, first, count)[::-1]  # a single step goes the whole way
-        followed = list(follow(joints, stations, stiffness, wedging))
-        if followed[-1].trial.solved and len(followed) > count:
-            solution = _with_evidence(joints, followed)
-            if best is None or solution.status is Status.SOLVED or solution.strain_residual < best.strain_residual:
-                best = solution
-        if best is not None and best.status is Status.SOLVED:
-            break
-    if best is None:
-        return _without_value(assembly, Status.FAILED, joints)
-    soft = stiffness.sag > SOFTEST * joints.unit and best.status is Status.SOLVED
-    status = Status.INACCURATE if soft else best.status
-    return replace(best, status=status, seconds=joints.seconds, iterations=joints.solves, steps=settings.steps)
+def scale(value: float) -> float:
+    """Size that differences of a scaled value are relative to."""
+    return max(abs(value), LEAST)
 
 
-def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:
-    """Reaction (N or N m) before the support moves, or 0 for a live load; NaN where the blocks do not come to rest.
-
-    wedging: motion of the support against its settlement before gravity acts, m or rad.
-    """
-    joints = ElasticJoints(assembly, stiffness)
-    step = next(follow(joints, np.zeros(0), stiffness, wedging))
-    return value_of(joints, step) if step.trial.solved else float("nan")
-
-
-def follow(
-    joints: ElasticJoints, stations: np.ndarray, stiffness: JointStiffness, wedging: float = 0.0, most_solves: int | None = None
-) -> Iterator[Step]:
-    """Take the step to rest under gravity, then one step to each station; end early after a step without an answer.
-
-    The first shift of a step extrapolates the shift of the previous step, as if the mechanism continued.
-
-    Parameters
-    ----------
-    joints : ElasticJoints
-        Structure on its elastic joints.
-    stations : (N,) array
-        Ends of the steps in rising order: motion of the support, or displacement along the live load, over the travel.
-    stiffness : JointStiffness
-        Stiffness of the joints; its travel is the unit of the stations.
-    wedging : float
-        Motion of the support against its settlement before gravity acts, m or rad.
-    most_solves : int, optional
-        Largest number of associated programmes in a step.
-
-    Yields
-    ------
-    Step
-        State at rest, then at each station. The last step has to meet stricter residuals, see `advance`.
-    """
-    wedged = -wedging / stiffness.travel
-    no_shift = np.zeros(len(joints.assembly.points))
-    step = advance(joints, joints.laid, wedged * joints.motion, None, 0.0, no_shift, most_solves=most_solves)
-    yield step
-    start = joints.live_displacement(step.trial.blocks)
-    rate = np.zeros_like(step.shift)
-    for station in stations:
-        if not step.trial.solved:
-            return
-        stride = station - step.progress
-        motion, live = (wedged + station) * joints.motion, start + station if joints.live else None
-        last_from = step if station == stations[-1] else None
-        step = advance(joints, step.joints, motion, live, station, rate * stride, last_from, most_solves)
-        rate = step.shift / stride
-        yield step
+def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: float) -> Plateau:
+    """Plateau of a curve (P,) over its progress (P,) that was followed to `end` and has `value` at its certified end."""
+    last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
+    length = _lengths(progress, 0.75 * end, end)
+    order = np.argsort(values)
+    share = np.cumsum(length[order]) / max(length.sum(), 1e-300)
+    kept = values[order][(share >= TAIL) & (share - length[order] / max(length.sum(), 1e-300) <= 1.0 - TAIL)]
+    scatter = float(np.abs(kept - value).max()) if len(kept) else float("nan")
+    return Plateau(value, last, abs(last - before), scatter, end)
 
 
-def value_of(joints: ElasticJoints, step: Step) -> float:
-    """Reaction (N or N m) or multiplier at the end of a step."""
-    if joints.live:
-        return joints.value(step.trial)
-    return joints.value(step.trial) * joints.assembly.weight * joints.assembly.support_speed
+def is_flat(progress: np.ndarray, values: np.ndarray, end: float) -> bool:
+    """Whether a curve (P,) over its progress (P,) is flat over the second half of its way to `end`."""
+    last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
+    return abs(last - before) <= FLAT * scale(last)
 
 
-def _with_evidence(joints: ElasticJoints, steps: list[Step]) -> CoulombSolution:
-    assembly, (before, last) = joints.assembly, steps[-2:]
-    drive = Drive.LIVE if joints.live else Drive.YIELDING
-    stride = last.progress - before.progress
-    speed, motion = support_motion(assembly, drive.value)
-    twists = twists_of(assembly, (last.trial.blocks - before.trial.blocks) / stride) + motion
-    value = value_of(joints, last)
-    forces = global_forces(assembly, last.joints.force)
-    twists = twists * (1.0 / assembly.weight if joints.live else speed)
-    dilatancy = last.dilation / joints.work(last.trial, before.trial, stride)
-    worst = (
-        residuals.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
-        residuals.cone_violation(assembly, forces),
-    )
-    unit = max(abs(value), 1e-6 if joints.live else 1e-6 * assembly.weight * speed)
-    drift = (value - value_of(joints, before)) / unit
-    converged = last.converged and dilatancy <= DILATANCY and max(worst) <= ACCEPTED_RESIDUAL and abs(drift) <= DRIFT
-    interval = reaction_interval(joints, before, last)
-    return CoulombSolution(
-        Status.SOLVED if converged else Status.INACCURATE,
-        value,
-        interval,
-        twists,
-        forces,
-        at_rest=value_of(joints, steps[0]),
-        drift=drift,
-        dilatancy_residual=dilatancy,
-        strain_residual=last.strain_residual,
-        equilibrium_residual=worst[0],
-        cone_violation=worst[1],
-        seconds=joints.seconds,
-        iterations=joints.solves,
-    )
+def _lengths(progress: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Length of every step within a stretch; a value holds over the step that it ends."""
+    inside = np.clip(progress, low, high)
+    return np.diff(inside, prepend=inside[0])
 
 
-def without_sliding(assembly: Assembly, associated: Solution, seconds: float, solves: int) -> CoulombSolution:
-    """Return the associated answer as Coulomb's where no joint slides: nothing dilates, and the interval is the value.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        Structure.
-    associated : Solution
-        Its associated answer.
-    seconds : float
-        Solver time of the search for sliding.
-    solves : int
-        Associated programmes of that search.
-
-    Returns
-    -------
-    CoulombSolution
-        The value at rest, the drift and the strain residual are NaN, because no steps were taken.
-    """
-    if associated.status is not Status.SOLVED:
-        return _without_value(assembly, associated.status)
-    nan = float("nan")
-    return CoulombSolution(
-        Status.SOLVED,
-        associated.value,
-        (associated.value, associated.value),
-        associated.twists,
-        associated.forces,
-        at_rest=nan,
-        drift=nan,
-        dilatancy_residual=mechanism.sliding_share(assembly, associated.twists, associated.forces),
-        strain_residual=nan,
-        equilibrium_residual=associated.equilibrium_residual,
-        cone_violation=associated.cone_violation,
-        seconds=seconds,
-        iterations=solves,
-    )
+def _mean(progress: np.ndarray, values: np.ndarray, low: float, high: float) -> float:
+    length = _lengths(progress, low, high)
+    return float(np.sum(length * values) / np.sum(length)) if length.any() else float("nan")
 
 
-def _without_value(assembly: Assembly, status: Status, joints: ElasticJoints | None = None) -> CoulombSolution:
-    nan = float("nan")
-    twists, forces = np.full((len(assembly.blocks), 6), nan), np.full((len(assembly.points), 3), nan)
-    seconds, solves = (joints.seconds, joints.solves) if joints else (0.0, 0)
-    return CoulombSolution(status, nan, (nan, nan), twists, forces, nan, nan, nan, nan, nan, nan, seconds, solves)
+def groups(values: Sequence[float]) -> list[list[int]]:
+    """Indices of the values that belong together: neighbours in size are closer than ALIKE."""
+    order = np.argsort(values)
+    found = [[int(order[0])]]
+    for left, right in zip(order, order[1:], strict=False):
+        if values[right] - values[left] > ALIKE * scale(values[right]):
+            found.append([])
+        found[-1].append(int(right))
+    return found

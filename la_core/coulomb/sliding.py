@@ -3,26 +3,32 @@
 Without sliding, friction has no history, and the associated answer is Coulomb's.
 
 The associated mechanism alone does not decide: dilatancy wedges blocks that slide without it, such as the lunes of a
-dome. The structure therefore also moves from rest to half and to all of its travel, on elastic joints with slightly
-less friction. Slip before rest does not matter if nothing slips afterwards. Slip on the way matters, because it
-changes the state of friction on the plateau.
+dome. The structure is therefore also followed from rest over its travel, with slightly less friction. Slip before
+rest does not matter if nothing slips afterwards. Slip on the way matters, because it changes the state of friction on
+the plateau.
 """
 
+import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from la_core.coulomb.certificate import joint_rates
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.fixed_point import CONVERGED, Step
-from la_core.coulomb.plateau import CoulombSolution, follow, value_of, without_sliding
+from la_core.coulomb.implicit_step import State
+from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY, first_travel
+from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.solution import CoulombSolution, without_sliding
+from la_core.coulomb.tangent import Tangent
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly, JointStiffness
 
 LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts as sliding
 SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in a mechanism
-SAME_VALUE = 1e-3  # of the value: for elastic steps this close to the bound the strain of the joints does not matter
-STATIONS = np.array([0.5, 1.0])  # of the travel
+SLIGHT_WORK = 1e-3  # of the elastic energy: below this friction's work on the way changes no force
+SAME_VALUE = 1e-3  # of the value: for elastic joints this close to the bound their strain does not matter
+VISCOSITY = 1e-2  # at the start of the search
 
 
 @dataclass(frozen=True)
@@ -40,9 +46,9 @@ class Sliding:
     known : bool
         False where the associated problem has no answer to search in.
     seconds : float
-        Solver time of the search.
+        Time of the search.
     solves : int
-        Associated programmes of the search.
+        Newton iterations of the search.
     """
 
     found: bool
@@ -65,7 +71,7 @@ class Sliding:
 
 
 def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: Solution, wedging: float = 0.0) -> Sliding:
-    """Search for sliding joints in the associated mechanism, then in a few elastic steps.
+    """Search for sliding joints in the associated mechanism, then on a path with less friction.
 
     Parameters
     ----------
@@ -85,11 +91,11 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
         return Sliding(False, reason, "associated")
     if slides_in_mechanism(assembly, associated):
         return Sliding(True, f"{_sliding_joint(assembly, associated)} slides in the mechanism")
+    start = time.perf_counter()
     weaker = replace(assembly, points=replace(assembly.points, friction=LESS_FRICTION * assembly.points.friction))
     joints = ElasticJoints(weaker, stiffness)
-    steps = list(follow(joints, STATIONS, stiffness, wedging, most_solves=1))
-    slides, reason = _judge(joints, steps, associated)
-    return Sliding(slides, reason, seconds=joints.seconds, solves=joints.solves)
+    slides, reason, iterations = _slide_on_the_way(joints, wedging / stiffness.travel, associated)
+    return Sliding(slides, reason, seconds=time.perf_counter() - start, solves=iterations)
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
@@ -97,21 +103,40 @@ def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
     return solution.status is Status.SOLVED and mechanism.sliding_share(assembly, solution.twists, solution.forces) > SLIDING_SHARE
 
 
-def _judge(joints: ElasticJoints, steps: list[Step], associated: Solution) -> tuple[bool, str]:
-    _, *settling = steps
-    if len(settling) < len(STATIONS) or not settling[-1].trial.solved:
-        return True, "a step on elastic joints has no answer"
-    for step in settling:
-        if step.strain_residual > CONVERGED:
-            slip = np.linalg.norm(step.trial.slip, axis=1) * joints.assembly.points.friction
-            return True, f"{_joint(joints.assembly, step.joints.force[:, 0] * slip)} slides while the support moves"
-    value = value_of(joints, settling[-1])
+def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solution) -> tuple[bool, str, int]:
+    """Whether a joint slides on the path, the reason, and the Newton iterations."""
+    tangent = Tangent(joints)
+    rest, iterations = come_to_rest(joints, tangent, wedging)
+    if rest is None:
+        return True, "the blocks do not come to rest on elastic joints", iterations
+    end = first_travel(joints)
+    path = QuasiStaticPath(joints, tangent, rest, Viscosity(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
+    work = np.zeros(len(joints.friction))
+    for _ in path.advance_to(end):
+        work += _friction_work(joints, path.before, path.last)
+        if work.sum() > SLIGHT_WORK * _energy(joints, path.last):
+            return True, f"{_joint(joints.assembly, work)} slides while the support moves", iterations + path.iterations
+    iterations += path.iterations
+    if path.last.progress < end:
+        return True, "a step on elastic joints has no answer", iterations
+    value = joints.value_in_units(path.points[-1].value)
     if abs(value - associated.value) > SAME_VALUE * abs(associated.value):
-        return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value"
-    return (
-        False,
-        f"no joint slides while the support moves, even with {1.0 - LESS_FRICTION:.0%} less friction: its history does not matter",
-    )
+        return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value", iterations
+    less = f"{1.0 - LESS_FRICTION:.0%}"
+    return False, f"no joint slides while the support moves, even with {less} less friction: its history does not matter", iterations
+
+
+def _friction_work(joints: ElasticJoints, before: State, last: State) -> np.ndarray:
+    """Work (C,) of friction in one step, scaled."""
+    slip = joint_rates(joints, before, last).slip * (last.progress - before.progress)
+    work: np.ndarray = joints.friction * last.joints.force[:, 0] * np.linalg.norm(slip, axis=1)
+    return work
+
+
+def _energy(joints: ElasticJoints, state: State) -> float:
+    """Elastic energy of the joints, scaled."""
+    normal, friction = state.joints.force[:, 0], state.joints.force[:, 1:]
+    return float(np.sum(normal**2) / joints.normal + (np.sum(friction**2) / joints.shear if joints.shear > 0.0 else 0.0)) / 2.0
 
 
 def _joint(assembly: Assembly, power: np.ndarray) -> str:

@@ -97,23 +97,30 @@ _COULOMB = (
     ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
     ("forces", "f8", ("C", 3), "N", "contact force on b on the plateau, global axes; NaN where there is none"),
     ("at_rest", "f8", (), "N, N m or -", "value before the support moves"),
-    ("drift", "f8", (), "-", "relative change of the value over the last step"),
-    ("dilatancy_residual", "f8", (), "-", "work of spurious dilation over the work of the settling weights"),
-    ("strain_residual", "f8", (), "-", "work of spurious dilation over the elastic energy of the joints"),
+    ("drift", "f8", (), "-", "relative change of the mean value from the second quarter of the travel to its second half"),
+    ("dilatancy_residual", "f8", (), "-", "power of normal forces at parting joints over the power put in"),
+    ("strain_residual", "f8", (), "-", "power of weights less dissipation less power of the reaction, over the power put in"),
     ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
     ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
-    ("seconds", "f8", (), "s", "solver time"),
-    ("iterations", "i8", (), "", "associated programmes solved"),
-    ("steps", "i8", (), "", "requested number of steps from rest to the plateau"),
+    ("seconds", "f8", (), "s", "time of the paths"),
+    ("iterations", "i8", (), "", "Newton iterations of all paths"),
+    ("steps", "i8", (), "", "steps of all paths; 0 where no path was followed"),
+    ("uncertainty", "f8", (), "N, N m or -", "stated uncertainty of the value"),
+    ("plateaus", "f8", ("K",), "N, N m or -", "values of all plateaus where there are several; else empty"),
+    ("sliding_residual", "f8", (), "-", "dissipation less power of friction against slip, over the power put in"),
+    ("travel", "f8", (), "-", "end of the path over the travel"),
+    ("viscosities", "f8", ("V",), "-", "first viscosity of each path, over the weight at unit rate"),
+    ("path_settlement", "f8", ("P",), "m or rad", "curve of the finest path: motion of the support, or displacement along the live load"),
+    ("path_value", "f8", ("P",), "N, N m or -", "curve of the finest path: reaction or multiplier"),
 )
 # Dimension P of a path: rest, then one entry an increment.
 PATH_FIELDS = (
     Field("path/settlement", "f8", ("P",), "m or rad", "motion of the support, or mean displacement along the live load"),
     Field("path/value", "f8", ("P",), "N, N m or -", "reaction or multiplier"),
-    Field("path/strain_residual", "f8", ("P",), "-", "work of spurious dilation over the elastic energy of the joints"),
-    Field("path/converged", "u1", ("P",), "", "1: the increment converged"),
-    Field("path/solves", "i8", ("P",), "", "associated programmes solved"),
-    Field("path/seconds", "f8", (), "s", "solver time of all"),
+    Field("path/strain_residual", "f8", ("P",), "-", "part of the value that replaces the drag of the path, over the value"),
+    Field("path/converged", "u1", ("P",), "", "1: the path reached the increment"),
+    Field("path/solves", "i8", ("P",), "", "Newton iterations of the increment"),
+    Field("path/seconds", "f8", (), "s", "time of the path"),
 )
 
 
@@ -122,13 +129,16 @@ def solution_fields(group: str) -> tuple[Field, ...]:
     return _below(group, _SOLUTION)
 
 
-def coulomb_fields(group: str) -> tuple[Field, ...]:
-    """Fields of one Coulomb solution below `limit_analysis/<group>`; its number of contact points is independent."""
-    return _below(group, _COULOMB)
+def coulomb_fields(group: str, with_path: bool = True) -> tuple[Field, ...]:
+    """Fields of one Coulomb solution below `limit_analysis/<group>`; its number of contact points is independent.
+
+    with_path: False for files of version 0.2.0, which state no uncertainty and hold no curve.
+    """
+    return _below(group, _COULOMB if with_path else _COULOMB[: [name for name, *_ in _COULOMB].index("uncertainty")])
 
 
 def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, str], ...]) -> tuple[Field, ...]:
-    dimensions = {"C": f"C of {group}", "K": f"K of {group}"}
+    dimensions = {name: f"{name} of {group}" for name in "CKPV"}
     return tuple(
         Field(f"limit_analysis/{group}/{name}", dtype, tuple(dimensions.get(str(n), n) for n in shape), unit, meaning)
         for name, dtype, shape, unit, meaning in rows

@@ -1,17 +1,20 @@
-"""What the accuracy of Coulomb limit analysis costs: steps to the plateau against the reaction of a finely followed path.
+"""Accuracy and cost of the Coulomb prediction: its stated uncertainty against viscosities and steps ten times finer.
 
-    python tests/benchmarks/benchmark_friction.py [--quick] [--verbose]
+    python tests/benchmarks/benchmark_friction.py [--quick] [--verbose] [-o RECORD.json]
 
-Running-bond walls, sharp arrises, a third or half of the base settles. All cases run in parallel; times are the solver's own.
+Running-bond walls, sharp arrises, a third or half of the base settles. Every wall is predicted with the default viscosities,
+with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import itertools
+import json
 import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 import scenes
@@ -19,19 +22,20 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from la_core.coulomb.elastic_joints import ElasticJoints, JointState, Trial
-from la_core.coulomb.plateau import STEPS, PredictionSettings, follow, predict
-from la_core.limit.problem import Drive
-from la_core.limit.associated import Status, solve_associated
-from la_core.model.assembly import Assembly, assemble
-from la_core.model.joints import JointStiffness, joint_stiffness
+from la_core.coulomb import PredictionSettings, predict
+from la_core.limit import Drive, solve_associated
+from la_core.model import assemble, joint_stiffness
 
 WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8), (16, 10), (20, 12))  # blocks per course, courses
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
-COUNTS = (1, 2, 4, 8)  # steps to the plateau
-REFERENCE = 16
-NEAR, FAR = 0.01, 0.05  # of the reference reaction
+DEFAULT, REFERENCE = "default", "reference"
+SETTINGS = {
+    "one path": PredictionSettings((1e-2,)),
+    "coarser": PredictionSettings((1e-1, 1e-2)),
+    DEFAULT: PredictionSettings(),
+    REFERENCE: PredictionSettings(tuple(viscosity / 10.0 for viscosity in PredictionSettings().viscosities), finer=10.0, effort=1e9),
+}
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
 
 
@@ -50,62 +54,59 @@ class Case:
 
 @dataclass(frozen=True)
 class Run:
-    """Outcome of one prediction, value over the weight."""
+    """One prediction; value, uncertainty and plateaus over the weight."""
 
-    status: Status
+    status: str
     value: float
-    solves: int
-    dilatancy: float
+    uncertainty: float
+    plateaus: tuple[float, ...]
+    travel: float
+    certificate: float
+    iterations: int
     seconds: float
 
 
 @dataclass(frozen=True)
 class Result:
-    """Runs of one case by their number of steps, and the solves after which one step's value stays NEAR its end value."""
+    """Runs of one wall by the name of their settings."""
 
     case: Case
-    runs: dict[int, Run]
-    settled_after: int
+    runs: dict[str, Run]
 
-    def deviation(self, steps: int) -> float:
-        """Of a run from the reference, relative; infinite without a value."""
-        reference, value = self.runs[REFERENCE].value, self.runs[steps].value
-        return abs(value - reference) / max(abs(reference), LEAST) if np.isfinite(value - reference) else np.inf
+    @property
+    def scale(self) -> float:
+        """Size that differences are relative to."""
+        return max(abs(self.runs[REFERENCE].value), LEAST)
 
+    def deviation(self, name: str) -> float:
+        """Difference from the reference, relative; infinite without a value."""
+        off = abs(self.runs[name].value - self.runs[REFERENCE].value)
+        return off / self.scale if np.isfinite(off) else np.inf
 
-class Listening(ElasticJoints):
-    """Joints that remember the value of every solve."""
-
-    def __init__(self, assembly: Assembly, stiffness: JointStiffness) -> None:
-        super().__init__(assembly, stiffness)
-        self.values: list[float] = []
-
-    def solve(self, before: JointState, motion: np.ndarray, shift: np.ndarray, live: float | None = None) -> Trial:
-        trial = super().solve(before, motion, shift, live)
-        self.values.append(self.value(trial))
-        return trial
-
-
-def settled_after(assembly: Assembly, stiffness: JointStiffness) -> int:
-    """Solves of a single step to the whole travel after which the value stays within NEAR of the step's result."""
-    joints = Listening(assembly, stiffness)
-    rest, last = follow(joints, np.array([1.0]), stiffness)
-    end = joints.value(last.trial)
-    off = np.flatnonzero(np.abs(np.array(joints.values[rest.solves :]) - end) > NEAR * max(abs(end), LEAST))
-    return int(off[-1]) + 2 if len(off) else 1
+    def excess(self, name: str) -> float:
+        """Difference from the reference over the stated uncertainty; a difference of a millionth always holds."""
+        return self.deviation(name) / max(self.runs[name].uncertainty / self.scale, 1e-6)
 
 
 def run(case: Case) -> Result:
-    """Predict one case with every number of steps."""
+    """Predict one wall with all settings."""
     parts = scenes.wall(case.per_course, case.courses, split=0.4 * (case.per_course - case.settling))
-    scene = scenes.build(*parts, friction=case.friction)
-    assembly = assemble(scene)
+    assembly = assemble(scenes.build(*parts, friction=case.friction))
     stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     runs = {}
-    for steps in (*COUNTS, REFERENCE):
-        answer = predict(assembly, stiffness, associated, settings=PredictionSettings(steps))
-        runs[steps] = Run(answer.status, answer.value / assembly.weight, answer.iterations, answer.dilatancy_residual, answer.seconds)
-    return Result(case, runs, settled_after(assembly, stiffness))
+    for name, settings in SETTINGS.items():
+        answer = predict(assembly, stiffness, associated, settings=settings)
+        runs[name] = Run(
+            answer.status.value,
+            answer.value / assembly.weight,
+            answer.uncertainty / assembly.weight,
+            tuple((answer.plateaus / assembly.weight).tolist()),
+            answer.travel,
+            answer.certificate,
+            answer.iterations,
+            answer.seconds,
+        )
+    return Result(case, runs)
 
 
 def cases(quick: bool) -> Iterator[Case]:
@@ -114,65 +115,82 @@ def cases(quick: bool) -> Iterator[Case]:
         yield Case(per_course, courses, friction, per_course // part)
 
 
-def run_all(todo: list[Case], workers: int, console: Console) -> list[Result]:
-    """Run the cases, the largest first, in their own processes; results in the cases' order."""
+def run_all(todo: list[Case], workers: int, console: Console, record: Path | None) -> list[Result]:
+    """Run the cases in their own processes and write the record after each; results in the cases' order."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     found: dict[Case, Result] = {}
     with ProcessPoolExecutor(workers) as pool, Progress(*columns, console=console) as progress:
         task = progress.add_task("walls", total=len(todo))
-        for future in as_completed([pool.submit(run, case) for case in reversed(todo)]):
+        for future in as_completed([pool.submit(run, case) for case in todo]):
             found[future.result().case] = future.result()
             progress.advance(task)
+            if record is not None:
+                write(record, [found[case] for case in todo if case in found])
     return [found[case] for case in todo]
 
 
+def write(record: Path, results: list[Result]) -> None:
+    """Write the record, one wall a line."""
+    lines = [json.dumps({"case": asdict(r.case), "runs": {name: asdict(one) for name, one in r.runs.items()}}) for r in results]
+    record.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
+
+
+def read(record: Path) -> list[Result]:
+    """Results of a record."""
+    stored = json.loads(record.read_text(encoding="utf-8"))
+    return [Result(Case(**row["case"]), {name: Run(**one) for name, one in row["runs"].items()}) for row in stored]
+
+
+NAMES = ("settings", "median error", "90 %", "worst", "median uncertainty", "uncertainty holds", "worst excess", "several", "not solved", "s")
+
+
+def rows(results: list[Result]) -> Iterator[tuple[str, ...]]:
+    """One row for each setting: errors against the reference, stated uncertainties, and cost."""
+    for name in SETTINGS:
+        runs = [result.runs[name] for result in results]
+        off = np.array([result.deviation(name) for result in results])
+        stated = np.array([result.runs[name].uncertainty / result.scale for result in results])
+        excess = np.array([result.excess(name) for result in results])
+        errors = [f"{np.median(off):.3%}", f"{np.quantile(off, 0.9):.2%}", f"{off.max():.1%}"]
+        holds = [f"{np.sum(excess <= 1.0)} of {len(results)}", f"{excess.max():.1f}"]
+        yield (
+            name,
+            *(errors if name != REFERENCE else ["", "", ""]),
+            f"{np.median(stated):.3%}",
+            *(holds if name != REFERENCE else ["", ""]),
+            f"{sum(len(one.plateaus) > 1 for one in runs)}",
+            f"{sum(one.status != 'solved' for one in runs)}",
+            f"{sum(one.seconds for one in runs):.0f}",
+        )
+
+
 def summary(results: list[Result]) -> Table:
-    """One row per number of steps."""
-    title = (
-        f"{len(results)} walls. Solves: median, 90 %, max. Cases within {NEAR:.0%} and {FAR:.0%} of the reaction of {REFERENCE} steps, "
-        "the worst, the largest dilatancy residual, cases not solved, seconds of all."
-    )
-    table = Table(title=title, caption=settling_caption(results))
-    names = ("steps", "solves", f"in {NEAR:.0%}", f"in {FAR:.0%}", "worst", "dilatancy", "not solved", "s")
-    for name in names:
+    """One row for each setting."""
+    table = Table(title=f"{len(results)} walls. Errors and uncertainties are relative to the reaction of the reference.")
+    for name in NAMES:
         table.add_column(name, justify="right")
-    for steps in (*COUNTS, REFERENCE):
-        runs = [result.runs[steps] for result in results]
-        solves, off = np.array([r.solves for r in runs]), np.array([result.deviation(steps) for result in results])
-        row = [
-            f"{np.median(solves):.0f}, {np.quantile(solves, 0.9):.0f}, {solves.max()}",
-            *(f"{np.sum(off <= limit)}" for limit in (NEAR, FAR)),
-            f"{off.max():.1%}",
-            f"{np.nanmax([r.dilatancy for r in runs]):.1e}",
-            f"{sum(r.status is not Status.SOLVED for r in runs)}",
-            f"{sum(r.seconds for r in runs):.1f}",
-        ]
-        table.add_row(f"{steps}{' *' if steps == STEPS else ''}", *row)
+    for row in rows(results):
+        table.add_row(*row)
     return table
 
 
-def settling_caption(results: list[Result]) -> str:
-    after = np.array([result.settled_after for result in results])
-    numbers = f"median {np.median(after):.0f}, 90 % {np.quantile(after, 0.9):.0f}, max {after.max()}"
-    return f"* default. Solves of a single step after which its value stays within {NEAR:.0%} of its end value: {numbers}"
-
-
 def listing(results: list[Result]) -> Table:
-    """One row per wall: the reference and, for every number of steps, deviation and solves."""
-    table = Table("wall", title="R/W of the reference; deviation and solves of fewer steps; solves after which a single step has settled")
-    for name in ("reference", *(f"{steps}" for steps in COUNTS), "settled"):
-        table.add_column(name, justify="right")
-
-    def cell(result: Result, steps: int) -> str:
-        entry = result.runs[steps]
-        return f"{result.deviation(steps):.1%}  {entry.solves}" + ("" if entry.status is Status.SOLVED else f" {entry.status}")
-
-    def reference(result: Result) -> str:
-        entry = result.runs[REFERENCE]
-        return f"{entry.value:.4f}  {entry.solves}" + ("" if entry.status is Status.SOLVED else f" {entry.status}")
-
+    """One row for each wall."""
+    table = Table("wall", "reference", "its uncertainty", "default", "off", "stated", "excess", "travel", "certificate", "plateaus")
     for result in results:
-        table.add_row(str(result.case), reference(result), *(cell(result, steps) for steps in COUNTS), str(result.settled_after))
+        fine, one = result.runs[REFERENCE], result.runs[DEFAULT]
+        table.add_row(
+            str(result.case),
+            f"{fine.value:.6f}",
+            f"{fine.uncertainty / result.scale:.3%}",
+            f"{one.value:.6f}",
+            f"{result.deviation(DEFAULT):.3%}",
+            f"{one.uncertainty / result.scale:.3%}",
+            f"{result.excess(DEFAULT):.1f}",
+            f"{one.travel:.1f}",
+            f"{one.certificate:.0e}",
+            " ".join(f"{value:.4f}" for value in one.plateaus),
+        )
     return table
 
 
@@ -181,9 +199,10 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="a handful of small walls")
     parser.add_argument("--verbose", action="store_true", help="list every wall")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("-o", "--output", type=Path, metavar="RECORD", help="file for all values, JSON")
     options = parser.parse_args()
     console = Console()
-    results = run_all(list(cases(options.quick)), options.workers, console)
+    results = run_all(list(cases(options.quick)), options.workers, console, options.output)
     if options.verbose:
         console.print(listing(results))
     console.print(summary(results))

@@ -25,7 +25,7 @@ from process_memory import peak_memory
 from rich.console import Console
 from rich.table import Table
 
-from la_core.coulomb.plateau import predict
+from la_core.coulomb import predict
 from la_core.limit import associated, conic
 from la_core.limit.problem import Drive
 from la_core.limit.associated import Status

@@ -22,7 +22,7 @@ from independent_mechanics import drives
 from random_scenes import random_scenes
 from rich.console import Console
 
-from la_core.coulomb.plateau import predict
+from la_core.coulomb import predict
 from la_core.limit.problem import Drive
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.static import coulomb_limits, solve_static

@@ -20,7 +20,7 @@ from la_core.analysis import reach
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.plateau import ACCEPTED_RESIDUAL, predict
+from la_core.coulomb import ACCEPTED_RESIDUAL, predict
 from la_core.errors import SceneError
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb.plateau import predict
+from la_core.coulomb import predict
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble

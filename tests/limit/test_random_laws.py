@@ -29,7 +29,7 @@ from independent_mechanics import (
 )
 from random_scenes import far_away, random_scenes
 
-from la_core.coulomb.plateau import predict
+from la_core.coulomb import predict
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.conic import maximise
 from la_core.limit.linearised import solve_linearised

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb.plateau import predict
+from la_core.coulomb import predict
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.problem import Drive

@@ -1,0 +1,151 @@
+"""One implicit step of a structure on elastic joints: equilibrium at its end, with a drag on the rate of every block.
+
+For displacements q of the free blocks, f(q) the contact forces and w the weights, a step from q_before solves
+    J' f(q) + w - drag M (q - q_before) = 0
+by a semi-smooth Newton iteration with the consistent tangent. A live load adds its multiplier as an unknown and its mean
+displacement as an equation. `drag` is the viscosity over the length of the step. It makes a step solvable where the structure
+is unstable without it: a shorter step always converges.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.coulomb.elastic_joints import ElasticJoints, JointState
+from la_core.coulomb.tangent import Tangent
+
+TOLERANCE = 1e-8  # of the weight: norm of the unbalanced forces of a converged step,
+BLOCK_TOLERANCE = 1e-6  # and of the mean block weight, for a certificate is relative to that
+MOST_ITERATIONS = 20
+SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
+DIVERGED = 100.0  # times the first residual: the iteration has left the solution
+
+
+@dataclass(frozen=True)
+class State:
+    """State of the structure at the end of a step; all numbers are scaled as in `la_core.coulomb.elastic_joints`.
+
+    Attributes
+    ----------
+    progress : float
+        Motion of the support, or displacement along the live load, over the travel.
+    blocks : (n,) array
+        Displacements of the free blocks.
+    joints : JointState
+        Displacements and forces of the joints.
+    multiplier : float
+        Multiplier of the live load; 0 for a settlement.
+    """
+
+    progress: float
+    blocks: np.ndarray
+    joints: JointState
+    multiplier: float = 0.0
+
+
+@dataclass(frozen=True)
+class Target:
+    """Imposed motion at the end of a step, over the travel.
+
+    Attributes
+    ----------
+    progress : float
+        Motion of the support from rest, or displacement along the live load from rest.
+    support : float
+        Motion of the support since the blocks were laid; it differs from `progress` by the wedging.
+    live_at : float or None
+        Displacement along the live load since the blocks were laid; None where no live load drives the structure.
+    """
+
+    progress: float
+    support: float
+    live_at: float | None = None
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Outcome of one step.
+
+    Attributes
+    ----------
+    state : State or None
+        State at the end of the step; None where the iteration did not converge.
+    iterations : int
+        Newton iterations, each with one factorisation.
+    """
+
+    state: State | None
+    iterations: int
+
+
+def advance(
+    joints: ElasticJoints,
+    tangent: Tangent,
+    before: State,
+    target: Target,
+    drag: float,
+    guess: np.ndarray,
+) -> Trial:
+    """Take one step.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    tangent : Tangent
+        Its tangent matrices.
+    before : State
+        State at the start of the step.
+    target : Target
+        Imposed motion at the end of the step.
+    drag : float
+        Viscosity over the length of the step.
+    guess : (n,) array
+        First displacements of the iteration.
+    """
+    progress, live_at = target.progress, target.live_at
+    blocks, multiplier = guess, before.multiplier
+    tolerance = min(TOLERANCE, BLOCK_TOLERANCE * joints.freedoms / len(joints.weights))
+
+    def evaluate(blocks: np.ndarray, multiplier: float) -> tuple[np.ndarray, float, float, JointState, np.ndarray]:
+        displacement = joints.displacement(blocks, target.support)
+        force, stiffness = joints.force(displacement, before.joints)
+        rest = joints.unbalanced(force) - drag * joints.mass * (blocks - before.blocks)
+        lag = 0.0
+        if live_at is not None:
+            rest += multiplier * joints.live_load
+            lag = live_at - float(joints.live_load @ blocks)
+        return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), JointState(displacement, force), stiffness
+
+    rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
+    first = size
+    for iteration in range(MOST_ITERATIONS):
+        if size <= tolerance:
+            return Trial(State(progress, blocks, state, multiplier), iteration)
+        if not size <= DIVERGED * max(first, tolerance) and iteration > 2:
+            return Trial(None, iteration)
+        try:
+            move, rise = _direction(joints, tangent, stiffness, drag, rest, lag, live_at is not None)
+        except RuntimeError:  # a singular matrix
+            return Trial(None, iteration + 1)
+        share = 1.0
+        while True:
+            trial = evaluate(blocks + share * move, multiplier + share * rise)
+            if trial[2] < size or share <= SHORTEST:
+                break
+            share /= 2.0
+        blocks, multiplier = blocks + share * move, multiplier + share * rise
+        rest, lag, size, state, stiffness = trial
+    return Trial(State(progress, blocks, state, multiplier) if size <= tolerance else None, MOST_ITERATIONS)
+
+
+def _direction(
+    joints: ElasticJoints, tangent: Tangent, stiffness: np.ndarray, drag: float, rest: np.ndarray, lag: float, live: bool
+) -> tuple[np.ndarray, float]:
+    """Newton step of the displacements (n,) and of the multiplier."""
+    solve = tangent.factorised(stiffness, drag)
+    if not live:
+        return solve(rest), 0.0
+    both = solve(np.stack([rest, joints.live_load], axis=1))
+    rise = (lag - float(joints.live_load @ both[:, 0])) / float(joints.live_load @ both[:, 1])
+    return both[:, 0] + rise * both[:, 1], rise

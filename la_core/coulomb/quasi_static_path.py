@@ -1,0 +1,245 @@
+"""The quasi-static path: the structure followed from rest while its support moves, with a drag that vanishes on the way.
+
+A structure with friction loses stability again and again on its way to the plateau, where a joint slips or parts and some
+blocks move on at once. Without a drag such a move has no duration. With a drag of viscosity eta on the rate of every block,
+
+    J' f(q) + w = eta M dq/dp,
+
+it takes a short stretch of the progress p, and steps that are short enough always converge. M holds every block's share of
+the mass, so that all blocks moving at unit rate feel eta times the weight. The viscosity falls from its first value to almost nothing over
+the first part of the way: large at first, it carries the structure past its first instabilities in few steps, and the
+structure forgets it, as it forgets most of its early history. The power of the remaining drag is known, and so is the
+reaction without it, by the balance of power: R = R_with_drag + eta sum(M v^2), v = dq/dp.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.implicit_step import State, Target, Trial, advance
+from la_core.coulomb.tangent import Tangent
+
+FIRST_STEP = 0.05  # of the elastic sag
+LONGEST_STEP = 0.05  # of the travel, or of the progress where that is more
+LARGEST_CHANGE = 0.06  # of the contact forces, in one step
+GROWTH, CUT = 1.6, 4.0  # of the length of the step: after an easy step, and after one that did not converge
+CAUTION, REGAINED = 0.7, 1.3  # limit over a length that failed, and its growth with every step
+EASY = 8  # iterations of a step after which the next one may be longer
+SHORTEST_STEP = 1e-13  # of the travel
+AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
+REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
+AT_REST = 1e-6  # of the travel: displacement in the last step to rest
+MOST_REST_STEPS = 300
+
+
+@dataclass(frozen=True)
+class Viscosity:
+    """Viscosity along the path, in multiples of the weight at unit rate.
+
+    Attributes
+    ----------
+    first : float
+        Value at the start.
+    last : float
+        Value from `until` on; in between its logarithm falls evenly.
+    until : float
+        Progress from which on the viscosity keeps its last value, over the travel.
+    """
+
+    first: float
+    last: float
+    until: float
+
+    def at(self, progress: float) -> float:
+        """Viscosity at a progress over the travel."""
+        return float(self.first * (self.last / self.first) ** min(progress / self.until, 1.0))
+
+
+@dataclass(frozen=True)
+class Point:
+    """Point of the curve; all numbers are scaled.
+
+    Attributes
+    ----------
+    progress : float
+        Motion of the support, or displacement along the live load, over the travel.
+    value : float
+        Reaction over the weight, or multiplier, without the drag.
+    drag : float
+        Part of the value that replaces the drag.
+    iterations : int
+        Newton iterations of the path so far.
+    """
+
+    progress: float
+    value: float
+    drag: float
+    iterations: int
+
+
+class QuasiStaticPath:
+    """Path of one structure that can be followed further and further.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    tangent : Tangent
+        Its tangent matrices.
+    rest : State
+        State at rest under gravity, from `come_to_rest`.
+    viscosity : Viscosity
+        Drag along the path.
+    finer : float
+        Factor by which the limits of a step are divided: its first and greatest length, and the change of forces.
+
+    Attributes
+    ----------
+    before, last : State
+        States at the start and at the end of the last step.
+    points : list of Point
+        Curve so far.
+    iterations : int
+        Newton iterations so far, also those of steps that did not converge.
+    """
+
+    def __init__(self, joints: ElasticJoints, tangent: Tangent, rest: State, viscosity: Viscosity, finer: float = 1.0) -> None:
+        self.joints, self.viscosity, self.iterations = joints, viscosity, 0
+        self.before = self.last = rest
+        self._tangent, self._finer = tangent, finer
+        self._offset = rest.progress  # of the support, from wedging
+        self._live_at = float(joints.live_load @ rest.blocks)
+        self.last = self.before = replace(rest, progress=0.0)
+        self.points = [Point(0.0, self.value(self.last), 0.0, 0)]
+        self._rate = np.zeros_like(rest.blocks)
+        self._mark = self._older_mark = self.last
+        self._length, self._limit = FIRST_STEP * joints.sag / finer, np.inf
+
+    @property
+    def rate(self) -> np.ndarray:
+        """Rate (n,) of the free blocks in the last step, over the progress."""
+        return self._rate
+
+    @property
+    def length(self) -> float:
+        """Length of the last step, over the travel."""
+        return self.last.progress - self.before.progress
+
+    def value(self, state: State) -> float:
+        """Scaled reaction, or multiplier, of a state, with the drag."""
+        return state.multiplier if self.joints.live else self.joints.reaction(state.joints.force)
+
+    def advance_to(
+        self, end: float, most_iterations: float = np.inf, viscosity: float | None = None, longest: float = np.inf
+    ) -> Iterator[Point]:
+        """Follow the path to a progress and yield every point; stop early after `most_iterations` of the whole path.
+
+        It also stops where no step is short enough; `last.progress` then lies before the end.
+
+        Parameters
+        ----------
+        end : float
+            Progress to reach exactly, over the travel.
+        most_iterations : float
+            Newton iterations of the whole path after which it stops.
+        viscosity : float, optional
+            Viscosity of this stretch; None takes the path's own.
+        longest : float
+            Longest step, over the travel.
+        """
+        while self.last.progress < end and self.iterations < most_iterations:
+            length = min(self._length, longest, end - self.last.progress)
+            if end - self.last.progress - length < 0.01 * length:  # no sliver is left for a last step
+                length = end - self.last.progress
+            progress = end if length == end - self.last.progress else self.last.progress + length
+            eta = self.viscosity.at(progress) if viscosity is None else viscosity
+            trial = self._trial(progress, eta / length, length)
+            self.iterations += trial.iterations
+            change = _change(self.last, trial.state) if trial.state is not None else np.inf
+            if trial.state is not None and (change <= LARGEST_CHANGE / self._finer or length <= SHORTEST_STEP):
+                self._accept(trial.state, length, eta)
+                self._lengthen(trial.iterations, change, length)
+                yield self.points[-1]
+            elif not self._shorten(trial.state is not None, change, length):
+                return
+
+    def _lengthen(self, iterations: int, change: float, length: float) -> None:
+        """Choose the length of the next step after one of `length` that was accepted."""
+        self._limit *= REGAINED
+        if iterations <= EASY and change < 0.6 * LARGEST_CHANGE / self._finer:
+            longest = max(LONGEST_STEP, 0.25 * self.last.progress) / self._finer
+            self._length = min(GROWTH * max(length, self._length), longest, max(self._limit, length))
+
+    def _shorten(self, converged: bool, change: float, length: float) -> bool:
+        """Choose the length of the next trial after one of `length` that was refused; False where it is too short."""
+        if converged:
+            self._length = length * max(1.0 / CUT, 0.8 * LARGEST_CHANGE / self._finer / change)
+        else:
+            self._limit = CAUTION * length
+            self._length = length / CUT
+        return self._length >= SHORTEST_STEP
+
+    def _trial(self, progress: float, drag: float, length: float) -> Trial:
+        live_at = self._live_at + progress if self.joints.live else None
+        support = 0.0 if self.joints.live else self._offset + progress
+        guess = self.last.blocks + length * self._rate
+        return advance(self.joints, self._tangent, self.last, Target(progress, support, live_at), drag, guess)
+
+    def _accept(self, state: State, length: float, viscosity: float) -> None:
+        self.before, self.last = self.last, state
+        self._rate = (state.blocks - self.before.blocks) / length
+        if state.progress - self._mark.progress > AVERAGED * state.progress:
+            self._older_mark, self._mark = self._mark, self.before
+        start = self._mark if state.progress - self._mark.progress >= 0.5 * AVERAGED * state.progress else self._older_mark
+        mean = (state.blocks - start.blocks) / (state.progress - start.progress)
+        power = viscosity * float(self.joints.mass @ mean**2)
+        drag = -power if self.joints.live else power
+        self.points.append(Point(state.progress, self.value(state) + drag, drag, self.iterations))
+
+
+def _change(before: State, after: State) -> float:
+    """Change of the contact forces in a step, relative to the forces."""
+    old, new = before.joints.force, after.joints.force
+    return float(np.abs(new - old).sum() / max(np.abs(old).sum(), np.abs(new).sum(), 1e-12))
+
+
+def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0) -> tuple[State | None, int]:
+    """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
+
+    The blocks are laid without force. A drag that falls with every step lets them sag until nothing moves.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    tangent : Tangent
+        Its tangent matrices.
+    wedging : float
+        Motion of the support against its settlement before gravity acts, over the travel.
+
+    Returns
+    -------
+    state : State or None
+        State at rest; its progress is that of the wedged support, -wedging.
+    iterations : int
+        Newton iterations.
+    """
+    state = State(-wedging, np.zeros_like(joints.weights), joints.laid)
+    state = replace(state, joints=replace(joints.laid, displacement=joints.displacement(state.blocks, -wedging)))
+    drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
+    iterations = 0
+    step: Callable[[float], Trial] = lambda drag: advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks)  # noqa: E731
+    for _ in range(MOST_REST_STEPS):
+        trial = step(drag)
+        iterations += trial.iterations
+        if trial.state is None:
+            drag *= 10.0
+            continue
+        moved = float(np.abs(trial.state.blocks - state.blocks).max())
+        state = trial.state
+        if drag <= last * 1.001 and moved <= AT_REST:
+            return state, iterations
+        drag = max(drag / 10.0, last)
+    return None, iterations

@@ -1,0 +1,152 @@
+"""Answer of Coulomb limit analysis."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from la_core.limit import Solution, Status
+from la_core.measures import mechanism
+from la_core.model import Assembly
+
+NAN = float("nan")
+
+
+def _empty() -> np.ndarray:
+    return np.zeros(0)
+
+
+@dataclass(frozen=True)
+class CoulombSolution:
+    """Answer of Coulomb limit analysis with its evidence. Undefined numbers are NaN.
+
+    Attributes
+    ----------
+    status : Status
+        SOLVED where a certified plateau has a stated uncertainty.
+    value : float
+        Reaction (N; N m for a rotation) or multiplier on the plateau.
+    uncertainty : float
+        Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes.
+    plateaus : (K,) array
+        Values of all plateaus where the paths end on several; empty where they end on one.
+    interval : tuple of float
+        Least and greatest value that the mechanism allows over all histories of friction.
+    twists : (B, 6) array
+        Mechanism for the support's unit motion, or for unit power of the unit live load.
+    forces : (C, 3) array
+        Contact forces on block b on the plateau, N, global axes.
+    at_rest : float
+        Reaction before the support moves; 0 for a live load.
+    drift : float
+        Relative change of the mean value from the second quarter of the travel to its second half.
+    dilatancy_residual : float
+        Power of the normal forces at parting joints over the power put in by the sinking weights and by the support or
+        the live load.
+    strain_residual : float
+        Power of the weights less dissipation less the power of the reaction, over the power put in: the joints' changing
+        strain and the drag.
+    sliding_residual : float
+        Dissipation less the power of the friction forces against the slip, over the power put in.
+    equilibrium_residual : float
+        Largest unbalanced force on a free block over the mean free-block weight.
+    cone_violation : float
+        Largest tension or excess of |t| over mu n, over the mean free-block weight.
+    seconds : float
+        Time of the paths.
+    iterations : int
+        Newton iterations of all paths.
+    steps : int
+        Steps of all paths. 0 where no path was followed.
+    travel : float
+        Motion of the support, or displacement along the live load, at the end of the path, over the travel.
+    viscosities : (V,) array
+        First viscosity of each path, in multiples of the weight at unit rate.
+    path_settlement, path_value : (P,) array
+        Curve of the finest path: motion of the support (m or rad), or displacement along the live load (m), and value.
+    """
+
+    status: Status
+    value: float
+    interval: tuple[float, float]
+    twists: np.ndarray
+    forces: np.ndarray
+    at_rest: float
+    drift: float
+    dilatancy_residual: float
+    strain_residual: float
+    equilibrium_residual: float
+    cone_violation: float
+    seconds: float
+    iterations: int
+    steps: int = 0
+    uncertainty: float = NAN
+    plateaus: np.ndarray = field(default_factory=_empty)
+    sliding_residual: float = NAN
+    travel: float = NAN
+    viscosities: np.ndarray = field(default_factory=_empty)
+    path_settlement: np.ndarray = field(default_factory=_empty)
+    path_value: np.ndarray = field(default_factory=_empty)
+
+    @property
+    def certificate(self) -> float:
+        """Largest residual of the limit state on the plateau."""
+        return max(
+            self.equilibrium_residual, self.cone_violation, self.dilatancy_residual, self.sliding_residual, self.strain_residual
+        )
+
+
+def without_sliding(assembly: Assembly, associated: Solution, seconds: float, iterations: int) -> CoulombSolution:
+    """Return the associated answer as Coulomb's where no joint slides: nothing dilates, and the interval is the value.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    associated : Solution
+        Its associated answer.
+    seconds : float
+        Time of the search for sliding.
+    iterations : int
+        Newton iterations of that search.
+
+    Returns
+    -------
+    CoulombSolution
+        The value at rest, the drift and the strain residual are NaN, because no path was followed. The uncertainty is
+        the duality gap of the associated answer.
+    """
+    if associated.status is not Status.SOLVED:
+        return without_value(assembly, associated.status)
+    unit = 1.0 if assembly.has_live_load else assembly.mean_weight * assembly.support_speed
+    return CoulombSolution(
+        Status.SOLVED,
+        associated.value,
+        (associated.value, associated.value),
+        associated.twists,
+        associated.forces,
+        at_rest=NAN,
+        drift=NAN,
+        dilatancy_residual=mechanism.sliding_share(assembly, associated.twists, associated.forces),
+        strain_residual=NAN,
+        equilibrium_residual=associated.equilibrium_residual,
+        cone_violation=associated.cone_violation,
+        seconds=seconds,
+        iterations=iterations,
+        uncertainty=abs(associated.duality_gap) * unit,
+    )
+
+
+def without_value(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:
+    """Return a prediction without a value.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Structure.
+    status : Status
+        Reason.
+    seconds, iterations : float, int
+        Time and Newton iterations spent.
+    """
+    twists, forces = np.full((len(assembly.blocks), 6), NAN), np.full((len(assembly.points), 3), NAN)
+    return CoulombSolution(status, NAN, (NAN, NAN), twists, forces, NAN, NAN, NAN, NAN, NAN, NAN, seconds, iterations)
