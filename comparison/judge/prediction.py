@@ -74,8 +74,7 @@ def predicted(results: Results) -> Prediction:
         share += REACH if assembly.effects.reach else 0.0
         accuracy = f"dilatancy residual {coulomb.dilatancy_residual:.1e}, strain residual {coulomb.strain_residual:.1e}"
         unconverged = f"The Coulomb iteration has not converged ({accuracy}), so its value cannot contradict YADE."
-        remedy = "" if analysis.accuracy else " Repeat it in more steps with --accuracy 1%."
-        doubt = "" if coulomb.status is Status.SOLVED else unconverged + remedy
+        doubt = "" if coulomb.status is Status.SOLVED else unconverged
         if doubt and not (coulomb.dilatancy_residual <= DOUBTFUL and abs(coulomb.drift) <= DOUBTFUL):
             return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle=doubt)
         share += _spurious_share(analysis, coulomb) if doubt else 0.0
