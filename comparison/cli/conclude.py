@@ -26,6 +26,8 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
             if any(comparison.get("accuracy") for comparison in comparisons):
                 out.print(tables.accuracy_table(comparisons))
             for comparison in comparisons:
+                if first := comparison.get("first_prediction"):
+                    out.print(f"{comparison['scene']}: {first['sentence']}", markup=False)
                 if comparison["reason"]:
                     out.print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
             out.print(f"report: {os.path.relpath(page)}", markup=False)

@@ -3,7 +3,8 @@
 from comparison.judge import requested_accuracy
 from comparison.judge.check import Check, Verdict, overall
 from comparison.judge.effects_table import effects_summary
-from comparison.judge.prediction import INTERVAL_CHECK, REACTION_CHECK, check_prediction, slides_unforeseen
+from comparison.judge.first_prediction import answer_of, answer_of_text
+from comparison.judge.prediction import slides_unforeseen
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.requested_accuracy import METHODS, check_accuracy, percent
 from comparison.judge.run_checks import check_expected, check_run
@@ -13,20 +14,19 @@ from comparison.judge.verdict_table import SYMBOLS, VERDICT_HEADINGS, VERDICT_TI
 
 __all__ = [
     "HISTORY",
-    "INTERVAL_CHECK",
     "LEAST_REACTION",
     "METHODS",
-    "REACTION_CHECK",
     "SYMBOLS",
     "VERDICT_HEADINGS",
     "VERDICT_TITLE",
     "Check",
     "Verdict",
+    "answer_of",
+    "answer_of_text",
     "check_accuracy",
     "check_displacement",
     "check_expected",
     "check_plane",
-    "check_prediction",
     "check_reach",
     "check_run",
     "comparison_summary",

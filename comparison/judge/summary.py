@@ -8,6 +8,7 @@ from typing import Any
 from comparison.judge.check import Check, overall
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
+from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
@@ -67,7 +68,9 @@ def without_run(status: str, message: str) -> dict[str, Any]:
     return {**dict.fromkeys(names), "status": status, "message": message}
 
 
-def comparison_summary(results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str]) -> dict[str, Any]:
+def comparison_summary(
+    results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str], first: dict[str, Any] | None = None
+) -> dict[str, Any]:
     """Return the content of `comparison.json`: limit analysis, YADE, every check, the verdict and its reason.
 
     Parameters
@@ -80,12 +83,15 @@ def comparison_summary(results: Results, yade: dict[str, Any] | None, checks: li
         Every check that was made; the verdict follows from them.
     notes : list of str
         Sentences for the reader of the report.
+    first : dict or None
+        What limit analysis said before YADE ran, see `first_prediction`; None where no effect was restored since.
     """
     analysis, run = results.analysis, results.run
     verdict, reason = overall(checks)
     summary = limit_analysis_summary(analysis)
     summary |= {
         "mechanism_measures": dict(_measures(results)),
+        "first_prediction": first_prediction_summary(first, analysis),
         "yade": yade,
         "accuracy": accuracy_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,

@@ -59,6 +59,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any]) -> dict[
         "symbol": symbol,
         "word": word,
         "sentence": _sentence(comparison),
+        "first_prediction": (comparison.get("first_prediction") or {}).get("sentence") or "",
         "notes": comparison.get("notes") or [],
         "checks": [_check_view(check) for check in comparison.get("checks") or []],
         "figures": list(_figures(folder / scene, scene)),

@@ -13,10 +13,11 @@ from comparison.figures import scene_figures as figures_of
 from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
 from comparison.report import viewer
 from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
-from comparison.workflow import finer_prediction, restored_effects
+from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
     COMPARISON_CODE,
     Listener,
+    first_prediction,
     limit_analysis_stage,
     run_inputs,
     stage_digest,
@@ -25,7 +26,7 @@ from comparison.workflow.stages import (
 )
 from comparison.yade import Results, accuracy_settings, read_results
 from la_core import exchange
-from la_core.analysis import LimitAnalysis, StructuralModel, case_file, structural_model
+from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.limit import Status
 from la_core.scene import Scene
 
@@ -121,21 +122,17 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
     while run is not None and (better := _better(Results(analysis, run), listener, limit)) is not None:
         analysis = store_changed(analysis, better, inputs, folder)
         run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
-    for steps, finer in finer_prediction.predictions(Results(analysis, run)) if run is not None else ():
-        listener.stage(scene.name, "limit analysis", f"prediction repeated in {steps} steps, because YADE contradicts it")
-        case_file.write_case(folder / "case.h5", finer, inputs)
-        analysis = finer
-    notes += finer_prediction.note(analysis)
     return SceneOutcome(Results(analysis, run), yade, notes, run_inputs(inputs, analysis))
 
 
 def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis | None:
     """Return the analysis for another run, with effects that this one shows to be needed or with slower settings; None for neither."""
     scene, analysis = results.scene, results.analysis
-    if needed := restored_effects.needed(results):
-        reasons = "; ".join(f"{effect}: {reason}" for effect, (_, reason) in needed.items())
+    if (whole := restored_effects.restore(results)) is not None:
+        effects = whole.assembly.effects
+        restored = [effect for effect in effects.called_back if effect not in analysis.assembly.effects.called_back]
+        reasons = "; ".join(f"{effect}: {effects.reasons[effect]}" for effect in restored)
         listener.stage(scene.name, "limit analysis", f"repeated with effects that were left out ({reasons})")
-        whole = restored_effects.analyse_with(analysis, restored_effects.restored(analysis) | needed)
         return accuracy_settings.initial_settings(accuracy_settings.carry_attempts_over(results, whole))
     if slower := accuracy_settings.slower_settings(results, limit):
         listener.stage(scene.name, "YADE", requested_accuracy.why_again(accuracy_settings.attempt_of(results), slower))
@@ -155,8 +152,8 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     results = outcome.results
     scene, analysis = results.scene, results.analysis
     effects = dataclasses.asdict(analysis.assembly.effects)
-    steps = analysis.coulomb and analysis.coulomb.steps
-    inputs = stage_digest(json.dumps([outcome.inputs, outcome.yade, outcome.notes, effects, steps], sort_keys=True), COMPARISON_CODE)
+    first = first_prediction(analysis, folder)
+    inputs = stage_digest(json.dumps([outcome.inputs, outcome.yade, outcome.notes, effects, first], sort_keys=True), COMPARISON_CODE)
     drawings = {folder / f"{name}.png": draw for name, draw in (figures or figures_of)(results).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE
@@ -167,7 +164,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     if previous.get("inputs") != inputs:
         (folder / ANIMATION).unlink(missing_ok=True)
     checks = [*check_expected(analysis), *_judge(outcome), *requested_accuracy.check_accuracy(results)]
-    summary = comparison_summary(results, outcome.yade, checks, outcome.notes)
+    summary = comparison_summary(results, outcome.yade, checks, outcome.notes, first)
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
     for path, draw in drawings.items():
         save(draw(), path)

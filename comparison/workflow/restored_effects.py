@@ -6,7 +6,6 @@ from dataclasses import replace
 from comparison.judge import Check, Verdict, check_displacement, check_plane, check_reach, slides_unforeseen
 from comparison.yade import Results
 from la_core.analysis import AnalysisSettings, LimitAnalysis, analyse, structural_model
-from la_core.coulomb import PredictionSettings
 from la_core.limit import Status
 
 
@@ -32,32 +31,29 @@ def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
     return {effect: need for effect, need in needs.items() if getattr(scene.effects, effect) == "auto"}
 
 
-def analyse_with(
-    before: LimitAnalysis, restored: dict[str, tuple[bool | str, str]], prediction: PredictionSettings | None = None
-) -> LimitAnalysis:
-    """Repeat limit analysis of the same scene with other effects; its interfaces are used again.
+def restore(results: Results) -> LimitAnalysis | None:
+    """Return limit analysis with the effects that were left out and that YADE's run shows to be needed; None where there are none.
 
-    Parameters
-    ----------
-    before : LimitAnalysis
-        The earlier analysis.
-    restored : dict
-        Choice and reason by effect to be restored.
-    prediction : PredictionSettings or None
-        Steps of the Coulomb prediction; None for the usual ones.
+    This is the only function that repeats limit analysis after a run. It adds what is missing in the model and changes nothing else: not
+    the way the prediction is made, and no effect that was modelled or that the scene itself chose. The interfaces are used again.
     """
+    missing = needed(results)
+    return _analyse_with(results.analysis, _restored(results.analysis) | missing) if missing else None
+
+
+def _restored(analysis: LimitAnalysis) -> dict[str, tuple[bool | str, str]]:
+    """Return choice and reason by effect, for the effects that were restored in an analysis."""
+    effects = analysis.assembly.effects
+    return {effect: (getattr(effects, effect), effects.reasons[effect]) for effect in effects.called_back}
+
+
+def _analyse_with(before: LimitAnalysis, restored: dict[str, tuple[bool | str, str]]) -> LimitAnalysis:
+    """Repeat limit analysis of the same scene. restored: choice and reason by effect, for all effects to be restored."""
     choices = {effect: choice for effect, (choice, _) in restored.items() if effect != "friction"}
     scene = replace(before.scene, effects=before.scene.effects.model_copy(update=choices))
     sliding_reason = restored["friction"][1] if "friction" in restored else ""
-    settings = AnalysisSettings(sliding_reason=sliding_reason, prediction=prediction or PredictionSettings())
-    analysis = analyse(structural_model(scene, before.whole.interfaces), settings)
+    analysis = analyse(structural_model(scene, before.whole.interfaces), AnalysisSettings(sliding_reason=sliding_reason))
     effects = analysis.assembly.effects
     for effect, (choice, reason) in restored.items():
         effects = effects.with_effect(effect, choice, reason)
     return replace(analysis.with_effects(replace(effects, called_back=tuple(restored))), scene=before.scene)
-
-
-def restored(analysis: LimitAnalysis) -> dict[str, tuple[bool | str, str]]:
-    """Return choice and reason by effect, for the effects that were restored in an analysis."""
-    effects = analysis.assembly.effects
-    return {effect: (getattr(effects, effect), effects.reasons[effect]) for effect in effects.called_back}

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from comparison.errors import YadeFailedError, YadeMissingError
-from comparison.judge import requested_accuracy, without_run, yade_summary
+from comparison.judge import answer_of, answer_of_text, requested_accuracy, without_run, without_undefined, yade_summary
 from comparison.yade import ROOT, Run, find_yade, read_run, run_yade
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, analyse, case_file
@@ -48,6 +48,7 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
     if exchange.inputs_digest(path) == inputs:
         try:
             stored = case_file.read_case(path, scene, model.assembly.interfaces)
+            first_prediction(stored, folder)  # one that cannot be read is damage, too
             listener.stage(scene.name, "limit analysis", "cached")
             return stored, inputs
         except exchange.ExchangeError as error:
@@ -65,6 +66,8 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
 def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
     """Store the analysis for YADE's next run, and delete the run of the earlier one; nothing where both are the same object.
 
+    The file also keeps what limit analysis said before the first effect was restored.
+
     Parameters
     ----------
     before : LimitAnalysis
@@ -77,9 +80,24 @@ def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, f
         Folder of the scene's results.
     """
     if analysis is not before:
+        first = first_prediction(before, folder)
+        if analysis.assembly.effects.called_back and not before.assembly.effects.called_back:
+            first = answer_of(before)
         (folder / "run.h5").unlink(missing_ok=True)
-        case_file.write_case(folder / "case.h5", analysis, inputs)
+        text = json.dumps(without_undefined(first), sort_keys=True) if first else ""
+        case_file.write_case(folder / "case.h5", analysis, inputs, text)
     return analysis
+
+
+def first_prediction(analysis: LimitAnalysis, folder: Path) -> dict[str, Any] | None:
+    """Return what limit analysis said before YADE ran, in the form of `answer_of`; None where no effect was restored since.
+
+    Raises exchange.ExchangeError where the stored text is no such answer. analysis: the one in `case.h5`. folder: of the scene's results.
+    """
+    path = folder / "case.h5"
+    text = case_file.read_first_prediction(path) if analysis.assembly.effects.called_back else ""
+    with exchange.values_of(path):
+        return answer_of_text(text) if text else None
 
 
 def run_inputs(inputs: str, analysis: LimitAnalysis) -> str:

@@ -37,7 +37,7 @@ def _motion(scene: Scene) -> np.ndarray:
     return np.full(6, np.nan) if scene.support_twist is None else scene.support_twist
 
 
-def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
+def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_prediction: str = "") -> None:
     """Write `case.h5`.
 
     Parameters
@@ -48,6 +48,8 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
         Complete results of limit analysis.
     inputs : str
         Digest of everything that the results depend on, see `scene_digest`; a cached stage compares it.
+    first_prediction : str
+        Text to be kept beside the results: what limit analysis said before an effect was restored. "" for none.
     """
     scene, assembly, record = analysis.scene, analysis.assembly, analysis.accuracy
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
@@ -77,7 +79,17 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str) -> None:
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
-    exchange.write(path, _fields(scene, predictions, analysis.path is not None), values, inputs)
+    fields = _fields(scene, predictions, analysis.path is not None)
+    if first_prediction:
+        fields += (exchange.FIRST_PREDICTION,)
+        values[exchange.FIRST_PREDICTION.path] = first_prediction
+    exchange.write(path, fields, values, inputs)
+
+
+def read_first_prediction(path: Path) -> str:
+    """Return the text that `write_case` kept beside the results, "" for none; raises exchange.ExchangeError for anything but a text."""
+    field = exchange.FIRST_PREDICTION
+    return str(exchange.read(path, (field,))[field.path]) if exchange.holds(path, field.path) else ""
 
 
 def _below(group: str, solution: Any) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from la_core.exchange.checksummed_file import ExchangeError, write_whole
 from la_core.exchange.dem_settings import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
 from la_core.exchange.fields import (
     CASE_FIELDS,
+    FIRST_PREDICTION,
     FIXED,
     FREE,
     PATH_FIELDS,
@@ -18,6 +19,7 @@ from la_core.exchange.hdf5 import holds, inputs_digest, read, values_of, write
 
 __all__ = [
     "CASE_FIELDS",
+    "FIRST_PREDICTION",
     "FIXED",
     "FREE",
     "PATH_FIELDS",

@@ -77,6 +77,14 @@ CASE_FIELDS = (
     Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
     Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
 )
+# Optional: only where an effect was restored after a run in YADE.
+FIRST_PREDICTION = Field(
+    "scene/first_prediction",
+    "str",
+    (),
+    "",
+    "what limit analysis said before YADE ran, where that run showed an effect to be needed, a JSON object",
+)
 _SOLUTION = (
     ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
     ("value", "f8", (), "N, N m or -", "reaction for a settlement, multiplier for a live load"),

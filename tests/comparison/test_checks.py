@@ -6,14 +6,13 @@ import math
 import numpy as np
 import pytest
 import scenes
-from runs import made_up_run, with_answers
+from runs import TRAVEL, coulomb_run, perfect_run, with_answers
 
 from comparison.judge import prediction as check_prediction
 from comparison.judge import run_checks, sections, tolerances
 from comparison.judge.check import Check, Verdict, overall
 from comparison.judge.run_checks import check_expected, check_run
 from comparison.yade import Results
-from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status, solve_associated
@@ -23,30 +22,10 @@ from la_core.model.assembly import Assembly
 from la_core.scene.scene import Scene, load_scene
 from la_core.scene.shipped import find
 
-TRAVEL = 1e-3  # m
-
 
 def _case(name: str) -> tuple[Scene, LimitAnalysis]:
     scene = load_scene(find(name))
     return scene, analyse(scene)
-
-
-def _perfect_run(analysis: LimitAnalysis, **result: object) -> Run:
-    """The run of a YADE that follows limit analysis to the digit."""
-    least = analysis.bounds[Drive.YIELDING]
-    settlement = np.linspace(0.0, TRAVEL, 5)
-    scalars = {
-        "status": "plateau", "reaction": least.value, "uncertainty": 0.0, "settlement": TRAVEL, "asked_settlement": TRAVEL,
-        "plateau_start": 0.3 * TRAVEL, "slope": 0.0, "kinetic_ratio": 1e-6, "steps": 1000, "seconds": 1.0, "version": "made up",
-        "message": "steady",
-    }  # fmt: skip
-    poses = {
-        "settlement": settlement,
-        "displacement": settlement[:, None, None] * least.twists[None, :, :3],
-        "rotation": settlement[:, None, None] * least.twists[None, :, 3:],
-        "forces": np.repeat(least.forces[None], 5, axis=0),
-    }
-    return made_up_run({**scalars, **result}, poses=poses)
 
 
 def _verdict(name: str, found: list[Check]) -> Verdict:
@@ -59,7 +38,7 @@ def arch() -> tuple[Scene, LimitAnalysis]:
 
 
 def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(Results(arch[1], _perfect_run(arch[1])))
+    found = check_run(Results(arch[1], perfect_run(arch[1])))
     assert {check.verdict for check in found} == {Verdict.AGREE}
     assert {check.name.split(" along")[0] for check in found} == {
         "settlement achieved", "displacements within the least gap", "equilibrium of the YADE state", "plane answer in space",
@@ -71,32 +50,32 @@ def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scen
 @pytest.mark.parametrize(("factor", "verdict"), [(1.004, Verdict.AGREE), (0.996, Verdict.AGREE), (1.006, Verdict.DISAGREE)])
 def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnalysis], factor: float, verdict: Verdict) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
+    run = perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
     assert _verdict("reaction against prediction", check_run(Results(analysis, run))) is verdict
 
 
 def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis, reaction=0.9 * analysis.bounds[Drive.YIELDING].value)
+    run = perfect_run(analysis, reaction=0.9 * analysis.bounds[Drive.YIELDING].value)
     assert _verdict("reaction within bounds", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
 def test_a_run_that_does_not_know_its_reaction_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis, uncertainty=0.2 * analysis.bounds[Drive.YIELDING].value)
+    run = perfect_run(analysis, uncertainty=0.2 * analysis.bounds[Drive.YIELDING].value)
     assert _verdict("reaction against prediction", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
 
 def test_an_undefined_reaction_never_agrees(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    found = check_run(Results(analysis, _perfect_run(analysis, reaction=math.nan)))
+    found = check_run(Results(analysis, perfect_run(analysis, reaction=math.nan)))
     assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
     assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE
 
 
 def test_a_settlement_that_was_not_delivered_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis, settlement=0.5 * TRAVEL)
+    run = perfect_run(analysis, settlement=0.5 * TRAVEL)
     assert _verdict("settlement achieved", check_run(Results(analysis, run))) is Verdict.DISAGREE
 
 
@@ -105,7 +84,7 @@ def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tup
     scene, small = arch
     effects = dataclasses.replace(small.assembly.effects, displacement="finite")
     analysis = small.with_effects(effects)
-    run = dataclasses.replace(_perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
+    run = dataclasses.replace(perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "contact lists")
     assert check.verdict is Verdict.DISAGREE
     assert scene.blocks.names[0] in check.reason and scene.blocks.names[2] in check.reason
@@ -120,7 +99,7 @@ def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
         inset=1e-3,
     )
     analysis = analyse(scene)
-    run = _perfect_run(analysis, reaction=0.0)
+    run = perfect_run(analysis, reaction=0.0)
     at_edge = np.isclose(analysis.assembly.points.position[:, 0], 0.4 - scene.inset)
     run.poses.forces[:] = np.where(at_edge[:, None], [0.0, 0.0, scene.weight / at_edge.sum()], 0.0)
     found = check_run(Results(analysis, run))
@@ -131,14 +110,14 @@ def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
 
 def test_a_state_out_of_equilibrium_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis)
+    run = perfect_run(analysis)
     run.poses.forces[:, 0] += 0.5 * analysis.assembly.mean_weight
     assert _verdict("equilibrium", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
 
 def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    run = _perfect_run(analysis)
+    run = perfect_run(analysis)
     run.poses.displacement[:] = 0.0
     run.poses.displacement[:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
     found = check_run(Results(analysis, run))
@@ -152,7 +131,7 @@ def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None
     least = analysis.bounds[Drive.YIELDING]
     one_hinge = solve_associated(_with_heavier_left(analysis), Drive.YIELDING).twists
     assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < check_prediction.SIMILAR
-    run = _perfect_run(analysis)
+    run = perfect_run(analysis)
     run.poses.displacement[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, :3]
     run.poses.rotation[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, 3:]
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "mechanism similarity")
@@ -168,7 +147,7 @@ def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
 
 def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
     scene, analysis = arch
-    run = _perfect_run(analysis)
+    run = perfect_run(analysis)
     support = int(np.flatnonzero(scene.blocks.role == 2)[0])
     a, b = analysis.assembly.contact_blocks
     at_support = (a == support) | (b == support)
@@ -179,7 +158,7 @@ def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, Limit
 def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
     scene, analysis = _case("two_blocks")
     analysis = dataclasses.replace(with_answers(analysis, coulomb=None), sharp=dataclasses.replace(analysis.sharp, coulomb=None))
-    run = _perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
+    run = perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
     check = next(c for c in check_run(Results(analysis, run)) if c.name == "reaction against prediction")
     assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
     assert _verdict("reaction within bounds", check_run(Results(analysis, run))) is Verdict.AGREE
@@ -187,13 +166,13 @@ def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_e
 
 def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = arch
-    assert overall(check_run(Results(analysis, _perfect_run(analysis, status="no plateau"))))[0] is Verdict.INCONCLUSIVE
+    assert overall(check_run(Results(analysis, perfect_run(analysis, status="no plateau"))))[0] is Verdict.INCONCLUSIVE
     for status in ("timeout", "failed"):
-        assert overall(check_run(Results(analysis, _perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
+        assert overall(check_run(Results(analysis, perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
 
 
 def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
-    verdict, reason = overall(check_run(Results(arch[1], _perfect_run(arch[1], status="collapsed"))))
+    verdict, reason = overall(check_run(Results(arch[1], perfect_run(arch[1], status="collapsed"))))
     assert verdict is Verdict.INCONCLUSIVE and "thrust" in reason
 
 
@@ -205,7 +184,7 @@ def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdi
     path.write_text(text.replace("to = [0.4, 0.2, 0.0] }", "to = [0.3, 0.2, 0.0] }", 1).split("[expected]")[0])
     scene = load_scene(path)
     analysis = analyse(scene)
-    run = _perfect_run(analysis, status=status)
+    run = perfect_run(analysis, status=status)
     found, reason = overall(check_run(Results(analysis, run)))
     assert found is verdict
     assert verdict is Verdict.AGREE or '"block"' in reason or "block would fall" in reason
@@ -243,20 +222,8 @@ def wall() -> tuple[Scene, LimitAnalysis]:
     return _case("wall_third")
 
 
-def _coulomb_run(analysis: LimitAnalysis, scatter: float = 0.0, **result: object) -> Run:
-    """The run of a YADE that follows the Coulomb prediction, its reaction scattered by this share of it."""
-    assert analysis.coulomb is not None
-    coulomb = analysis.coulomb
-    stand_in = dataclasses.replace(analysis.bounds[Drive.YIELDING], value=coulomb.value, twists=coulomb.twists, forces=coulomb.forces)
-    run = _perfect_run(with_answers(analysis, bounds={**analysis.bounds, Drive.YIELDING: stand_in}), **result)
-    settlement = np.linspace(0.0, TRAVEL, 400)
-    reaction = run.result.reaction * (1.0 + np.sqrt(2.0) * scatter * np.sin(np.arange(400.0)))
-    record = {"stage": np.ones(400, dtype=int), "settlement": settlement, "reaction": reaction}
-    return dataclasses.replace(run, record=made_up_run(record=record).record)
-
-
 def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(Results(wall[1], _coulomb_run(wall[1])))
+    found = check_run(Results(wall[1], coulomb_run(wall[1])))
     assert {check.verdict for check in found} == {Verdict.AGREE}, [check for check in found if check.reason]
     assert {"reaction within the mechanism's interval", "YADE's friction state", "steadiness of the plateau"} <= {c.name for c in found}
 
@@ -276,7 +243,7 @@ def test_within_its_interval_friction_s_history_decides_and_outside_nothing_excu
 ) -> None:
     _scene, analysis = wall
     assert analysis.coulomb is not None
-    found = check_run(Results(analysis, _coulomb_run(analysis, reaction=factor * analysis.coulomb.value)))
+    found = check_run(Results(analysis, coulomb_run(analysis, reaction=factor * analysis.coulomb.value)))
     assert _verdict("reaction against prediction", found) is prediction
     assert _verdict("reaction within the mechanism's interval", found) is interval
 
@@ -284,7 +251,7 @@ def test_within_its_interval_friction_s_history_decides_and_outside_nothing_excu
 def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, LimitAnalysis]) -> None:
     _scene, analysis = wall
     assert analysis.coulomb is not None
-    run = _coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
+    run = coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
     run.poses.displacement[:] = 0.0
     run.poses.displacement[:, 3, 0] = run.poses.settlement
     found = check_run(Results(analysis, run))
@@ -294,7 +261,7 @@ def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, 
 
 def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, LimitAnalysis]) -> None:
     for scatter, named in ((0.001, False), (0.02, True)):
-        found = check_run(Results(wall[1], _coulomb_run(wall[1], scatter=scatter)))
+        found = check_run(Results(wall[1], coulomb_run(wall[1], scatter=scatter)))
         check = next(c for c in found if c.name == "steadiness of the plateau")
         assert check.yade == pytest.approx(scatter, rel=0.05)
         assert ("Stick-slip" in check.reason) is named
@@ -304,7 +271,7 @@ def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, Limi
 def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple[Scene, LimitAnalysis]) -> None:
     """The state that carries the most by friction is in equilibrium and within its cones, but its joints do not slide down."""
     _scene, analysis = wall
-    run = _coulomb_run(analysis)
+    run = coulomb_run(analysis)
     run.poses.forces[:] = analysis.bounds[Drive.PUSHING].forces
     assert _verdict("YADE's friction state", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
 
@@ -324,7 +291,7 @@ def test_an_iteration_that_did_not_converge_may_confirm_but_not_contradict(
     _scene, analysis = wall
     assert analysis.coulomb is not None
     coulomb = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, dilatancy_residual=residual)
-    found = check_run(Results(with_answers(analysis, coulomb=coulomb), _coulomb_run(analysis, reaction=factor * coulomb.value)))
+    found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis, reaction=factor * coulomb.value)))
     check = next(c for c in found if c.name == "reaction against prediction")
     assert check.verdict is verdict and ("not converged" in check.reason) is (verdict is not Verdict.AGREE)
     assert Verdict.DISAGREE not in {c.verdict for c in found}
@@ -338,7 +305,7 @@ def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
     scene = load_scene(path)
     analysis = analyse(scene)
     for status in ("timeout", "failed"):
-        assert overall(check_run(Results(analysis, _perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
+        assert overall(check_run(Results(analysis, perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
 
 
 def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> None:
@@ -357,10 +324,10 @@ def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene
     for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
         greatest = dataclasses.replace(analysis.bounds[Drive.PUSHING], status=status)
         doubtful = with_answers(analysis, bounds={**analysis.bounds, Drive.PUSHING: greatest})
-        assert _verdict("reaction within bounds", check_run(Results(doubtful, _perfect_run(analysis)))) is verdict
+        assert _verdict("reaction within bounds", check_run(Results(doubtful, perfect_run(analysis)))) is verdict
 
 
 def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
-    found = check_run(Results(arch[1], _perfect_run(arch[1], uncertainty=math.nan)))
+    found = check_run(Results(arch[1], perfect_run(arch[1], uncertainty=math.nan)))
     assert _verdict("reaction within bounds", found) is Verdict.INCONCLUSIVE
     assert _verdict("reaction against prediction", found) is Verdict.INCONCLUSIVE

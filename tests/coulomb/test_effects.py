@@ -174,11 +174,11 @@ def test_a_region_and_small_displacements_that_yade_does_not_bear_out_are_given_
     assert first.assembly.effects.displacement == "small"
     asked = restored_effects.needed(Results(first, found.run))
     assert {effect: reason for effect, (_, reason) in asked.items()} == complaints
-    again = restored_effects.analyse_with(found.analysis, asked)
+    again = restored_effects.restore(Results(first, found.run))
+    assert again is not None and again.assembly.effects.called_back == tuple(asked)
     assert not again.assembly.effects.reach and again.assembly.effects.displacement == "finite"
-    assert restored_effects.restored(again) == asked
     assert again.assembly.effects.reasons["reach"] == complaints["reach"]
-    assert not restored_effects.needed(Results(again, found.run))
+    assert restored_effects.restore(Results(again, found.run)) is None
 
 
 # --- joints that cannot slide ----------------------------------------------------------------------------------------------------

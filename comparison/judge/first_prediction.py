@@ -1,0 +1,62 @@
+"""The answer that limit analysis gave before YADE ran, where YADE's run showed afterwards that it had left out a needed effect."""
+
+import json
+from typing import Any
+
+from comparison.judge.effects_table import EFFECTS
+from comparison.numbers import exists, format_number
+from la_core.analysis import LimitAnalysis, associated_values, coulomb_values
+
+WITHOUT = {  # what the first answer was without, by effect
+    "friction": "sliding",
+    "plane": "motion out of the plane",
+    "reach": "blocks beyond the support's reach",
+    "displacement": "new contacts",
+}
+WHY = {  # why the effect was restored
+    "friction": "joints slide in YADE, so friction was modelled",
+    "plane": "the plane answer does not hold in space, so motion in space was modelled",
+    "reach": "blocks that were left out do not rest in YADE, so all blocks were modelled",
+    "displacement": "blocks came near to each other in YADE, so new contacts were modelled",
+}
+
+
+def answer_of(analysis: LimitAnalysis) -> dict[str, Any]:
+    """Return what an analysis says.
+
+    The keys are `left_out` (the effects that the answer does without), `associated` and `coulomb` (as in `limit_analysis` of
+    `comparison.json`; `coulomb` is None without a prediction).
+    """
+    effects = analysis.assembly.effects
+    left_out = [name for name, choices in EFFECTS.items() if getattr(effects, name) in choices]
+    return {"left_out": left_out, "associated": associated_values(analysis), "coulomb": coulomb_values(analysis)}
+
+
+def answer_of_text(text: str) -> dict[str, Any]:
+    """Return an answer that was stored as JSON; raises an error of Python where the text is none."""
+    answer = dict(json.loads(text))
+    _value(answer, "")
+    return answer | {"left_out": list(answer["left_out"])}
+
+
+def first_prediction_summary(first: dict[str, Any] | None, analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """Return the first answer with `restored`, the effects restored since, and `sentence`, both answers in words; None without one.
+
+    first: in the form of `answer_of`, None where no effect was restored. analysis: the one with the restored effects.
+    """
+    if first is None:
+        return None
+    restored = list(analysis.assembly.effects.called_back)
+    without = " and ".join(WITHOUT.get(effect, effect) for effect in restored)
+    why = "; ".join(WHY.get(effect, f"{effect} was modelled") for effect in restored)
+    before, now = (_value(answer, analysis.scene.unit) for answer in (first, answer_of(analysis)))
+    return first | {"restored": restored, "sentence": f"Before YADE ran, limit analysis without {without} said {before}; {why}: {now}."}
+
+
+def _value(answer: dict[str, Any], unit: str) -> str:
+    """Return the value that is compared with YADE, with its unit, and the status where there is no solution."""
+    found = answer["coulomb"] or answer["associated"]
+    status, value = str(found.get("status")), found.get("shared_inset", found).get("reaction")
+    if not exists(value):
+        return status
+    return f"{format_number(value, 5)} {unit}" + ("" if status == "solved" else f" ({status})")
