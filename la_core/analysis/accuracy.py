@@ -14,7 +14,7 @@ from la_core.analysis.accuracy_record import AccuracyRecord, Attempt
 from la_core.analysis.modelling import StructuralModel, smallest_inset
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
 from la_core.limit import Status
 from la_core.model import Assembly
@@ -39,7 +39,7 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
     return same_structure(scene, {"accuracy": accuracy}, scene.name)
 
 
-def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
+def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, listener: AnalysisListener) -> LimitAnalysis:
     """Analyse a scene with finer and finer settings until the estimated error is within the accuracy that it requests.
 
     Parameters
@@ -48,6 +48,8 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
         Model of a scene with an accuracy.
     settings : AnalysisSettings
         Settings of every attempt, apart from the steps of the prediction, which each attempt chooses.
+    listener : AnalysisListener
+        Receives bounds and progress of every attempt.
 
     Returns
     -------
@@ -60,7 +62,7 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
     attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
-        analysis = analyse_once(tried, replace(settings, prediction=PredictionSettings(steps)))
+        analysis = analyse_once(tried, replace(settings, prediction=PredictionSettings(steps)), listener)
         attempts.append((_attempt(analysis, steps, before, start), analysis))
         attempt = attempts[-1][0]
         finer = _finer(model.scene, analysis, attempt, accuracy)

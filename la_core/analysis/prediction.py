@@ -8,7 +8,7 @@ from la_core.analysis import reach
 from la_core.analysis.decisions import decide_effects
 from la_core.analysis.modelling import StructuralModel, wedging
 from la_core.analysis.result import Answers
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest
 from la_core.limit import Solution
 from la_core.model import Assembly, Effects
@@ -16,7 +16,7 @@ from la_core.model import Assembly, Effects
 Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp arrises; one object twice where both are equal
 
 
-def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings) -> Pair:
+def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings, listener: AnalysisListener) -> Pair:
     """Add the prediction to the bounds, where the scene needs one.
 
     Parameters
@@ -27,6 +27,8 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
         Bounds of the whole structure at the shared inset and for sharp arrises, without prediction.
     settings : AnalysisSettings
         Settings of the analysis, among them the steps of the prediction.
+    listener : AnalysisListener
+        Receives how far the paths of the prediction are.
 
     Returns
     -------

@@ -1,6 +1,7 @@
 """Friction without dilatancy: the way to the plateau, the whole equilibrium path, the mechanism's interval."""
 
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
+from la_core.coulomb.path_progress import PathProgress
 from la_core.coulomb.plateau import ACCEPTED_RESIDUAL, FIRST_SAGS, STEPS, CoulombSolution, PredictionSettings, predict, reaction_at_rest
 from la_core.coulomb.sliding import SLIDING_SHARE, STATIONS, Sliding, look_for_sliding, slides_in_mechanism
 
@@ -12,6 +13,7 @@ __all__ = [
     "STEPS",
     "CoulombSolution",
     "EquilibriumPath",
+    "PathProgress",
     "PredictionSettings",
     "Sliding",
     "follow_path",
