@@ -18,6 +18,7 @@ from comparison.cli.commands import main
 from comparison.workflow import one_scene
 from comparison.workflow.one_scene import run_scene
 from comparison.yade.run_record import Run, read_run
+from la_core.analysis import settings as settings_of_analysis
 from la_core.analysis.case_file import read_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.scene import shipped
@@ -107,8 +108,8 @@ class CrossChecked:
     folder: Path
 
 
-class Silent:
-    """A listener that keeps what it hears to itself."""
+class Silent(settings_of_analysis.Silent):
+    """A listener of all stages that keeps what it hears to itself."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         pass

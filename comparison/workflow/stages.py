@@ -12,7 +12,7 @@ from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.judge import requested_accuracy, without_run, yade_summary
 from comparison.yade import ROOT, Run, find_yade, read_run, run_yade
 from la_core import exchange
-from la_core.analysis import LimitAnalysis, StructuralModel, analyse, case_file
+from la_core.analysis import AnalysisListener, LimitAnalysis, StructuralModel, analyse, case_file
 from la_core.digests import code_digest
 
 REPEATED = ("timeout", "failed")  # outcomes that depend on the machine, not the scene: the next call tries again
@@ -23,7 +23,7 @@ COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the
 )
 
 
-class Listener(Protocol):
+class Listener(AnalysisListener, Protocol):
     """Receives what happens in the stages while they run."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
@@ -54,7 +54,7 @@ def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listene
             listener.stage(scene.name, "limit analysis", f"repeated, because the stored result cannot be read: {error}")
     else:
         listener.stage(scene.name, "limit analysis", "running")
-    analysis = analyse(model)
+    analysis = analyse(model, listener=listener)
     for attempt in analysis.accuracy.limit_analysis if analysis.accuracy else ():
         listener.stage(scene.name, "limit analysis", requested_accuracy.attempt_words(attempt))
     (folder / "run.h5").unlink(missing_ok=True)
