@@ -89,11 +89,15 @@ def is_about(item: pytest.Item, scene: str) -> bool:
 
 @pytest.fixture(autouse=True, scope="session")
 def no_settings_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment."""
+    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment.
+
+    The default folder of results cannot be made, so that no test leaves results in the current folder, or finds those of another one.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("configuration")))
         for name in ("OUTPUT", "TIME_LIMIT", "WORKERS"):
             patch.delenv(f"CROSSCHECK_{name}", raising=False)
+        patch.setenv("CROSSCHECK_OUTPUT", "/dev/null/crosscheck-results")
         yield
 
 

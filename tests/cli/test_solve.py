@@ -208,15 +208,18 @@ def test_bounds_without_an_upper_one_in_words() -> None:
     assert progress.bounds_words(changed) == "bounds: R at least 363.3 N, R/W at least 0.1683"
 
 
-def test_an_interruption_of_the_path_leaves_the_bounds_printed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_interruption_of_the_path_leaves_the_bounds_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def stop(report: PathProgress) -> None:
         raise KeyboardInterrupt
 
     with_reports(monkeypatch, stop)
-    assert main(["solve", "two_pads"]) == INTERRUPTED
+    assert main(["solve", "two_pads", "--results", str(tmp_path / "out")]) == INTERRUPTED
     captured = capsys.readouterr()
     assert "reaction max" in captured.out and "Coulomb" not in captured.out
     assert captured.err.count("error: stopped") == 1 and "Traceback" not in captured.err
+    assert not list(tmp_path.iterdir())
 
 
 # --- bounds alone -------------------------------------------------------------------------------------------------------------

@@ -7,9 +7,11 @@ from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
 from comparison.judge import Check, check_accuracy, check_expected, limit_analysis_summary, overall
+from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
+from comparison.settings import load_settings
 from comparison.yade import Results
-from la_core.analysis import LimitAnalysis, associated_values, solve
+from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene, shipped
 
@@ -39,7 +41,7 @@ def execute(context: Context) -> int:
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
-        analysis = solve(scene, options.path, options.bounds, narration).analysis
+        analysis = _analysed(scene, context, narration)
     summary = limit_analysis_summary(analysis)
     checks = [*check_expected(analysis), *check_accuracy(Results(analysis))]
     if options.json:
@@ -55,6 +57,15 @@ def execute(context: Context) -> int:
     if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
         return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[verdict]
+
+
+def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:
+    """Return the requested analysis; only a complete one without an extra path is stored, as `crosscheck run` makes the same."""
+    options = context.options
+    if options.bounds or options.path:
+        return solve(scene, options.path, options.bounds, narration).analysis
+    folder = (options.results or load_settings().settings.output) / scene.name
+    return limit_analysis_alone(structural_model(scene), folder, narration)
 
 
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
