@@ -7,19 +7,25 @@ from typing import Any, Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, TaskID, TextColumn, TimeElapsedColumn
 
-from comparison.numbers import plural
+from comparison.numbers import format_number, plural, value_range
+from la_core.analysis import LimitAnalysis
+from la_core.coulomb import PathProgress
 from la_core.errors import visible
+from la_core.limit import Drive, Status
+from la_core.scene import Scene
 
-LINE_EVERY = 10.0  # s between progress lines where there is no terminal
+LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
+BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
 
 class _Bars:
     """Progress bars of one console, shown from entering to leaving the context; silent on a quiet console."""
 
     def __init__(self, console: Console, *more_columns: ProgressColumn) -> None:
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(), TextColumn("{task.fields[state]}", markup=False))
+        columns = (TextColumn("{task.description}", markup=False), BarColumn(BAR_WIDTH), TextColumn("{task.fields[state]}", markup=False))
         self._console = console
-        self._bars = Progress(*columns, *more_columns, console=console, transient=True, disable=not console.is_terminal)
+        self._has_bars = console.is_terminal and not console.is_dumb_terminal
+        self._bars = Progress(*columns, *more_columns, console=console, transient=True, disable=not self._has_bars)
         self._spoke = time.monotonic()
 
     def __enter__(self) -> Self:
@@ -45,12 +51,31 @@ class Narration(_Bars):
     def __init__(self, console: Console) -> None:
         super().__init__(console, TimeElapsedColumn())
         self._tasks: dict[str, TaskID] = {}
+        self._analysed: Scene | None = None
+        self._pace = _Pace()
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Print that a stage began, was found cached or ended badly."""
         self._say(f"{scene}: {stage}: {state}")
-        if scene in self._tasks:
-            self._bars.remove_task(self._tasks.pop(scene))
+        self._end_bar(scene)
+
+    def bounds(self, analysis: LimitAnalysis) -> None:
+        """Tell the bounds; the paths that follow are of the same analysis."""
+        self._end_bar(analysis.scene.name)
+        self._analysed, self._pace = analysis.scene, _Pace()
+        self.tell_bounds(analysis)
+
+    def tell_bounds(self, analysis: LimitAnalysis) -> None:
+        """Print the bounds as one line."""
+        self._say(f"{analysis.scene.name}: limit analysis: {bounds_words(analysis)}")
+
+    def path(self, report: PathProgress) -> None:
+        """Show how far the paths of the prediction are."""
+        scene, share = self._analysed, report.share
+        assert scene is not None  # bounds come first
+        which = f"path {report.path} of {report.paths}" if report.paths > 1 else "path"
+        words = f"{which}: {100.0 * share:.0f} %, {value_words(scene, report.value)}{self._pace.time_left(share)}"
+        self.fraction(scene.name, share, words)
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Show the progress of a running YADE case. report: as YADE's process wrote it."""
@@ -61,12 +86,31 @@ class Narration(_Bars):
 
         fraction: of the work that is done, 0 to 1. state: one phrase on where it is.
         """
-        if not self._console.is_terminal:
+        if not self._has_bars:
             self._say_now_and_then(f"{scene}: {state}")
             return
         if scene not in self._tasks:
             self._tasks[scene] = self._bars.add_task(scene, total=1.0, state="")
         self._bars.update(self._tasks[scene], completed=fraction, state=state)
+
+    def _end_bar(self, scene: str) -> None:
+        if scene in self._tasks:
+            self._bars.remove_task(self._tasks.pop(scene))
+
+
+class _Pace:
+    """Remaining time of a work, from its pace since it was first heard of, or since its estimated share last fell."""
+
+    def __init__(self) -> None:
+        self._began, self._first, self._last = 0.0, 0.0, float("inf")
+
+    def time_left(self, done: float) -> str:
+        """Return the remaining time as text, "" where it is unknown. done: share of the work, 0 to 1."""
+        now = time.monotonic()
+        if done < self._last:
+            self._began, self._first = now, done
+        self._last, gained = done, done - self._first
+        return _time_left((now - self._began) / gained * (1.0 - done)) if gained > 0.0 and done < 1.0 else ""
 
 
 class CampaignNarration(_Bars):
@@ -103,7 +147,7 @@ class CampaignNarration(_Bars):
     def shows(self) -> None:
         """Show the counts."""
         counts = f"{self._done} of {self._total} done, {self._running} running, {self._failed} failed{self._left()}"
-        if self._console.is_terminal:
+        if self._has_bars:
             self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=counts)
         else:
             self._say_now_and_then(f"{self._title}: {counts}")
@@ -120,6 +164,28 @@ def _time_left(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f", about {hours} h {minutes:02} min left" if hours else f", about {minutes}:{rest:02} min left"
+
+
+def bounds_words(analysis: LimitAnalysis) -> str:
+    """Return the bounds at the scene's own inset in one phrase, or the status of a structure without them."""
+    scene, bounds = analysis.scene, analysis.printed.bounds
+    main = bounds[analysis.main]
+    if main.status is not Status.SOLVED:
+        return f"bounds: {main.status}"
+    if scene.live is not None:
+        return f"bound: multiplier {format_number(main.value)}"
+    greatest = bounds[Drive.PUSHING]
+    values, shares = (
+        value_range(main.value / unit, greatest.value / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight)
+    )
+    return f"bounds: R {values} {scene.unit}, R/W {shares}"
+
+
+def value_words(scene: Scene, value: float) -> str:
+    """Return a reaction in its unit and over the weight, or a multiplier, in one phrase."""
+    if scene.live is not None:
+        return f"multiplier {format_number(value)}"
+    return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}"
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -45,7 +45,9 @@ PathText = Annotated[Path, BeforeValidator(_path)]
 class Settings(Table):
     """Every setting with its default; a relative path starts from the current folder."""
 
-    output: PathText = Field(default=Path("crosscheck-results"), description="folder of `crosscheck run`'s results")
+    output: PathText = Field(
+        default=Path("crosscheck-results"), description="folder of the results of `crosscheck run` and `crosscheck solve`"
+    )
     time_limit: Positive | None = Field(
         default=None, description="longest wall time of each YADE run, s; where none is set, the `time_limit` of the scene, or 3600"
     )

@@ -18,6 +18,7 @@ from comparison.cli.commands import main
 from comparison.workflow import one_scene
 from comparison.workflow.one_scene import run_scene
 from comparison.yade.run_record import Run, read_run
+from la_core.analysis import settings as settings_of_analysis
 from la_core.analysis.case_file import read_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.scene import shipped
@@ -88,11 +89,15 @@ def is_about(item: pytest.Item, scene: str) -> bool:
 
 @pytest.fixture(autouse=True, scope="session")
 def no_settings_of_the_user(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment."""
+    """Tests hold for the defaults, whatever is configured where they run; only where YADE is may come from the environment.
+
+    The default folder of results cannot be made, so that no test leaves results in the current folder, or finds those of another one.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("configuration")))
         for name in ("OUTPUT", "TIME_LIMIT", "WORKERS"):
             patch.delenv(f"CROSSCHECK_{name}", raising=False)
+        patch.setenv("CROSSCHECK_OUTPUT", "/dev/null/crosscheck-results")
         yield
 
 
@@ -107,8 +112,8 @@ class CrossChecked:
     folder: Path
 
 
-class Silent:
-    """A listener that keeps what it hears to itself."""
+class Silent(settings_of_analysis.Silent):
+    """A listener of all stages that keeps what it hears to itself."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         pass

@@ -21,8 +21,9 @@ ROOMS = (
     "la_core.exchange", "la_core.geometry", "la_core.scene", "la_core.model", "la_core.measures",
     "la_core.limit", "la_core.coulomb", "la_core.analysis",
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
-    "comparison.progress", "comparison.yade", "comparison.judge", "comparison.figures", "comparison.report", "comparison.workflow",
-    "comparison.studies", "comparison.campaign", "comparison.result", "comparison.cli", "comparison.__main__",
+    "comparison.progress", "comparison.yade", "comparison.judge", "comparison.limit_analysis", "comparison.figures",
+    "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.result", "comparison.cli",
+    "comparison.__main__",
 )  # fmt: skip
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", ""),
@@ -198,6 +199,10 @@ def test_loading_exchange_loads_nothing_it_need_not() -> None:
 
 def test_the_command_line_does_not_wait_for_what_draws() -> None:
     assert not loaded_by("from comparison.cli import main") & {"matplotlib", "jinja2", "distributed", "vtk"}
+
+
+def test_solve_does_not_wait_for_what_draws() -> None:
+    assert not loaded_by("import comparison.cli.scene_verbs.solve") & {"matplotlib", "jinja2"}
 
 
 def test_every_verb_has_a_module_of_its_own() -> None:

@@ -101,12 +101,12 @@ def test_a_look_of_limit_analysis_at_a_run_is_noticed(source: str) -> None:
 def test_the_rule_knows_who_predicts_and_who_holds_a_run() -> None:
     """Else it could not fail."""
     assert {"la_core:analyse", "la_core:predict", "la_core:solve", "la_core:solve_associated"} <= house().predicting
-    assert {"comparison.workflow.stages:limit_analysis_stage", "comparison.workflow.one_scene:run_scene"} <= house().predicting
+    assert {"comparison.limit_analysis:limit_analysis_stage", "comparison.workflow.one_scene:run_scene"} <= house().predicting
     assert not {DOOR, "comparison.workflow.one_scene:_compare", "comparison.judge.run_checks:check_run"} & house().predicting
     assert DOOR in house().functions and house().first_sight("comparison.judge.run_checks:check_run") == (0, 0)
     solved = house().first_sight("comparison.workflow.one_scene:_solved")
     assert solved is not None and solved > (0, 0)  # limit analysis comes first there
-    assert house().first_sight("comparison.workflow.stages:limit_analysis_stage") is None
+    assert house().first_sight("comparison.limit_analysis:limit_analysis_stage") is None
     assert {"SceneOutcome", "Result"} <= house().carriers
 
 

@@ -1,4 +1,4 @@
-"""What version 0.2.0 let users type, write and read is still there: the contract may grow, nothing in it may go or change."""
+"""What users may type, write and read since version 0.2.0 is still there: the contract may grow, nothing in it may go or change."""
 
 import json
 from collections.abc import Iterator

@@ -12,6 +12,7 @@ from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
 from la_core.text_table import number_text, over_weight
 
+ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
 MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
 
 
@@ -77,13 +78,33 @@ def effects_table(effects: dict[str, Any]) -> Table:
     return table
 
 
-def solution_table(scene: Scene, summary: dict[str, Any], checks: list[Check]) -> Table:
-    """Return the answers of one scene, in their unit and over the weight, with residuals and checks against expected values."""
-    table = new_table(*answer_headings(scene), title=plain(scene.title))
-    for row in answer_rows(scene, summary["limit_analysis"]):
-        table.add_row(*map(plain, row))
+def bounds_table(scene: Scene, answer: dict[str, Any]) -> Table:
+    """Return the bounds of one scene, in their unit and over the weight, with residuals. answer: values as of `solve --json`."""
+    return _answer_table(answer_headings(scene), _rows_of_bounds(scene, answer), plain(scene.title))
+
+
+def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check]) -> Table | None:
+    """Return what `bounds_table` leaves out: the prediction, and checks against expected values; None where there is neither."""
+    _, unit, share = answer_headings(scene)
+    rows = list(answer_rows(scene, answer))[len(_rows_of_bounds(scene, answer)) :]
+    if not rows and not checks:
+        return None
+    table = _answer_table(("prediction" if rows else "check", unit, share), rows)
     for check in checks:
         table.add_row(check.name, number_text(check.limit_analysis), MARKS[check.verdict])
+    return table
+
+
+def _rows_of_bounds(scene: Scene, answer: dict[str, Any]) -> list[tuple[str, str, str]]:
+    return list(answer_rows(scene, answer | {"coulomb": None}))
+
+
+def _answer_table(headings: tuple[str, str, str], rows: list[tuple[str, str, str]], title: str | None = None) -> Table:
+    table = new_table(*headings, title=title)
+    for column, width in zip(table.columns, ANSWER_WIDTHS, strict=False):
+        column.min_width = width
+    for row in rows:
+        table.add_row(*map(plain, row))
     return table
 
 

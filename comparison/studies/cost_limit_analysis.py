@@ -86,7 +86,12 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
     yield Method("classic iteration", "its own settings", PREDICTION, partial(_classic, scene, inset))
     default = PredictionSettings()
     for viscosity in VISCOSITIES:
-        yield Method("Coulomb", f"1 path, viscosity {viscosity:g}", PREDICTION, partial(coulomb, scene, inset, replace(default, viscosities=(viscosity,))))
+        yield Method(
+            "Coulomb",
+            f"1 path, viscosity {viscosity:g}",
+            PREDICTION,
+            partial(coulomb, scene, inset, replace(default, viscosities=(viscosity,))),
+        )
     yield Method("Coulomb", f"{len(default.viscosities)} paths (default)", PREDICTION, partial(coulomb, scene, inset, default))
     for finer in FINER:
         yield Method("Coulomb", f"steps {finer:g} times shorter", PREDICTION, partial(coulomb, scene, inset, replace(default, finer=finer)))

@@ -1,7 +1,8 @@
 """One scene through both methods, stage by stage; a stage whose inputs did not change is not run again."""
 
+from comparison.limit_analysis import Listener
 from comparison.workflow.one_scene import report_again, run_scene
-from comparison.workflow.stages import COMPARISON_CODE, REPEATED, YADE_CODE, Listener
+from comparison.workflow.stages import COMPARISON_CODE, REPEATED, YADE_CODE
 
 __all__ = [
     "COMPARISON_CODE",

@@ -1,66 +1,35 @@
-"""The stored stages of one scene, limit analysis and YADE; a stage whose inputs did not change is not run again."""
+"""The stored stage of YADE, and what it shares with that of limit analysis; a stage whose inputs did not change is not run again."""
 
 import dataclasses
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from comparison.errors import YadeFailedError, YadeMissingError
-from comparison.judge import answer_of, answer_of_text, requested_accuracy, without_run, without_undefined, yade_summary
+from comparison.judge import answer_of, without_run, without_undefined, yade_summary
+from comparison.limit_analysis import Listener, first_prediction
 from comparison.yade import ROOT, Run, find_yade, read_run, run_yade
 from la_core import exchange
-from la_core.analysis import LimitAnalysis, StructuralModel, analyse, case_file
+from la_core.analysis import LimitAnalysis, case_file
 from la_core.digests import code_digest
 
 REPEATED = ("timeout", "failed")  # outcomes that depend on the machine, not the scene: the next call tries again
 YADE_CODE = (ROOT / "yade_scripts",)
 COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the command line, studies and campaigns only use it
     ROOT / "comparison" / name
-    for name in ("numbers.py", "provenance.py", "run_folder.py", "settings.py", "yade", "judge", "figures", "report", "workflow")
+    for name in (
+        *("limit_analysis.py", "numbers.py", "provenance.py", "run_folder.py", "settings.py"),
+        *("yade", "judge", "figures", "report", "workflow"),
+    )
 )
-
-
-class Listener(Protocol):
-    """Receives what happens in the stages while they run."""
-
-    def stage(self, scene: str, stage: str, state: str) -> None:
-        """Receive that a stage of a scene began, was found cached, or ended unusually; state: as one phrase."""
-
-    def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Receive a progress report of YADE: stage, fraction, settlement, reaction, message and unit by name."""
 
 
 def stage_digest(made_of: str, code: tuple[Path, ...]) -> str:
     """Return the digest of a stage's inputs: its data as text, and the files or folders of the code that makes it."""
     return hashlib.sha256((made_of + code_digest(*code)).encode()).hexdigest()
-
-
-def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:
-    """Return limit analysis, stored or new, and the digest of its inputs; a new one deletes `run.h5`, made from the old one.
-
-    model: of the scene. folder: of its results. listener: receives the progress.
-    """
-    scene, path = model.scene, folder / "case.h5"
-    inputs = case_file.scene_digest(scene)
-    if exchange.inputs_digest(path) == inputs:
-        try:
-            stored = case_file.read_case(path, scene, model.assembly.interfaces)
-            first_prediction(stored, folder)  # one that cannot be read is damage, too
-            listener.stage(scene.name, "limit analysis", "cached")
-            return stored, inputs
-        except exchange.ExchangeError as error:
-            listener.stage(scene.name, "limit analysis", f"repeated, because the stored result cannot be read: {error}")
-    else:
-        listener.stage(scene.name, "limit analysis", "running")
-    analysis = analyse(model)
-    for attempt in analysis.accuracy.limit_analysis if analysis.accuracy else ():
-        listener.stage(scene.name, "limit analysis", requested_accuracy.attempt_words(attempt))
-    (folder / "run.h5").unlink(missing_ok=True)
-    case_file.write_case(path, analysis, inputs)
-    return analysis, inputs
 
 
 def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, folder: Path) -> LimitAnalysis:
@@ -87,17 +56,6 @@ def store_changed(before: LimitAnalysis, analysis: LimitAnalysis, inputs: str, f
         text = json.dumps(without_undefined(first), sort_keys=True) if first else ""
         case_file.write_case(folder / "case.h5", analysis, inputs, text)
     return analysis
-
-
-def first_prediction(analysis: LimitAnalysis, folder: Path) -> dict[str, Any] | None:
-    """Return what limit analysis said before YADE ran, in the form of `answer_of`; None where no effect was restored since.
-
-    Raises exchange.ExchangeError where the stored text is no such answer. analysis: the one in `case.h5`. folder: of the scene's results.
-    """
-    path = folder / "case.h5"
-    text = case_file.read_first_prediction(path) if analysis.assembly.effects.called_back else ""
-    with exchange.values_of(path):
-        return answer_of_text(text) if text else None
 
 
 def run_inputs(inputs: str, analysis: LimitAnalysis) -> str:

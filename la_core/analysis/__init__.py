@@ -8,17 +8,19 @@ from la_core.analysis.case_file import write_case
 from la_core.analysis.decisions import DecidedModel, decided_model
 from la_core.analysis.modelling import StructuralModel, drives, smallest_inset, structural_model, wedging
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.analysis.stage import analyse
 
 __all__ = [
     "HISTORY",
     "INSET_SHARE",
+    "AnalysisListener",
     "AnalysisSettings",
     "Answer",
     "Attempt",
     "DecidedModel",
     "LimitAnalysis",
+    "Silent",
     "StructuralModel",
     "analyse",
     "answer_headings",

@@ -14,7 +14,7 @@ from la_core.analysis.accuracy_record import AccuracyRecord, Attempt
 from la_core.analysis.modelling import StructuralModel, smallest_inset
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
 from la_core.limit import Solution, Status
 from la_core.model import Assembly
@@ -38,7 +38,7 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
     return same_structure(scene, {"accuracy": accuracy}, scene.name)
 
 
-def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
+def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, listener: AnalysisListener) -> LimitAnalysis:
     """Analyse a scene with finer and finer settings until the estimated error is within the accuracy that it requests.
 
     Parameters
@@ -47,6 +47,8 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
         Model of a scene with an accuracy.
     settings : AnalysisSettings
         Settings of every attempt, apart from the paths of the prediction, which each attempt chooses.
+    listener : AnalysisListener
+        Receives bounds and progress of every attempt.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings) -> L
     attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
-        analysis = analyse_once(tried, replace(settings, prediction=_paths(level)))
+        analysis = analyse_once(tried, replace(settings, prediction=_paths(level)), listener)
         attempts.append((_attempt(analysis, level, start), analysis))
         attempt = attempts[-1][0]
         finer = _finer(model.scene, analysis, attempt, accuracy, level)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
@@ -124,7 +124,7 @@ class Answer(Tabled):
         return self.scene.title, answer_headings(self.scene), list(answer_rows(self.scene, self.values))
 
 
-def solve(scene: Scene, path: bool = False) -> Answer:
+def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener: AnalysisListener | None = None) -> Answer:
     """Solve a scene by limit analysis: the bounds, and the prediction unless the scene requests bounds alone.
 
     Parameters
@@ -133,6 +133,11 @@ def solve(scene: Scene, path: bool = False) -> Answer:
         Scene from `load`, `build` or `variant`.
     path : bool
         Whether to follow the reaction from rest to the plateau, too. The curve is `answer.analysis.path`.
+    bounds_only : bool
+        Whether to compute the bounds alone, which is fast: the prediction is then NaN.
+    listener : AnalysisListener, optional
+        Object with the methods `bounds(analysis)`, called as soon as the bounds are known, and `path(report)`, called
+        while the prediction is computed: `report.share` is the share that is done, `report.value` the value so far.
 
     Returns
     -------
@@ -142,7 +147,8 @@ def solve(scene: Scene, path: bool = False) -> Answer:
     Raises
     ------
     SceneError
-        The scene requests an effect that it does not allow, or `path` is requested with another friction law.
+        The scene requests an effect that it does not allow, or `path` is requested with another friction law or with
+        `bounds_only`.
 
     Examples
     --------
@@ -154,7 +160,9 @@ def solve(scene: Scene, path: bool = False) -> Answer:
     if path and scene.effects.friction not in ("auto", "coulomb"):
         rule = "a path needs friction without dilatancy"
         raise SceneError(f"{scene.path}: effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"')
-    return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path)))
+    if path and bounds_only:
+        raise SceneError("bounds_only", "a path is no bound", value=True, hint="leave out `path` or `bounds_only`")
+    return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path, bounds_only=bounds_only), listener))
 
 
 def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:

@@ -6,14 +6,14 @@ from dataclasses import replace
 from la_core.analysis.modelling import StructuralModel, drives, wedging
 from la_core.analysis.prediction import with_prediction
 from la_core.analysis.result import Answers, LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import EquilibriumPath, follow_path
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve_associated
 from la_core.model import Assembly
 from la_core.scene import RequestedPath, Scene
 
 
-def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAnalysis:
+def analyse_once(model: StructuralModel, settings: AnalysisSettings, listener: AnalysisListener) -> LimitAnalysis:
     """Solve a model at the shared inset and for sharp arrises.
 
     The bounds, the path and the reaction at rest belong to the whole structure. The prediction comes from a reduced
@@ -23,10 +23,25 @@ def analyse_once(model: StructuralModel, settings: AnalysisSettings) -> LimitAna
     sharp = bounds
     if model.sharp.inset != model.assembly.inset:
         sharp = Answers(model.sharp, dict(_solve_every_drive(model.scene, model.sharp)))
-    at_inset, sharp = with_prediction(model, (bounds, sharp), settings)
+    known = LimitAnalysis(model.scene, model.assembly, bounds, sharp, model.stiffness, model.least_gap)
+    if settings.bounds_only:
+        known = _of_bounds_only(known)
+    listener.bounds(known)
+    if settings.bounds_only:
+        return known
+    at_inset, sharp = with_prediction(model, (bounds, sharp), settings, listener)
     whole = replace(model.assembly, effects=at_inset.assembly.effects)
     path = _followed(model, at_inset, settings)
     return LimitAnalysis(model.scene, whole, at_inset, sharp, model.stiffness, model.least_gap, path)
+
+
+def _of_bounds_only(analysis: LimitAnalysis) -> LimitAnalysis:
+    """Return an analysis without prediction whose effects say that only the bounds were requested."""
+    effects = analysis.assembly.effects
+    if effects.friction == "coulomb":
+        effects = effects.with_effect("friction", "associated", "only the bounds were requested")
+    effects = effects.with_effect("elasticity", "none", "bounds do not depend on the joints' strain")
+    return analysis.with_effects(effects.with_effect("reach", False, "the bounds are those of the whole structure"))
 
 
 def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettings) -> EquilibriumPath | None:

@@ -8,7 +8,7 @@ from la_core.analysis import reach
 from la_core.analysis.decisions import decide_effects
 from la_core.analysis.modelling import StructuralModel, wedging
 from la_core.analysis.result import Answers
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest
 from la_core.limit import Solution
 from la_core.model import Assembly, Effects
@@ -16,7 +16,7 @@ from la_core.model import Assembly, Effects
 Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp arrises; one object twice where both are equal
 
 
-def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings) -> Pair:
+def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings, listener: AnalysisListener) -> Pair:
     """Add the prediction to the bounds, where the scene needs one.
 
     Parameters
@@ -27,6 +27,8 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
         Bounds of the whole structure at the shared inset and for sharp arrises, without prediction.
     settings : AnalysisSettings
         Settings of the analysis, among them the paths of the prediction.
+    listener : AnalysisListener
+        Receives how far the paths of the prediction are.
 
     Returns
     -------
@@ -49,13 +51,13 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     for aside in decision.aside:
         why_enough = reach.reason(reach.set_aside(model.assembly, aside))
         region = _with_effects(_held(bounds, aside), decision.effects.with_effect("reach", True, why_enough))
-        predicted = _predicted(model, region, decision.search, settings.prediction)
+        predicted = _predicted(model, region, decision.search, settings.prediction, listener)
         obstacle = _why_not_valid(bounds, predicted)
         if not obstacle:
             return _with_whole_at_rest(model, predicted)
         reason = f"the whole structure is modelled, because {obstacle}"
     whole = _with_effects(bounds, decision.effects.with_effect("reach", False, reason))
-    return _predicted(model, whole, decision.search, settings.prediction)
+    return _predicted(model, whole, decision.search, settings.prediction, listener)
 
 
 def _with_effects(answers: Pair, effects: Effects) -> Pair:
@@ -92,7 +94,9 @@ def _why_not_valid(whole: Pair, region: Pair) -> str:
     return ""
 
 
-def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, settings: PredictionSettings) -> Pair:
+def _predicted(
+    model: StructuralModel, answers: Pair, search: Sliding | None, settings: PredictionSettings, listener: AnalysisListener
+) -> Pair:
     """Return the answers with their prediction, where the scene needs one.
 
     Where a search found no sliding joint, the associated answer is the prediction. search: None where there was no search.
@@ -106,7 +110,7 @@ def _predicted(model: StructuralModel, answers: Pair, search: Sliding | None, se
         if search is not None and not search.found:
             timed = search if bounds is at_inset else replace(search, seconds=0.0)  # the time of the search counts once
             return timed.as_coulomb(bounds.assembly, associated)
-        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings)
+        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings, listener.path)
 
     if at_inset.assembly.effects.friction != "coulomb" and slides:
         return answers

@@ -1,8 +1,10 @@
-"""Settings of limit analysis that are not part of the scene."""
+"""What a caller may give to an analysis beside its scene: settings, and a listener."""
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
-from la_core.coulomb import PredictionSettings
+from la_core.analysis.result import LimitAnalysis
+from la_core.coulomb import PathProgress, PredictionSettings
 
 
 @dataclass(frozen=True)
@@ -18,8 +20,34 @@ class AnalysisSettings:
         "auto" might leave it out. "" where nothing is known.
     prediction : PredictionSettings
         Viscosities and steps of the paths to the plateau. A scene that requests an accuracy overrides them.
+    bounds_only : bool
+        Whether the analysis ends with the bounds, without prediction, path and requested accuracy. Its effects say so.
     """
 
     follow_path: bool = False
     sliding_reason: str = ""
     prediction: PredictionSettings = field(default_factory=PredictionSettings)
+    bounds_only: bool = False
+
+
+class AnalysisListener(Protocol):
+    """Receives what an analysis finds, while it still runs."""
+
+    def bounds(self, analysis: LimitAnalysis) -> None:
+        """Receive the bounds as soon as they are known, before the paths; `analysis` has no prediction yet.
+
+        With a requested accuracy, each attempt has its own bounds, at its own inset.
+        """
+
+    def path(self, report: PathProgress) -> None:
+        """Receive how far a path is; the path belongs to the bounds that were received last."""
+
+
+class Silent:
+    """An `AnalysisListener` that reports nothing."""
+
+    def bounds(self, analysis: LimitAnalysis) -> None:
+        """Do nothing."""
+
+    def path(self, report: PathProgress) -> None:
+        """Do nothing."""

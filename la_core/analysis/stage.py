@@ -4,11 +4,13 @@ from la_core.analysis.accuracy import analyse_to_accuracy
 from la_core.analysis.modelling import StructuralModel, structural_model
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
-from la_core.analysis.settings import AnalysisSettings
+from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.scene import Scene
 
 
-def analyse(scene: Scene | StructuralModel, settings: AnalysisSettings | None = None) -> LimitAnalysis:
+def analyse(
+    scene: Scene | StructuralModel, settings: AnalysisSettings | None = None, listener: AnalysisListener | None = None
+) -> LimitAnalysis:
     """Analyse a scene once, or repeatedly until it reaches the accuracy that it requests.
 
     Parameters
@@ -17,6 +19,8 @@ def analyse(scene: Scene | StructuralModel, settings: AnalysisSettings | None = 
         Scene, or its model where the caller has one, so that it is not assembled twice.
     settings : AnalysisSettings, optional
         Settings of the analysis; None takes the defaults.
+    listener : AnalysisListener, optional
+        Receives the bounds as soon as they are known, then how far the paths are.
 
     Returns
     -------
@@ -29,5 +33,6 @@ def analyse(scene: Scene | StructuralModel, settings: AnalysisSettings | None = 
         The scene requests an effect that it does not allow.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
-    analyse_model = analyse_once if model.scene.accuracy is None else analyse_to_accuracy
-    return analyse_model(model, settings or AnalysisSettings())
+    settings = settings or AnalysisSettings()
+    analyse_model = analyse_once if model.scene.accuracy is None or settings.bounds_only else analyse_to_accuracy
+    return analyse_model(model, settings, listener or Silent())

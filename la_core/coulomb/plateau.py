@@ -3,6 +3,7 @@
 A value is judged against the larger of its size and a share of the weight, so that a reaction of zero is flat, too.
 """
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -76,7 +77,7 @@ def groups(values: Sequence[float]) -> list[list[int]]:
     """Indices of the values that belong together: neighbours in size are closer than ALIKE."""
     order = np.argsort(values)
     found = [[int(order[0])]]
-    for left, right in zip(order, order[1:], strict=False):
+    for left, right in itertools.pairwise(order):
         if values[right] - values[left] > ALIKE * scale(values[right]):
             found.append([])
         found[-1].append(int(right))

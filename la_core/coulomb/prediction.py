@@ -33,7 +33,9 @@ LAST_VISCOSITY, END_VISCOSITY = 1e-6, 1e-9  # after annealing; of the last stret
 # Unknowns of a large structure. Instabilities on the way grow with size, and each takes steps in proportion to 1/viscosity; beyond
 # this size the first viscosities grow as the square of the size, up to MOST_VISCOUS times, and the last one as the square of that.
 LARGE, MOST_VISCOUS = 1000.0, 100.0
-UNFINISHED = 3.0  # times its last change is what a curve may still change that is not flat: its changes fall slowly, by a quarter a doubling
+UNFINISHED = (
+    3.0  # times its last change is what a curve may still change that is not flat: its changes fall slowly, by a quarter a doubling
+)
 END_STRETCH, END_ITERATIONS = 0.1, 0.1  # most travel and iterations of the last stretch, over those of the whole path
 LEAST_END_ITERATIONS, END_STEPS = 200, 20
 # Of the value: what the control of the steps alone changes. On the shipped scenes, steps ten times shorter move it by up to 2.6e-4.
@@ -151,7 +153,9 @@ def viscous(joints: ElasticJoints) -> float:
     return float(np.clip((len(joints.weights) / LARGE) ** 2, 1.0, MOST_VISCOUS))
 
 
-def _reporter(joints: ElasticJoints, report: Reporter | None, viscosity: float, place: tuple[int, int]) -> Callable[[float, float, float], None]:
+def _reporter(
+    joints: ElasticJoints, report: Reporter | None, viscosity: float, place: tuple[int, int]
+) -> Callable[[float, float, float], None]:
     """Function that reports progress, end of the travel and scaled value of one path."""
     number, count = place[0], max(place)
 
@@ -221,7 +225,8 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
     groups = plateau.groups([path.plateau.value for path in followed])
-    chosen = followed[max(max(groups, key=lambda group: (len(group), max(group))))]
+    most = max(groups, key=lambda group: (len(group), max(group)))
+    chosen = followed[max(most)]
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)
     several = [float(np.mean([followed[i].plateau.value for i in group])) for group in groups] if len(groups) > 1 else []
     stride = chosen.last.progress - chosen.before.progress

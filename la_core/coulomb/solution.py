@@ -90,9 +90,7 @@ class CoulombSolution:
     @property
     def certificate(self) -> float:
         """Largest residual of the limit state on the plateau."""
-        return max(
-            self.equilibrium_residual, self.cone_violation, self.dilatancy_residual, self.sliding_residual, self.strain_residual
-        )
+        return max(self.equilibrium_residual, self.cone_violation, self.dilatancy_residual, self.sliding_residual, self.strain_residual)
 
 
 def without_sliding(assembly: Assembly, associated: Solution, seconds: float, iterations: int) -> CoulombSolution:

@@ -141,7 +141,18 @@ def read(record: Path) -> list[Result]:
     return [Result(Case(**row["case"]), {name: Run(**one) for name, one in row["runs"].items()}) for row in stored]
 
 
-NAMES = ("settings", "median error", "90 %", "worst", "median uncertainty", "uncertainty holds", "worst excess", "several", "not solved", "s")
+NAMES = (
+    "settings",
+    "median error",
+    "90 %",
+    "worst",
+    "median uncertainty",
+    "uncertainty holds",
+    "worst excess",
+    "several",
+    "not solved",
+    "s",
+)
 
 
 def rows(results: list[Result]) -> Iterator[tuple[str, ...]]:

@@ -244,7 +244,7 @@ def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, 
 def test_a_fault_of_the_program_is_never_taken_for_a_disagreement(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("comparison.cli.scene_verbs.solve.solve", lambda scene, path: 1 / 0)
+    monkeypatch.setattr("comparison.cli.scene_verbs.solve.limit_analysis_alone", lambda *arguments: 1 / 0)
     assert main(["solve", "two_pads"]) == 3
     assert "ZeroDivisionError" in capsys.readouterr().err
 

@@ -25,6 +25,7 @@ SOLVE = ["solve", "two_pads", "-q"]
 def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("CROSSCHECK_OUTPUT")
 
 
 def user_says(text: str) -> Path:

@@ -120,7 +120,7 @@ def test_memory_at_an_end_is_no_fault_of_the_program(monkeypatch: pytest.MonkeyP
     def hungry(*arguments: Any, **options: Any) -> None:
         raise MemoryError("Unable to allocate 1 TiB")
 
-    monkeypatch.setattr("comparison.cli.scene_verbs.solve.solve", hungry)
+    monkeypatch.setattr("comparison.cli.scene_verbs.solve.limit_analysis_alone", hungry)
     assert main(["solve", "two_pads"]) == TOOL
     one_message(capsys.readouterr().err, "out of memory")
 

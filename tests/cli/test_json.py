@@ -67,6 +67,7 @@ def test_every_command_prints_one_object_and_nothing_else(
     name: str, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("CROSSCHECK_OUTPUT")
     assert main([name, *example(COMMAND_LINE[name], results, tmp_path), "--json"]) == AGREE
     one_object(capfd.readouterr().out)
 

@@ -113,6 +113,7 @@ def test_a_scene_is_run_first_and_its_title_is_text(
     tmp_path: Path, two_pads: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("CROSSCHECK_OUTPUT")
     text = two_pads.split("[expected]", maxsplit=1)[0].replace('title   = "', f'title   = "{HOSTILE} ', 1)
     Path("$x$.toml").write_text(text.replace('name    = "block"', f'name    = "{HOSTILE}"'), encoding="utf-8")
     assert main(["animate", "$x$.toml", "--fps", "1", "-o", "a $b$.gif", "--json", "-q"]) == 0

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import scenes
-from conftest import every_shipped_scene
+from conftest import Silent, every_shipped_scene
 
 from comparison.judge import prediction
 from comparison.judge.check import Check, Verdict
@@ -125,12 +125,9 @@ def test_friction_comes_back_when_joints_slide_in_yade(tmp_path, monkeypatch, cr
     monkeypatch.setattr(one_scene, "yade_stage", lambda *_: (found.run, vars(found.run.result)))
     heard: list[str] = []
 
-    class Listener:
+    class Listener(Silent):
         def stage(self, scene: str, stage: str, state: str) -> None:
             heard.append(f"{stage}: {state}")
-
-        def progress(self, scene: str, report: dict) -> None:
-            pass
 
     summary = one_scene.run_scene(found.scene, tmp_path / "arch_spreading", Listener(), with_yade=True)
     assert any("repeated with effects that were left out (friction: joints slide" in one for one in heard)

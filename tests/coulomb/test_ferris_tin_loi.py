@@ -14,8 +14,8 @@ import scenes
 
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.coulomb.equilibrium_path import follow_path
 from la_core.coulomb import CoulombSolution
+from la_core.coulomb.equilibrium_path import follow_path
 from la_core.limit.associated import Status
 from la_core.scene.scene import Scene
 

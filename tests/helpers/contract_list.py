@@ -1,6 +1,7 @@
 """What users type, write and read, as one list: verbs, options, exit codes, scene and campaign keys, JSON keys, HDF5 paths, columns.
 
-`python tests/helpers/contract_list.py` prints it. `tests/helpers/contract.json` was written so by version 0.2.0; what it names must stay.
+`python tests/helpers/contract_list.py` prints it. `tests/helpers/contract.json` was written so by version 0.2.0, and what later versions
+promise was added; what it names must stay.
 """
 
 import argparse
@@ -93,8 +94,8 @@ def json_keys(value: Any, path: str = "") -> Iterator[str]:
 
 def solved(scene: str, *options: str) -> dict[str, Any]:
     """What `crosscheck solve --json` prints."""
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
-        main(["solve", scene, "--json", "-q", *options])
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as printed:
+        main(["solve", scene, "--json", "-q", "--results", folder, *options])
     return dict(json.loads(printed.getvalue()))
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scenes
+from conftest import Silent
 from runs import made_up_run
 
 from comparison.judge.check import Check, Verdict
@@ -145,12 +146,9 @@ def test_a_small_run_that_went_too_far_is_run_again_with_finite_displacements(tm
     monkeypatch.setattr(dem_effects, "GAP_OVER_TRAVEL", 0.5 * GAP / TRAVEL)
     scene, heard = with_effects(buffer()), []
 
-    class Listener:
+    class Listener(Silent):
         def stage(self, scene: str, stage: str, state: str) -> None:
             heard.append(f"{stage}: {state}")
-
-        def progress(self, scene: str, report: dict) -> None:
-            pass
 
     summary = run_scene(scene, tmp_path / scene.name, Listener(), with_yade=True)
     assert sum("repeated with effects that were left out (displacement: In YADE block" in one for one in heard) == 1

@@ -18,6 +18,8 @@ from typing import Any
 from comparison.campaign.job import LOADED, Job, JobOutcome, StoppedError, failure, run_job
 from comparison.errors import message_of
 from comparison.run_folder import LOCK, write_text
+from la_core.analysis import LimitAnalysis
+from la_core.coulomb import PathProgress
 from la_core.errors import SceneError
 
 CALL = ".call"  # token of the process that runs the campaign
@@ -143,6 +145,12 @@ class _Watch:
         self._folder, self._token = folder, token
 
     def stage(self, scene: str, stage: str, state: str) -> None:
+        self._look()
+
+    def bounds(self, analysis: LimitAnalysis) -> None:
+        self._look()
+
+    def path(self, report: PathProgress) -> None:
         self._look()
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 
 from comparison.campaign.job import Job, JobOutcome, StoppedError, failure, run_job
 from comparison.yade import find_yade
+from la_core.analysis import Silent
 
 ATTEMPTS = 3  # at a job whose worker dies: the system may have killed it because other processes used up the memory
 GRACE = 3.0  # s for a worker to end YADE and finish its files
@@ -126,8 +127,8 @@ def _how_ended(code: int | None) -> str:
     return f"ended with exit code {code}"
 
 
-class _Quiet:
-    """A listener that reports nothing."""
+class _Quiet(Silent):
+    """A listener of all stages that reports nothing."""
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         pass

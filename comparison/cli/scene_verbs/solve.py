@@ -1,15 +1,35 @@
-"""`crosscheck solve`: limit analysis of one scene, without YADE."""
+"""`crosscheck solve`: limit analysis of one scene, without YADE; the bounds are printed before the prediction is known."""
 
 from pathlib import Path
+from typing import Any
 
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
-from comparison.judge import check_accuracy, check_expected, limit_analysis_summary, overall
+from comparison.judge import Check, check_accuracy, check_expected, limit_analysis_summary, overall
+from comparison.limit_analysis import limit_analysis_alone
+from comparison.progress import Narration
+from comparison.settings import load_settings
 from comparison.yade import Results
-from la_core.analysis import LimitAnalysis, solve
+from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
 from la_core.limit import Status
-from la_core.scene import load_scene, shipped
+from la_core.scene import Scene, load_scene, shipped
+
+
+class _BoundsFirst(Narration):
+    """Narration that prints the bounds as a table of results, unless they are those of one attempt only, or JSON is requested."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__(context.narrator)
+        self._context = context
+        self.has_printed_bounds = False
+
+    def tell_bounds(self, analysis: LimitAnalysis) -> None:
+        if self._context.options.json or (analysis.scene.accuracy is not None and not self._context.options.bounds):
+            super().tell_bounds(analysis)
+            return
+        self._context.out.print(tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}))
+        self.has_printed_bounds = True
 
 
 def execute(context: Context) -> int:
@@ -20,25 +40,49 @@ def execute(context: Context) -> int:
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
-    analysis = solve(scene, options.path).analysis
+    with _BoundsFirst(context) as narration:
+        analysis = _analysed(scene, context, narration)
     summary = limit_analysis_summary(analysis)
     checks = [*check_expected(analysis), *check_accuracy(Results(analysis))]
     if options.json:
         context.print_json(summary)
     else:
-        context.out.print(tables.solution_table(scene, summary, checks))
-        if analysis.path is not None:
-            context.out.print(tables.path_table(scene, summary["limit_analysis"]["path"]))
+        _print_rest(scene, summary["limit_analysis"], checks, narration.has_printed_bounds, context)
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
     verdict, reason = overall(checks)
     if reason:
         narrator.print(reason, markup=False)
-    statuses = {analysis.bounds[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
-    if statuses & {Status.INACCURATE, Status.FAILED}:
+    if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
         return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[verdict]
+
+
+def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:
+    """Return the requested analysis; only a complete one without an extra path is stored, as `crosscheck run` makes the same."""
+    options = context.options
+    if options.bounds or options.path:
+        return solve(scene, options.path, options.bounds, narration).analysis
+    folder = (options.results or load_settings().settings.output) / scene.name
+    return limit_analysis_alone(structural_model(scene), folder, narration)
+
+
+def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
+    """Print the tables of an answer, without that of the bounds where it was printed already."""
+    if not has_printed_bounds:
+        context.out.print(tables.bounds_table(scene, answer))
+    if (rest := tables.prediction_table(scene, answer, checks)) is not None:
+        context.out.print(rest)
+    if answer["path"] is not None:
+        context.out.print(tables.path_table(scene, answer["path"]))
+
+
+def _statuses(analysis: LimitAnalysis, bounds_only: bool) -> set[Status]:
+    """Return the statuses that decide the exit code: those of the main answer and its prediction, or those of all bounds."""
+    if bounds_only:
+        return {bound.status for bound in analysis.bounds.values()}
+    return {analysis.bounds[analysis.main].status} | ({analysis.coulomb.status} if analysis.coulomb else set())
 
 
 def _draw(analysis: LimitAnalysis, path: Path) -> None:
