@@ -23,7 +23,7 @@ ROOT = Path(__file__).parent.parent
 CALLERS = {
     "comparison.cli.scene_verbs.export", "comparison.cli.scene_verbs.solve", "comparison.cli.study_verbs.cost",
     "comparison.cli.study_verbs.sensitivity", "comparison.studies.cost_limit_analysis", "comparison.studies.cost_yade",
-    "comparison.workflow.restored_effects", "comparison.workflow.stages",
+    "comparison.limit_analysis", "comparison.workflow.restored_effects",
 }  # fmt: skip
 OF_YADE = ("run.h5", "result/", "record/", "poses/", "extra_contacts/")  # its file, and what its fields begin with
 KINDS = (LimitAnalysis, Answers, CoulombSolution, EquilibriumPath, Solution)

@@ -227,7 +227,7 @@ def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float)
     scene = la_core.variant(la_core.load("two_blocks"), {"joint.friction": friction})
     answer = la_core.solve(scene)
     assert answer.least_sharp / scene.weight == pytest.approx(0.5 / (1 + friction**2), abs=ROUND_OFF)
-    assert answer.coulomb_sharp / scene.weight == pytest.approx(0.5, abs=ELASTIC)
+    assert answer.coulomb / scene.weight == pytest.approx(0.5, abs=ELASTIC)
     assert answer.least <= answer.interval[0] + ROUND_OFF * scene.weight
 
 

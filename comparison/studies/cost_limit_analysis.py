@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 from la_core.analysis import drives, smallest_inset, wedging
@@ -90,14 +90,16 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
             "Coulomb",
             f"1 path, viscosity {viscosity:g}",
             PREDICTION,
-            partial(coulomb, scene, inset, replace(default, viscosities=(viscosity,))),
+            partial(coulomb, scene, inset, PredictionSettings((viscosity,))),
         )
     yield Method("Coulomb", f"{len(default.viscosities)} paths (default)", PREDICTION, partial(coulomb, scene, inset, default))
     for finer in FINER:
-        yield Method("Coulomb", f"steps {finer:g} times shorter", PREDICTION, partial(coulomb, scene, inset, replace(default, finer=finer)))
+        yield Method(
+            "Coulomb", f"steps {finer:g} times shorter", PREDICTION, partial(coulomb, scene, inset, PredictionSettings(finer=finer))
+        )
     for doublings in DOUBLINGS:
         setting = f"at most {2**doublings} travel{'s' if doublings else ''}"
-        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, replace(default, doublings=doublings)))
+        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, PredictionSettings(doublings=doublings)))
     for increments in INCREMENTS:
         yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
 

@@ -87,7 +87,7 @@ def certify(joints: ElasticJoints, before: State, last: State) -> Certificate:
     driving = value if joints.live else -value  # power of the live load, or of the support, on the structure
     put_in = max(float(np.maximum(block_power, 0.0).sum()) + max(driving, 0.0), LEAST_WORK)
     return Certificate(
-        residuals.equilibrium_residual(assembly, forces, value if joints.live else 0.0),
+        residuals.equilibrium_residual(assembly, forces, joints.value_in_units(value) if joints.live else 0.0),
         residuals.cone_violation(assembly, forces),
         float(np.sum(normal * np.abs(rates.gap))) / put_in,
         float(np.sum(np.abs(dissipation + np.sum(friction * rates.slip, axis=1)))) / put_in,

@@ -2,17 +2,21 @@
 
 At every contact point u is the relative displacement since the blocks were laid. The normal force follows it,
 n = max(0, -kn u_n). The friction force follows its change in a step, t = t_before - ks (change of u_t), and is cut back to
-mu n where it exceeds that limit. Only the friction force has a history, and a point that parts forgets it. YADE's
+mu n where it exceeds that limit. The limit is less by the friction of a normal force that is round-off: a very rough
+joint would make it grow until the blocks jam. Only the friction force has a history, and a point that parts forgets it. YADE's
 contacts obey the same law with the same stiffness.
 
 Displacements are over `unit`, the travel of the fastest support point; forces are over the weight W.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
+
+
+ROUND_OFF = 1e-8  # of the mean block weight: normal force that carries no friction
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,9 @@ class ElasticJoints:
     motion : (C, k) array
         Relative displacements that the support's whole travel imposes.
     weights, live_load : (n,) array
-        Dead load, and live load per unit multiplier.
+        Dead load, and the live load over `live_size`.
+    live_size : float
+        Sum over the blocks of the live load per unit multiplier; 1 for a settlement.
     mass : (n,) array
         Share of the mass that moves with each freedom; it weights the drag.
     normal, shear : float
@@ -58,6 +64,9 @@ class ElasticJoints:
     """
 
     def __init__(self, assembly: Assembly, stiffness: JointStiffness) -> None:
+        if stiffness.shear == 0.0:  # smooth joints: friction never builds up
+            points = replace(assembly.points, friction=np.zeros_like(assembly.points.friction))
+            assembly = replace(assembly, points=points)
         self.assembly, self.live = assembly, assembly.has_live_load
         speed, motion = support_motion(assembly, 0.0 if self.live else 1.0)
         self.unit = stiffness.travel * speed
@@ -72,7 +81,10 @@ class ElasticJoints:
         self.kinematics = kinematics[:, free].tocsr()
         self.transposed = self.kinematics.T.tocsr()
         self.weights = scaled_load(assembly, assembly.dead_load)
-        self.live_load = scaled_load(assembly, assembly.live_load)
+        live_load = scaled_load(assembly, assembly.live_load)
+        self.live_size = float(np.linalg.norm(live_load.reshape(-1, self.freedoms), axis=1).sum()) if self.live else 1.0
+        self.live_load = live_load / self.live_size
+        self._round_off = ROUND_OFF * self.freedoms / len(live_load)
         mass = assembly.blocks.mass[assembly.blocks.free]
         self.mass = np.repeat(mass / mass.sum(), self.freedoms)
         self.normal, self.shear = (value * self.unit / assembly.weight for value in (stiffness.normal, stiffness.shear))
@@ -111,17 +123,17 @@ class ElasticJoints:
         normal = np.maximum(-self.normal * displacement[:, 0], 0.0)
         trial = before.force[:, 1:] - self.shear * (displacement[:, 1:] - before.displacement[:, 1:])
         size = np.linalg.norm(trial, axis=1)
-        limit = self.friction * normal
+        limit = self.friction * np.maximum(normal - self._round_off, 0.0)
         slides = size > limit
         direction = trial / np.where(size > 0.0, size, 1.0)[:, None]
         share = np.where(slides, limit / np.where(size > 0.0, size, 1.0), 1.0)
         force = np.concatenate([normal[:, None], trial * share[:, None]], axis=1)
-        loaded = normal > 0.0
+        loaded, rubs = normal > 0.0, normal > self._round_off
         tangent = np.zeros((len(normal), self.width, self.width))
         tangent[:, 0, 0] = self.normal * loaded
-        across = np.where(loaded, self.shear * share, 0.0)
+        across = np.where(rubs, self.shear * share, 0.0)
         for i in range(1, self.width):
-            tangent[:, i, 0] = np.where(slides & loaded, self.friction * self.normal * direction[:, i - 1], 0.0)
+            tangent[:, i, 0] = np.where(slides & rubs, self.friction * self.normal * direction[:, i - 1], 0.0)
             for j in range(1, self.width):
                 along = slides * direction[:, i - 1] * direction[:, j - 1]
                 tangent[:, i, j] = across * ((i == j) - along)
@@ -138,4 +150,4 @@ class ElasticJoints:
 
     def value_in_units(self, scaled: float) -> float:
         """Reaction in N or N m, or the multiplier, from its scaled value."""
-        return scaled if self.live else scaled * self.assembly.weight * self.assembly.support_speed
+        return scaled / self.live_size if self.live else scaled * self.assembly.weight * self.assembly.support_speed

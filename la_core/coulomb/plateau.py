@@ -40,7 +40,7 @@ class Plateau:
     travel: float
 
 
-def scale(value: float) -> float:
+def reference_size(value: float) -> float:
     """Size that differences of a scaled value are relative to."""
     return max(abs(value), LEAST)
 
@@ -59,7 +59,7 @@ def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: floa
 def is_flat(progress: np.ndarray, values: np.ndarray, end: float) -> bool:
     """Whether a curve (P,) over its progress (P,) is flat over the second half of its way to `end`."""
     last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
-    return abs(last - before) <= FLAT * scale(last)
+    return abs(last - before) <= FLAT * reference_size(last)
 
 
 def _lengths(progress: np.ndarray, low: float, high: float) -> np.ndarray:
@@ -78,7 +78,7 @@ def groups(values: Sequence[float]) -> list[list[int]]:
     order = np.argsort(values)
     found = [[int(order[0])]]
     for left, right in itertools.pairwise(order):
-        if values[right] - values[left] > ALIKE * scale(values[right]):
+        if values[right] - values[left] > ALIKE * reference_size(values[right]):
             found.append([])
         found[-1].append(int(right))
     return found

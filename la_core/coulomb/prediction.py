@@ -57,14 +57,14 @@ class PredictionSettings:
     finer : float
         Factor by which the limits of a step are divided.
     effort : float
-        Newton iterations of one path times unknowns after which the path ends, flat or not.
+        Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not.
     doublings : int
         How often the travel may be doubled where the curve is not flat.
     """
 
     viscosities: tuple[float, ...] = (1e-2, 1e-3)
     finer: float = 1.0
-    effort: float = 1e7
+    effort: float = 2e5
     doublings: int = MOST_DOUBLINGS
 
 
@@ -182,19 +182,20 @@ def _follow(
     more = viscous(joints)
     viscosity = Viscosity(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
-    most = settings.effort * settings.finer / len(joints.weights)
+    most = settings.effort / float(np.sqrt(len(joints.weights)))
     while True:
         for point in path.advance_to(end, most):
             send(point.progress, end, point.value)
         progress, values = _curve(path)
-        if path.last.progress < end or end >= longest or (end >= least and plateau.is_flat(progress, values, end)):
-            break
+        reached = path.last.progress
+        if reached == 0.0:
+            return None
+        is_last = reached < end or end >= longest
+        if is_last or (end >= least and plateau.is_flat(progress, values, end)):
+            before, last, certificate = _certified_end(path, END_STRETCH * reached)
+            if is_last or certificate.worst <= ACCEPTED_RESIDUAL:
+                break
         end *= 2.0
-    if path.last.progress == 0.0:
-        return None
-    progress, values = _curve(path)
-    reached = path.last.progress
-    before, last, certificate = _certified_end(path, END_STRETCH * reached)
     found = plateau.plateau_of(progress, values, reached, path.value(last))
     return _Followed(found, certificate, before, last, progress, values, path.iterations, more * first)
 
@@ -233,16 +234,16 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
     certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL
-    certain = uncertainty <= BROAD * plateau.scale(value)
+    certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
     return CoulombSolution(
         Status.SOLVED if certified and certain else Status.INACCURATE,
         value * unit,
         reaction_interval(joints, joint_rates(joints, chosen.before, chosen.last), chosen.last.joints),
-        twists * (1.0 / assembly.weight if joints.live else speed),
+        twists * (1.0 / (assembly.weight * joints.live_size) if joints.live else speed),
         global_forces(assembly, chosen.last.joints.force),
         at_rest=float("nan"),
-        drift=chosen.plateau.change / plateau.scale(value),
+        drift=chosen.plateau.change / plateau.reference_size(value),
         dilatancy_residual=chosen.certificate.parting,
         strain_residual=chosen.certificate.power,
         equilibrium_residual=chosen.certificate.equilibrium,
@@ -268,5 +269,5 @@ def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:
     else:
         near = followed[-2:]
         differ = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    change = end.change if end.change <= plateau.FLAT * plateau.scale(end.mean) else UNFINISHED * end.change
+    change = end.change if end.change <= plateau.FLAT * plateau.reference_size(end.mean) else UNFINISHED * end.change
     return float(np.nanmax([differ, change, end.scatter, STEPS_SHARE * abs(end.value)]))

@@ -31,10 +31,11 @@ FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
 DEFAULT, REFERENCE = "default", "reference"
 SETTINGS = {
-    "one path": PredictionSettings((1e-2,)),
     "coarser": PredictionSettings((1e-1, 1e-2)),
     DEFAULT: PredictionSettings(),
-    REFERENCE: PredictionSettings(tuple(viscosity / 10.0 for viscosity in PredictionSettings().viscosities), finer=10.0, effort=1e9),
+    REFERENCE: PredictionSettings(
+        tuple(viscosity / 10.0 for viscosity in PredictionSettings().viscosities), finer=10.0, effort=3.0 * PredictionSettings().effort
+    ),
 }
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
 

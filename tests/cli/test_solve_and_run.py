@@ -17,7 +17,6 @@ from comparison.cli.exit_codes import AGREE, TOOL
 from comparison.run_folder import LOCK, alone_in
 from la_core import exchange
 from la_core.analysis import analyse, case_file
-from la_core.coulomb import STEPS
 from la_core.scene import load, shipped
 
 pytestmark = pytest.mark.usefixtures("plain_figures")
@@ -172,19 +171,13 @@ def test_results_of_another_state_of_a_scene_stay_as_they_are(
     assert [line.split(": ")[1].split(",")[0] for line in captured.err.splitlines()] == ["limit analysis"] * 2  # it begins, and its bounds
 
 
-@pytest.mark.parametrize("how", ["effects restored", "prediction repeated"])
 def test_what_a_run_of_yade_changed_is_not_taken_for_an_answer_of_limit_analysis_alone(
-    how: str, out: Path, capsys: pytest.CaptureFixture[str]
+    out: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     fresh = solve(out, capsys, "two_blocks")
     scene = load("two_blocks")
     analysis = analyse(scene)
-    if how == "effects restored":
-        changed = analysis.with_effects(dataclasses.replace(analysis.assembly.effects, called_back=("friction",)))
-    else:
-        assert analysis.coulomb is not None and analysis.coulomb.steps == STEPS
-        coulomb = dataclasses.replace(analysis.coulomb, steps=2 * STEPS, value=1.0)
-        changed = dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, coulomb=coulomb))
+    changed = analysis.with_effects(dataclasses.replace(analysis.assembly.effects, called_back=("friction",)))
     case_file.write_case(out / "two_blocks" / "case.h5", changed, case_file.scene_digest(scene))
     before = state(out)
     assert lasting(solve(out, capsys, "two_blocks")) == lasting(fresh)

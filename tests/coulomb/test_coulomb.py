@@ -127,7 +127,7 @@ def test_stack_bonded_wall_does_not_hang_on_its_neighbour(columns, courses, sett
 )
 def test_where_nothing_slides_the_associated_answer_is_coulombs(name) -> None:
     scene = scenes.shipped(name)
-    assembly, solution = answer(scene)
+    assembly, solution = answer(scene, wedging=scene.yade.get("wedging", 0.0))  # without it the voussoirs of the flat arch slide down
     associated = solve_associated(assembly, Drive.YIELDING).value
     assert solution.value == pytest.approx(associated, rel=UNSLIDING)
     assert solution.interval == pytest.approx((associated, associated), rel=UNSLIDING)
@@ -202,7 +202,7 @@ def test_frictionless_joints_are_associated(plane) -> None:
     assembly, solution = answer(scene)
     associated = solve_associated(assembly, Drive.YIELDING).value
     assert solution.value == pytest.approx(associated, rel=UNSLIDING)
-    assert solution.dilatancy_residual == 0.0
+    assert solution.dilatancy_residual <= 1e-12
 
 
 def test_without_sliding_the_answer_is_heymans() -> None:
@@ -418,7 +418,7 @@ def test_where_the_associated_answer_has_no_value_neither_has_this(scene, status
     assert np.isnan(solution.forces).all() and np.isnan(solution.twists).all()
 
 
-@pytest.mark.parametrize("effort", [2e4, 5e4])
+@pytest.mark.parametrize("effort", [1e3, 3e3])
 def test_path_that_is_cut_short_states_a_larger_uncertainty_or_no_answer(effort) -> None:
     assembly, whole = answer(great_wall(0.6, 1.2))
     stiffness, associated = problem(great_wall(0.6, 1.2))[1], solve_associated(assembly, Drive.YIELDING)
