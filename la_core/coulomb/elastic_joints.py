@@ -15,7 +15,6 @@ import numpy as np
 
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
 
-
 ROUND_OFF = 1e-8  # of the mean block weight: normal force that carries no friction
 
 

@@ -6,7 +6,7 @@ Running-bond walls, as many courses as blocks per course, a third of the base se
 its own, small ones first. Writes growth.md and growth.png at the end, also where it is interrupted, and growth.json after every size:
 --resume measures what that lacks.
 CPU seconds, the best of several where one is quick; build: scene, contacts, assembly, matrices; solver: set-up and solution of cone
-programmes; rest: evidence and all else.
+programmes, and steps of the paths; rest: evidence and all else.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
@@ -30,9 +30,9 @@ from process_memory import peak_memory
 from comparison import provenance
 from comparison.figures import save
 from comparison.yade import process
-from la_core.analysis import stage
+from la_core.analysis import one_pass, stage
 from la_core.analysis.case_file import write_case
-from la_core.coulomb import elastic_joints, interval, plateau
+from la_core.coulomb import elastic_joints, interval, predict, quasi_static_path, tangent
 from la_core.limit import associated, conic
 from la_core.limit.problem import Drive
 from la_core.model import assembly, joint_stiffness
@@ -41,8 +41,8 @@ from la_core.scene.scene import Scene
 SIZES: dict[tuple[str, str], tuple[int, ...]] = {
     ("associated", "plane"): (60, 120, 250, 500, 1000, 2000, 5000),
     ("associated", "3D"): (60, 120, 250, 500, 1000, 2000),
-    ("Coulomb", "plane"): (60, 120, 250, 500),
-    ("Coulomb", "3D"): (60, 120, 250),
+    ("Coulomb", "plane"): (60, 120, 250, 500, 1000),
+    ("Coulomb", "3D"): (60, 120, 250, 500),
     ("all of associated", "plane"): (120, 250, 500, 1000, 2000),
     ("all of associated", "3D"): (120, 250, 500, 1000),
     ("all of Coulomb", "plane"): (60, 120, 250),
@@ -58,16 +58,17 @@ DRIVER_ORDER = 100  # place of the driver's measurements among the sizes
 ROUNDS = 2  # of a run with the driver and one without
 REPEATS, ENOUGH = 5, 2.0  # times one size is solved; seconds after which it is not solved again
 STEPS = 100_000  # of YADE times blocks, timed to know what one step costs
-SOLVER = {"set-up": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve")}
+SOLVER = {"set-up": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve"), "steps": (quasi_static_path, "advance")}
 BUILD = {
     "scene": (scenes, "build"),
     "assembly": (assembly, "assemble"),
     "bound's matrices": (associated, "scaled_problem"),
     "elastic matrices": (elastic_joints.ElasticJoints, "__init__"),
+    "tangent's pattern": (tangent.Tangent, "__init__"),
     "interval's matrices": (interval, "scaled_problem"),
     "stiffness": (joint_stiffness, "joint_stiffness"),
-    "model of an analysis": (stage, "model"),
-    "matrices of an analysis": (stage, "scaled_problem"),
+    "model of an analysis": (stage, "structural_model"),
+    "matrices of an analysis": (one_pass, "scaled_problem"),
 }
 INTRODUCTION = """\
 Running-bond walls with as many courses as blocks per course settle under a third of their base, and every block is modelled. The tables
@@ -75,7 +76,7 @@ give the CPU time and memory of limit analysis and of YADE against the number of
 sizes.
 
 Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
-matrices; *solver* is set-up and solution of cone programmes; *rest* is everything else. *associated* is one bound; *Coulomb* is a bound and
+matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one bound; *Coulomb* is a bound and
 the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
@@ -88,7 +89,7 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     bound = associated.solve_associated(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
-    answer = plateau.predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
+    answer = predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
     return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
 
 
