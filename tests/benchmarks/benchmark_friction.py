@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scenes
@@ -174,12 +175,12 @@ def rows(results: list[Result]) -> Iterator[tuple[str, ...]]:
         off = np.array([result.deviation(name) for result in results])
         stated = np.array([result.runs[name].uncertainty / result.scale for result in results])
         excess = np.array([result.excess(name) for result in results])
-        errors = [f"{np.median(off):.3%}", f"{np.quantile(off, 0.9):.2%}", f"{off.max():.1%}"]
+        errors = [percent(float(error)) for error in (np.median(off), np.quantile(off, 0.9), off.max())]
         holds = [f"{np.sum(excess <= 1.0)} of {len(results)}", f"{excess.max():.1f}"]
         yield (
             name,
             *(errors if name != REFERENCE else ["", "", ""]),
-            f"{np.median(stated):.3%}",
+            percent(float(np.median(stated))),
             *(holds if name != REFERENCE else ["", ""]),
             f"{sum(len(one.plateaus) > 1 for one in runs)}",
             f"{sum(one.status != 'solved' for one in runs)}",
@@ -220,7 +221,7 @@ def listing(results: list[Result]) -> Table:
 def page_part(folder: Path = GALLERY) -> str:
     """Table and conclusions of the page friction.md, as the record in the folder has them."""
     results = read(folder / RECORD)
-    table = [NAMES, ["---"] * len(NAMES), *([cell.replace("%", " %") for cell in row] for row in rows(results))]
+    table = [NAMES, ("---",) * len(NAMES), *rows(results)]
     return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + conclusions(results)
 
 
@@ -250,7 +251,10 @@ def figure(results: list[Result]) -> Figure:
     drawn = Figure(figsize=(5.6, 5.0), layout="constrained")
     FigureCanvasAgg(drawn)
     axes = drawn.subplots()
-    looks = {COARSER: {"marker": "^", "color": INK, "markerfacecolor": "none"}, DEFAULT: {"marker": "o", "color": method_colour(DEFAULT)}}
+    looks: dict[str, dict[str, Any]] = {
+        COARSER: {"marker": "^", "color": INK, "markerfacecolor": "none"},
+        DEFAULT: {"marker": "o", "color": method_colour(DEFAULT)},
+    }
     for name, look in looks.items():
         places = [(max(result.deviation(name), ALIKE), result.runs[name].uncertainty / result.scale) for result in results]
         axes.plot(*zip(*places, strict=True), linestyle="none", markersize=4.5, markeredgewidth=0.8, alpha=0.8, label=name, **look)
