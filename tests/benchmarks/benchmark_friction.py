@@ -1,9 +1,11 @@
 """Accuracy and cost of the Coulomb prediction: its stated uncertainty against viscosities and steps ten times finer.
 
     python tests/benchmarks/benchmark_friction.py [--quick] [--verbose] [-o RECORD.json]
+    python tests/benchmarks/benchmark_friction.py --write
 
 Running-bond walls, sharp arrises, a third or half of the base settles. Every wall is predicted with the default viscosities,
-with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value.
+with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value. --write runs nothing:
+it writes the table and the figure of the page friction.md from the record in the gallery.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
@@ -15,29 +17,39 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scenes
+from marked_text import sentences, with_part
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from comparison.figures import FAINT, INK, method_colour
+from comparison.judge.requested_accuracy import percent
 from la_core.coulomb import PredictionSettings, predict
 from la_core.limit import Drive, solve_associated
 from la_core.model import assemble, joint_stiffness
+from la_core.text_table import number_text
 
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
+RECORD, PART = "friction.json", "predictions"  # record in the gallery; part of friction.md that is written from it
 WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8), (16, 10), (20, 12))  # blocks per course, courses
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
-DEFAULT, REFERENCE = "default", "reference"
+COARSER, DEFAULT, REFERENCE = "coarser", "default", "reference"
 SETTINGS = {
-    "coarser": PredictionSettings((1e-1, 1e-2)),
+    COARSER: PredictionSettings((1e-1, 1e-2)),
     DEFAULT: PredictionSettings(),
     REFERENCE: PredictionSettings(
         tuple(viscosity / 10.0 for viscosity in PredictionSettings().viscosities), finer=10.0, effort=3.0 * PredictionSettings().effort
     ),
 }
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
+ALIKE = 1e-6  # relative: a smaller difference is none
 
 
 @dataclass(frozen=True)
@@ -86,7 +98,7 @@ class Result:
 
     def excess(self, name: str) -> float:
         """Difference from the reference over the stated uncertainty; a difference of a millionth always holds."""
-        return self.deviation(name) / max(self.runs[name].uncertainty / self.scale, 1e-6)
+        return self.deviation(name) / max(self.runs[name].uncertainty / self.scale, ALIKE)
 
 
 def run(case: Case) -> Result:
@@ -163,12 +175,12 @@ def rows(results: list[Result]) -> Iterator[tuple[str, ...]]:
         off = np.array([result.deviation(name) for result in results])
         stated = np.array([result.runs[name].uncertainty / result.scale for result in results])
         excess = np.array([result.excess(name) for result in results])
-        errors = [f"{np.median(off):.3%}", f"{np.quantile(off, 0.9):.2%}", f"{off.max():.1%}"]
+        errors = [percent(float(error)) for error in (np.median(off), np.quantile(off, 0.9), off.max())]
         holds = [f"{np.sum(excess <= 1.0)} of {len(results)}", f"{excess.max():.1f}"]
         yield (
             name,
             *(errors if name != REFERENCE else ["", "", ""]),
-            f"{np.median(stated):.3%}",
+            percent(float(np.median(stated))),
             *(holds if name != REFERENCE else ["", ""]),
             f"{sum(len(one.plateaus) > 1 for one in runs)}",
             f"{sum(one.status != 'solved' for one in runs)}",
@@ -206,13 +218,74 @@ def listing(results: list[Result]) -> Table:
     return table
 
 
+def page_part(folder: Path = GALLERY) -> str:
+    """Table and conclusions of the page friction.md, as the record in the folder has them."""
+    results = read(folder / RECORD)
+    table = [NAMES, ("---",) * len(NAMES), *rows(results)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + conclusions(results)
+
+
+def conclusions(results: list[Result]) -> str:
+    """What the table says, in two sentences."""
+    off = [result.deviation(DEFAULT) for result in results]
+    each = sum(result.runs[DEFAULT].seconds for result in results) / len(results)
+    return sentences(
+        [
+            f"By default nine predictions in ten are within {percent(float(np.quantile(off, 0.9)))} of the reference and all "
+            f"{len(results)} within {percent(max(off))}, for {number_text(each, 2)} s a wall on average.",
+            f"The stated uncertainty {_held(results, DEFAULT)}; that of coarser paths {_held(results, COARSER)}.",
+        ]
+    )
+
+
+def _held(results: list[Result], name: str) -> str:
+    """On how many walls the stated uncertainty holds, and by how much it fails on the others."""
+    excess = [result.excess(name) for result in results]
+    held = sum(one <= 1.0 for one in excess)
+    fails = f"; elsewhere the difference is up to {number_text(max(excess), 2)} times as large" if held < len(results) else ""
+    return f"holds on {held} of {len(results)} walls{fails}"
+
+
+def figure(results: list[Result]) -> Figure:
+    """Draw the stated uncertainty of every wall over its difference from the reference, for coarser paths and for the default."""
+    drawn = Figure(figsize=(5.6, 5.0), layout="constrained")
+    FigureCanvasAgg(drawn)
+    axes = drawn.subplots()
+    looks: dict[str, dict[str, Any]] = {
+        COARSER: {"marker": "^", "color": INK, "markerfacecolor": "none"},
+        DEFAULT: {"marker": "o", "color": method_colour(DEFAULT)},
+    }
+    for name, look in looks.items():
+        places = [(max(result.deviation(name), ALIKE), result.runs[name].uncertainty / result.scale) for result in results]
+        axes.plot(*zip(*places, strict=True), linestyle="none", markersize=4.5, markeredgewidth=0.8, alpha=0.8, label=name, **look)
+    axes.set(xscale="log", yscale="log", xlabel="difference from the reference (-)", ylabel="stated uncertainty (-)")
+    ends = [ALIKE / 2.0, 2.0 * axes.get_ylim()[1]]
+    axes.plot(ends, ends, color=INK, linewidth=0.8, linestyle="--", label="equal: above it the uncertainty holds")
+    axes.set(xlim=(ALIKE / 2.0, None), ylim=(1e-4, None))
+    axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
+    axes.set_title(f"{len(results)} walls, relative to the reaction; differences below {ALIKE:g} are drawn there", fontsize=8)
+    axes.legend(fontsize=8, loc="upper left")
+    return drawn
+
+
+def write_page(folder: Path = GALLERY) -> None:
+    """Write the part of friction.md and the figure from the record in the folder."""
+    page = folder / "friction.md"
+    page.write_text(with_part(page.read_text(encoding="utf-8"), PART, page_part(folder)), encoding="utf-8")
+    figure(read(folder / RECORD)).savefig(folder / "friction.png", dpi=110)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a handful of small walls")
     parser.add_argument("--verbose", action="store_true", help="list every wall")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("-o", "--output", type=Path, metavar="RECORD", help="file for all values, JSON")
+    parser.add_argument("--write", action="store_true", help="write the page friction.md and its figure from the record, and run nothing")
     options = parser.parse_args()
+    if options.write:
+        write_page()
+        return
     console = Console()
     results = run_all(list(cases(options.quick)), options.workers, console, options.output)
     if options.verbose:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import benchmark_accuracy
+import benchmark_friction
 import benchmark_growth
 import benchmark_peers
 from marked_text import listed, sentences, span, with_part
@@ -40,7 +41,10 @@ def pages(folder: Path = GALLERY) -> dict[str, str]:
     accuracy = benchmark_accuracy.stored_rows(written["accuracy.md"])
     parts = {
         "cost.md": {"ladders": ladders(folder), "requested accuracy": benchmark_accuracy.conclusions(accuracy)},
-        "friction.md": {"classic iteration": classic_iteration(campaign_rows(folder))},
+        "friction.md": {
+            "classic iteration": classic_iteration(campaign_rows(folder)),
+            benchmark_friction.PART: benchmark_friction.page_part(folder),
+        },
         "seed_paper.md": {"counts": counts(folder), "reactions": reactions(campaign_rows(folder))},
     }
     for name, texts in parts.items():

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import benchmark_accuracy
+import benchmark_friction
 import conclusions
 import pytest
 import results_page
@@ -149,6 +150,48 @@ def test_a_verdict_that_is_not_agree_is_named_in_the_conclusions() -> None:
     entry = RECORD["wall_third"]
     entries = {"good": entry, "bad": entry | {"reduced": entry["reduced"] | {"verdict": "disagree"}}}
     assert "1 of 2 scenes agree; `bad` is disagree." in results_page.page(entries)
+
+
+def test_the_record_on_friction_has_every_wall() -> None:
+    results = benchmark_friction.read(GALLERY / benchmark_friction.RECORD)
+    assert [result.case for result in results] == list(benchmark_friction.cases(quick=False))
+    assert all(list(result.runs) == list(benchmark_friction.SETTINGS) for result in results)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_predictions_of_the_record_on_friction_are_those_of_a_fresh_run(number: int) -> None:
+    recorded = benchmark_friction.read(GALLERY / benchmark_friction.RECORD)[number]
+    fresh = benchmark_friction.run(recorded.case)
+    for name, one in recorded.runs.items():
+        assert fresh.runs[name].status == one.status
+        assert fresh.runs[name].value == pytest.approx(one.value, abs=one.uncertainty)
+
+
+def friction_result(default: float, stated: float) -> benchmark_friction.Result:
+    """A wall with reaction 1 by the reference and by coarser paths, and this reaction and uncertainty by default."""
+    values = {
+        benchmark_friction.COARSER: (1.0, 0.1),
+        benchmark_friction.DEFAULT: (default, stated),
+        benchmark_friction.REFERENCE: (1.0, 0.1),
+    }
+    runs = {name: benchmark_friction.Run("solved", value, own, (), 1.0, 1e-7, 100, 2.0) for name, (value, own) in values.items()}
+    return benchmark_friction.Result(benchmark_friction.Case(4, 3, 0.5, 1), runs)
+
+
+def test_the_conclusions_on_friction_say_where_a_stated_uncertainty_fails() -> None:
+    held, failed = friction_result(1.001, 0.002), friction_result(1.03, 0.01)
+    words = benchmark_friction.conclusions([held, failed])
+    assert "all 2 within 3 %, for 2 s a wall" in words
+    assert (
+        "holds on 1 of 2 walls; elsewhere the difference is up to 3 times as large; that of coarser paths holds on 2 of 2 walls." in words
+    )
+
+
+def test_the_figure_on_friction_tells_its_marks_apart_without_colour_and_shows_both_sides_of_the_line() -> None:
+    marks, others, line = benchmark_friction.figure([friction_result(1.001, 0.002), friction_result(1.03, 0.01)]).axes[0].lines
+    assert marks.get_marker() != others.get_marker()
+    assert [own > off for off, own in others.get_xydata()] == [True, False]
+    assert (line.get_xdata() == line.get_ydata()).all()
 
 
 def test_every_requested_accuracy_of_the_page_is_kept_and_a_coarse_wall_costs_less_than_a_third_of_a_fine_one() -> None:
