@@ -75,7 +75,10 @@ def test_facets_bracket_the_cone_and_close_on_it() -> None:
 def test_errors_are_held_against_the_exact_value_where_there_is_one() -> None:
     exact, computed = chosen("two_pads", "Coulomb", "inset"), chosen("wall_tall", "Coulomb")
     assert exact.references[PREDICTION] == (pytest.approx(1.0 / 6.0, abs=1e-5), "the exact value, for sharp arrises")
-    assert "Coulomb prediction on paths and steps ten times finer, at the inset that both methods share, 1 mm" in computed.references[PREDICTION][1]
+    assert (
+        "Coulomb prediction on paths and steps ten times finer, at the inset that both methods share, 1 mm"
+        in computed.references[PREDICTION][1]
+    )
     assert (errors(exact, "Coulomb") <= 1e-4).all()
     sizes, found = [5.0, 2.0, 1.0, 0.5, 0.2, 0.1], errors(exact, "inset")
     assert found / found[0] == pytest.approx(np.array(sizes) / sizes[0], rel=ROUNDING)  # a lever arm loses what is drawn in
