@@ -70,8 +70,11 @@ def predicted(results: Results) -> Prediction:
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         unsure = coulomb.uncertainty / max(abs(coulomb.value), least_reaction(analysis))
         share = (HISTORY if slides else REACTION) + unsure + (REACH if assembly.effects.reach else 0.0)
-        states = f"Limit analysis states an uncertainty of {unsure:.1%}, too large to judge YADE. Refine it with --accuracy."
-        obstacle = states if unsure > BROAD else ""
+        obstacle = (
+            f"Limit analysis states an uncertainty of {unsure:.1%}, too large to judge YADE. Refine it with --accuracy."
+            if unsure > BROAD
+            else ""
+        )
         return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, share, obstacle, "" if obstacle else _doubt(coulomb))
     slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(results)
     obstacle = _associated_obstacle(assembly.effects.friction) if slides else ""

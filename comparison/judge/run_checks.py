@@ -25,9 +25,8 @@ SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only r
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
     """Yield a check of limit analysis for sharp arrises against each value of the scene's table [expected].
 
-    Reaction and multiplier are compared with the answer for the scene's own friction; where joints slide and the arrises are rounded,
-    this answer is known at the scene's inset only. The greatest reaction and the values with "associated" in their names are compared
-    with the associated answer.
+    Reaction and multiplier are compared with the answer for the scene's own friction, at its own inset where joints slide; the greatest reaction and the values with
+    "associated" in their names are compared with the associated answer.
     """
     scene = analysis.scene
     expected = scene.expected

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
-from comparison.numbers import plural
 from la_core.analysis import drives, smallest_inset, wedging
 from la_core.coulomb import PredictionSettings, follow_path, predict
 from la_core.limit import ACCEPTED, solve_associated, solve_linearised, solve_sequentially
@@ -85,22 +84,22 @@ def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
         yield Method("contact points", f"{count} an interface", ASSOCIATED, partial(_bound, scene, 0.0, ACCEPTED, per_side))
     yield Method("associated", "for a prediction", PREDICTION, partial(_bound, scene, inset))
     yield Method("classic iteration", "its own settings", PREDICTION, partial(_classic, scene, inset))
-    for setting, settings in _prediction_settings():
-        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, settings))
-    for increments in INCREMENTS:
-        yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
-
-
-def _prediction_settings() -> Iterator[tuple[str, PredictionSettings]]:
-    """Yield the settings of the prediction with their names, each of which changes one thing of the default."""
     default = PredictionSettings()
     for viscosity in VISCOSITIES:
-        yield f"1 path, viscosity {viscosity:g}", replace(default, viscosities=(viscosity,))
-    yield f"{len(default.viscosities)} paths (default)", default
+        yield Method(
+            "Coulomb",
+            f"1 path, viscosity {viscosity:g}",
+            PREDICTION,
+            partial(coulomb, scene, inset, replace(default, viscosities=(viscosity,))),
+        )
+    yield Method("Coulomb", f"{len(default.viscosities)} paths (default)", PREDICTION, partial(coulomb, scene, inset, default))
     for finer in FINER:
-        yield f"steps {finer:g} times shorter", replace(default, finer=finer)
+        yield Method("Coulomb", f"steps {finer:g} times shorter", PREDICTION, partial(coulomb, scene, inset, replace(default, finer=finer)))
     for doublings in DOUBLINGS:
-        yield f"at most {plural(2**doublings, 'travel')}", replace(default, doublings=doublings)
+        setting = f"at most {2**doublings} travel{'s' if doublings else ''}"
+        yield Method("Coulomb", setting, PREDICTION, partial(coulomb, scene, inset, replace(default, doublings=doublings)))
+    for increments in INCREMENTS:
+        yield Method("path", f"{increments} increments", PREDICTION, partial(_path, scene, inset, increments))
 
 
 def _linearised_methods(scene: Scene) -> Iterator[Method]:
