@@ -4,6 +4,7 @@ import math
 from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
+LEAST_UNCERTAINTY = 1e-9  # a smaller one is round-off
 A_POINT = "a point"
 DASH = "–"  # stands for an undefined number
 
@@ -31,6 +32,23 @@ def format_number(value: Any, digits: int = 4) -> str:
 def exists(value: Any) -> TypeGuard[float]:
     """Return whether a value is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def with_uncertainty(value: Any, uncertainty: Any) -> str:
+    """Return a value and its uncertainty as text, both rounded to the first digit of the uncertainty.
+
+    An unknown uncertainty is left out, and so is one that changes none of the value's first five digits, or is below LEAST_UNCERTAINTY.
+    """
+    text = format_number(value, 5)
+    if not (exists(value) and exists(uncertainty)) or uncertainty < LEAST_UNCERTAINTY or format_number(value + uncertainty, 5) == text:
+        return text
+    places = max(0, -math.floor(math.log10(uncertainty)))
+    return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
+
+
+def several_plateaus(values: Any, unit: str) -> str:
+    """Return the values of several plateaus in `unit` as text; "" where there are none."""
+    return f"several plateaus: {', '.join(format_number(value, 4) for value in values)} {unit}".rstrip() if values else ""
 
 
 def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:

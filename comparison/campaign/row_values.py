@@ -61,12 +61,13 @@ def difference(row: Row) -> float | None:
 def deviation(row: Row) -> float | None:
     """Return |YADE - prediction| over the tolerance of sliding joints; None where undefined.
 
-    Tolerance: 1 % of YADE's reaction, at least 1e-4 of the weight, plus YADE's uncertainty.
+    Tolerance: 1 % of YADE's reaction, at least 1e-4 of the weight, plus the uncertainties that both state.
     """
-    apart, uncertainty, weight = difference(row), row.get("yade_uncertainty"), row.get("weight")
+    apart, weight = difference(row), row.get("weight")
     if apart is None or not exists(weight):
         return None
-    allowed = max(HISTORY * abs(row["yade"]), LEAST_REACTION * weight) + (uncertainty if exists(uncertainty) else 0.0)
+    stated = [row.get("yade_uncertainty"), row.get("coulomb_uncertainty") if prediction(row) == "coulomb" else None]
+    allowed = max(HISTORY * abs(row["yade"]), LEAST_REACTION * weight) + sum(value for value in stated if exists(value))
     return abs(apart) / allowed if allowed > 0.0 else None
 
 

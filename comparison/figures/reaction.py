@@ -26,7 +26,7 @@ from comparison.figures.reaction_levels import (
     scales_of,
     whole_limits,
 )
-from comparison.numbers import format_number
+from comparison.numbers import format_number, with_uncertainty
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
@@ -157,7 +157,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     if run is not None and has_plateau(run):
         value, uncertainty = (run.result[name] / scales.reaction for name in ("reaction", "uncertainty"))
         level = value + run.result.slope / scales.reaction * end
-        labels.append(Word(level, level, f"YADE's plateau: {_measured(value, uncertainty)}{unit}", INK, (FITTED,)))
+        labels.append(Word(level, level, f"YADE's plateau: {with_uncertainty(value, uncertainty)}{unit}", INK, (FITTED,)))
     return labels + list(_band_words(analysis, scales, unit))
 
 
@@ -176,14 +176,6 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
     greatest = lines.get("greatest", np.inf)
     if analysis.main is not Drive.LIVE and above is not None and above < greatest:
         yield Word(above, greatest, ADMISSIBLE, LIMIT_ANALYSIS, (ADMISSIBLE,))
-
-
-def _measured(value: float, uncertainty: float) -> str:
-    """Return a value and its uncertainty as text, rounded at the first digit of the uncertainty."""
-    if not uncertainty > 0.0:
-        return format_number(value, 5)
-    places = int(np.clip(-np.floor(np.log10(uncertainty)), 0, 9))
-    return f"{value:.{places}f} ± {uncertainty:.{places}f}".replace("-", "−")
 
 
 def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:

@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 from comparison.judge.effects_table import EFFECTS
-from comparison.numbers import exists, format_number
+from comparison.numbers import exists, several_plateaus, with_uncertainty
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values
 
 WITHOUT = {  # what the first answer was without, by effect
@@ -54,9 +54,12 @@ def first_prediction_summary(first: dict[str, Any] | None, analysis: LimitAnalys
 
 
 def _value(answer: dict[str, Any], unit: str) -> str:
-    """Return the value that is compared with YADE, with its unit, and the status where there is no solution."""
+    """Return the value that is compared with YADE, its uncertainty and unit, all plateaus, and the status unless it is solved."""
     found = answer["coulomb"] or answer["associated"]
-    status, value = str(found.get("status")), found.get("shared_inset", found).get("reaction")
+    status, shared = str(found.get("status")), found.get("shared_inset", found)
+    value = shared.get("reaction")
     if not exists(value):
         return status
-    return f"{format_number(value, 5)} {unit}" + ("" if status == "solved" else f" ({status})")
+    remarks = [words] if (words := several_plateaus(shared.get("plateaus"), unit)) else []
+    remarks += [] if status == "solved" else [status]
+    return f"{with_uncertainty(value, shared.get('uncertainty'))} {unit}" + (f" ({'; '.join(remarks)})" if remarks else "")

@@ -50,10 +50,12 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             solved = solution.status is Status.SOLVED
             computed = solution.value / divisor if solved else math.nan
             tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
-            reason = f"Limit analysis gives {computed:.6g} for sharp arrises, but the scene expects {number:.6g}."
+            rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
+            arrises = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp arrises"
+            reason = f"Limit analysis gives {computed:.6g} for {arrises}, but the scene expects {number:.6g}."
             check = within(name, computed, number, tolerance, unit, reason)
             if not solved:
-                unknown = f"Limit analysis for sharp arrises ended as {solution.status}, but the scene expects {number:.6g}."
+                unknown = f"Limit analysis for {arrises} ended as {solution.status}, but the scene expects {number:.6g}."
                 check = replace(check, reason=unknown)
             yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import percent
-from comparison.numbers import A_POINT, DASH, exists, format_number
+from comparison.numbers import A_POINT, DASH, exists, format_number, plural
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
@@ -43,24 +43,24 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     if coulomb:
         half = results["half_width"]
         width = f", half-width {format_number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
-        accuracy = f"dilatancy residual {format_number(coulomb.get('dilatancy_residual'), 2)}; interval {results['interval']}{width}"
-        work = f"{format_number(coulomb.get('iterations'))} associated programmes, {format_number(coulomb.get('steps'))} steps"
+        share = results["ratios"]["coulomb_uncertainty"]
+        stated = _stated(results["coulomb_uncertainty"], share, results) if exists(share) else ""
+        parts = (stated, results["plateaus"], f"interval {results['interval']}{width}")
+        accuracy = "; ".join(part for part in parts if part)
+        paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
+        work = f"{paths}{format_number(coulomb.get('steps'))} steps, {format_number(coulomb.get('iterations'))} Newton iterations"
         yield row(METHODS["coulomb"], results["coulomb"], results["coulomb_status"], accuracy, work, coulomb.get("seconds"))
     if path:
         values, solves = path.get(quantity) or [], [count for count in path.get("solves") or [] if exists(count)]
         residuals = [residual for residual in path.get("strain_residual") or [] if exists(residual)]
-        accuracy = f"largest strain residual {format_number(max(residuals, default=None), 2)}"
+        accuracy = f"largest share of drag {format_number(max(residuals, default=None), 2)}"
         missed = (path.get("converged") or []).count(False)
-        accuracy += f"; {missed} increments not converged" if missed else ""
-        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} associated programmes"
+        accuracy += f"; {plural(missed, 'increment')} not reached" if missed else ""
+        work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} Newton iterations"
         yield row("limit analysis, path", values[-1] if values else None, DASH, accuracy, work, path.get("seconds"))
     if yade:
         share = results["ratios"]["uncertainty"]
-        accuracy = (
-            f"± {format_number(results['uncertainty'], 2)}{unit}, {format_number(share, 2)} {results['ratio_unit']}"
-            if exists(share)
-            else DASH
-        )
+        accuracy = _stated(results["uncertainty"], share, results) if exists(share) else DASH
         yield row(
             METHODS["yade"],
             results["yade"],
@@ -69,6 +69,12 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
             f"{format_number(yade.get('steps'))} steps",
             yade.get("seconds"),
         )
+
+
+def _stated(uncertainty: Any, share: float, results: dict[str, Any]) -> str:
+    """Return an uncertainty in the unit of the answer, and its share of the weight unless the answer is a multiplier."""
+    stated = f"± {format_number(uncertainty, 2)} {results['unit']}".rstrip()
+    return stated if results["live"] else f"{stated}, {format_number(share, 2)} {results['ratio_unit']}"
 
 
 def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:

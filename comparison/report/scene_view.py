@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from comparison.numbers import DASH, exists, format_number, half_width, interval_words, signed, value_range
+from comparison.numbers import DASH, exists, format_number, half_width, interval_words, several_plateaus, signed, value_range
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.templating import flat
 from comparison.report.viewer import embedded
@@ -16,8 +16,8 @@ FIGURES = {
     "assembly": "The structure: blocks by role, interfaces with their contact points, and the motion or load that drives it.",
     "mechanisms": "Mechanisms of both methods for the same motion of the support; marks show contact points that open or slide.",
     "reaction": "Reaction against settlement from rest, or live load against displacement. YADE: the record, and its plateau "
-    "extrapolated to the undeformed geometry. Limit analysis: the associated bounds and, where known, the Coulomb prediction, the "
-    "interval of reactions that its mechanism allows, and the path from rest on joints of the same stiffness.",
+    "extrapolated to the undeformed geometry. Limit analysis: the associated bounds and, where known, the Coulomb prediction with its "
+    "uncertainty, the interval of reactions that its mechanism allows, and its curve from rest on joints of the same stiffness.",
     "dissipation": "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by state.",
     "animation": "The settlement as an animation: mechanisms of both methods, and YADE's recorded reaction.",
 }
@@ -30,9 +30,11 @@ EVIDENCE = {
 COULOMB_EVIDENCE = {
     "equilibrium_residual": EVIDENCE["equilibrium_residual"],
     "cone_violation": EVIDENCE["cone_violation"],
-    "dilatancy_residual": "work of the remaining dilation, over the work of the settling weights",
-    "strain_residual": "work of the remaining dilation, over the elastic energy of the joints",
-    "drift": "relative change of the reaction over the last step",
+    "dilatancy_residual": "power of the normal forces at parting joints, over the power put in",
+    "sliding_residual": "dissipation less the power of friction against the slip, over the power put in",
+    "strain_residual": "power of the weights less dissipation and power of the reaction, over the power put in",
+    "drift": "relative change of the mean value from the second quarter of the travel to its second half",
+    "travel": "motion of the support at the end of the path, over YADE's travel",
 }
 
 
@@ -104,6 +106,7 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
         "yade": recorded,
         "uncertainty": yade.get("uncertainty"),
         "coulomb": predicted,
+        "coulomb_uncertainty": shared_coulomb.get("uncertainty"),
         "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
     weight = comparison.get("weight")
@@ -116,6 +119,7 @@ def _results(comparison: dict[str, Any]) -> dict[str, Any]:
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
         "interval": interval_words(low, high, unit),
+        "plateaus": several_plateaus(shared_coulomb.get("plateaus"), unit),
         "half_width": half_width(low, high),
         "less": "Coulomb" if exists(predicted) else "R_min",
         "coulomb_status": coulomb.get("status") or DASH,
@@ -159,7 +163,7 @@ def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:
 
 
 def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield each expected value beside limit analysis' value for sharp arrises."""
+    """Yield each expected value beside limit analysis' value for sharp arrises, or for the scene's where only that is known."""
     expected, associated = comparison.get("expected") or {}, _associated(comparison)
     prediction = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
     weight = comparison.get("weight")
@@ -167,11 +171,15 @@ def _expected(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
     def over(value: Any) -> float | None:
         return value / weight if exists(value) and weight else None
 
+    def sharpest(quantity: str) -> Any:
+        sharp = prediction.get(f"{quantity}_sharp")
+        return sharp if exists(sharp) else prediction.get(quantity)
+
     answers = {
-        "reaction_over_weight": ("R / W", over(prediction.get("reaction_sharp"))),
+        "reaction_over_weight": ("R / W", over(sharpest("reaction"))),
         "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
         "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
-        "multiplier": ("multiplier", prediction.get("multiplier_sharp")),
+        "multiplier": ("multiplier", sharpest("multiplier")),
         "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
     }
     for key, (name, value) in answers.items():

@@ -12,6 +12,7 @@ from comparison.figures import save
 from comparison.figures import scene_figures as figures_of
 from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
+from comparison.numbers import format_number
 from comparison.report import viewer
 from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
 from comparison.workflow import restored_effects
@@ -25,6 +26,7 @@ from comparison.workflow.stages import (
 from comparison.yade import Results, accuracy_settings, read_results
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
+from la_core.coulomb import CoulombSolution
 from la_core.limit import Status
 from la_core.scene import Scene
 
@@ -184,9 +186,17 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
     if associated.status not in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {associated.status}, so it has no answer.")]
     if coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
-        reason = f"Coulomb limit analysis ended as {coulomb.status} with a strain residual of {coulomb.strain_residual:.1e}."
+        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, results.scene.unit)}."
         return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
     return []
+
+
+def _doubt(coulomb: CoulombSolution, unit: str) -> str:
+    """Return why a prediction is none, as the end of a sentence."""
+    if coulomb.status is not Status.INACCURATE:
+        return ", so it has no value"
+    value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
+    return f": its value is {value}, and the largest residual of its limit state {coulomb.certificate:.1e}"
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from hard_cases import FALLS, REFUSED, HardCase, catalogue
 from independent_mechanics import OtherSolvers, ask_other_solvers, drives
 from rich.console import Console
 
-from comparison.judge.verdict_table import with_uncertainty
+from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.workflow import one_scene

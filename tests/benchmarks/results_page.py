@@ -21,7 +21,7 @@ from rich.console import Console
 
 from comparison.judge.effects_table import EFFECTS
 from comparison.judge.requested_accuracy import percent
-from comparison.judge.verdict_table import with_uncertainty
+from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
 from comparison.workflow import one_scene
 from la_core.scene import load_scene, shipped

@@ -190,6 +190,7 @@ def test_a_row_says_what_both_analyses_of_its_scene_say(tmp_path: Path, plain_fi
         # the right one of two equal blocks carries W_b/(1 + mu^2) by the associated law, and its whole weight in truth
         assert row["least"] == pytest.approx(weight / (1.0 + friction**2), rel=1e-4)
         assert row["coulomb"] == pytest.approx(weight, rel=1e-3)
+        assert 0.0 < row["coulomb_uncertainty"] < 1e-2 * weight and row["coulomb_plateaus"] == 1 and row["coulomb_sharp"] is None
         assert row["unit"] == "N" and row["free_blocks"] == 2 and row["yade"] is None and row["yade_status"] is None
         assert row["associated_mechanism"] == row["coulomb_mechanism"] and row["yade_mechanism"] is None
         assert (tmp_path / "out" / row["folder"] / "report.html").is_file()

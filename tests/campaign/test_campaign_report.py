@@ -303,6 +303,8 @@ def test_the_worst_come_first_whatever_their_order_and_their_unit(tmp_path: Path
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
     row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 394.0}
     assert deviation(row) == pytest.approx(1.0)
+    assert deviation(row | {"coulomb_uncertainty": 6.0}) == pytest.approx(0.5)
+    assert deviation(row | {"coulomb": None, "least": 394.0, "coulomb_uncertainty": 6.0}) == pytest.approx(1.0)  # that of another value
 
 
 def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
@@ -475,6 +477,21 @@ def test_only_what_exceeds_the_stated_uncertainty_is_a_change(tmp_path: Path) ->
     case = before.rows[2]["case"]
     assert not inside.changed and [change.case for change in inside.within] == [case]
     assert words(outside) == [(case, "reaction", "yade")] and not outside.within
+
+
+def test_a_prediction_may_move_by_the_uncertainty_that_both_campaigns_state(tmp_path: Path) -> None:
+    before = campaign(tmp_path)
+    before = changed(before, 0, coulomb_uncertainty=0.001 * before.rows[0]["coulomb"])
+    for factor, substantial in ((1.0019, []), (1.0022, [(before.rows[0]["case"], "reaction", "coulomb")])):
+        assert words(compare(before, changed(before, 0, coulomb=factor * before.rows[0]["coulomb"]))) == substantial
+
+
+def test_the_report_shows_the_uncertainty_of_a_prediction_where_it_is_stated(tmp_path: Path) -> None:
+    table = changed(campaign(tmp_path), 0, coulomb_uncertainty=1.5, coulomb_plateaus=2)
+    write_campaign_report(table)
+    for name in ("report.html", "report.md"):
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        assert text.count(" ± 0.0015") == text.count("one of 2 plateaus") == 1
 
 
 def test_a_prediction_may_move_where_its_mechanism_leaves_it_open_and_not_elsewhere(tmp_path: Path) -> None:

@@ -251,6 +251,10 @@ def test_the_sentence_shows_both_answers_and_an_answer_that_is_not_solved() -> N
     after = other.with_effects(dataclasses.replace(other.assembly.effects, called_back=("friction",)))
     summary = first_prediction_summary(answer_of(before), after)
     assert summary is not None and summary["sentence"].endswith("said 363.30 N; joints slide in YADE, so friction was modelled: 1300.4 N.")
+    unsure = answer_of(before)
+    unsure["coulomb"] |= {"uncertainty": 20.0, "plateaus": [363.298, 402.0], "status": "inaccurate"}
+    summary = first_prediction_summary(unsure, after)
+    assert summary is not None and "said 363 ± 20 N (several plateaus: 363.3, 402 N; inaccurate); joints" in summary["sentence"]
     failed = answer_of(before) | {"coulomb": {"status": "failed", "reaction": None}}
     summary = first_prediction_summary(failed, after)
     assert summary is not None and "without sliding said failed;" in summary["sentence"]

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.numbers import format_number
+from comparison.judge.verdict_table import verdict_cells
+from comparison.numbers import format_number, with_uncertainty
 from comparison.report import report, scene_view
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
@@ -25,6 +26,17 @@ from la_core.scene.shipped import find
 )  # fmt: skip
 def test_numbers(value: Any, shown: str) -> None:
     assert format_number(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "shown"),
+    [
+        (0.0703164, 2.3e-5, "0.07032 ± 0.00002"), (1986.65, 0.65, "1986.7 ± 0.7"), (-0.5, 0.01, "−0.50 ± 0.01"),
+        (0.16833, 1e-8, "0.16833"), (0.0, 1e-12, "0"), (0.16833, 0.0, "0.16833"), (0.16833, None, "0.16833"), (float("nan"), 0.1, "–"),
+    ],
+)  # fmt: skip
+def test_a_value_has_the_digits_that_its_uncertainty_leaves(value: float, uncertainty: float | None, shown: str) -> None:
+    assert with_uncertainty(value, uncertainty) == shown
 
 
 HOSTILE = '<script>alert(1)</script> | `a` "b" https://example.org'
@@ -167,6 +179,7 @@ def frictional_comparison(**changes: Any) -> dict[str, Any]:
         "status": "solved", "reaction": 366.0, "reaction_interval": [363.3, 371.3], "reaction_sharp": 362.0,
         "reaction_interval_sharp": [360.0, 368.0], "reaction_at_rest": 800.0, "drift": 1.5e-5, "dilatancy_residual": 2.5e-6,
         "strain_residual": 3.5e-5, "equilibrium_residual": 1e-10, "cone_violation": 0.0, "iterations": 19, "seconds": 0.23,
+        "uncertainty": 0.75, "plateaus": [], "steps": 1207, "travel": 2.0, "viscosities": [0.01, 0.001], "sliding_residual": 0.0,
     }  # fmt: skip
     comparison["limit_analysis"]["path"] = {
         "settlement": [0.0, 1e-5, 1e-4], "reaction": [800.0, 500.0, 366.1], "strain_residual": [None, 4.5e-4, 2e-4],
@@ -190,12 +203,21 @@ def page_and_markdown(folder: Path, comparison: dict[str, Any]) -> tuple[str, st
 def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_it(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
-    for words in ("366 N", "363.30 to 371.30 N", "−2.50 N"):
+    for words in ("366 ± 0.75 N", "363.30 to 371.30 N", "−2.50 N"):
         assert words in row
+    assert "several plateaus:" not in row
     assert "less R_min" not in row
     (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
-    assert "| 366 | 363.30 to 371.30 N |" in top
+    assert "| 366 ± 0.75 | 363.30 to 371.30 N |" in top
     assert top.endswith("| −2.50 |")
+
+
+def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_plateaus() -> None:
+    comparison = frictional_comparison()
+    _, _, predicted, _, yade, *_ = verdict_cells(comparison)
+    assert (predicted, yade) == ("0.1696 ± 0.0003", "0.1684 ± 0.0001")
+    comparison["limit_analysis"]["coulomb"] |= {"plateaus": [366.0, 402.5], "status": "inaccurate"}
+    assert verdict_cells(comparison)[2] == "0.1696 ± 0.0003 inaccurate; several plateaus: 0.1696, 0.1865"
 
 
 def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
@@ -210,13 +232,28 @@ def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> 
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     for text in (page, markdown):
         for words in (
-            "7 iterations", "largest residual 1e-10", "19 associated programmes", "dilatancy residual 2.5e-6", "half-width 4 N",
-            "2 increments, 43 associated programmes", "largest strain residual 4.5e-4", "1 increments not converged", "34233 steps",
+            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 0.75 N", "half-width 4 N",
+            "2 increments, 43 Newton iterations", "largest share of drag 4.5e-4", "1 increment not reached", "34233 steps",
         ):  # fmt: skip
             assert words in text
     for seconds in ("0.010", "0.23", "0.57", "8.1"):
         assert f'<td class="number">{seconds}</td>' in page
-    assert "Coulomb: work of the remaining dilation, over the elastic energy of the joints" in page
+    assert "Coulomb: power of the normal forces at parting joints, over the power put in" in page
+
+
+def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_uncertainty(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    coulomb = comparison["limit_analysis"]["coulomb"]
+    coulomb["plateaus"] = [366.0, 402.5]
+    for text in page_and_markdown(tmp_path, comparison):
+        assert "several plateaus: 366, 402.5 N" in text
+    for name in ("uncertainty", "plateaus", "viscosities", "steps", "travel"):
+        del coulomb[name]
+    page, markdown = page_and_markdown(tmp_path, comparison)
+    assert "| 366 | 363.30 to 371.30 N |" in markdown
+    assert "several plateaus:" not in page
+    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    assert row.count("±") == 2  # YADE's, and over the weight
 
 
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:

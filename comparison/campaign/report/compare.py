@@ -14,7 +14,7 @@ from comparison.numbers import exists
 from comparison.report import flat
 
 SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
-DILATANCY = 1e-3  # of a prediction: largest dilatancy residual of an accurate one
+UNSTATED = 1e-3  # of a prediction that states no uncertainty, by an older version: its error
 CONVERGED = 1e-3  # of the classic iteration's value
 STATUSES = ("associated_status", "coulomb_status", "yade_status", "classic_status")
 REACTIONS = ("least", "greatest", "coulomb", "coulomb_sharp", "yade", "classic")
@@ -177,9 +177,10 @@ def _reactions(before: Row, after: Row) -> Iterator[Change]:
 
 
 def _allowed(name: str, row: Row) -> float:
-    """Return the error that a reaction may have: YADE's uncertainty, or the accuracy of the iterations, and that of the solver.
+    """Return the error that a reaction may have: the uncertainty that its method states, and the error of the solver.
 
-    A prediction may move within the interval that the history of friction leaves open, at most by the tolerance of sliding joints.
+    A prediction that states none may move within the interval that the history of friction leaves open, at most by the tolerance of
+    sliding joints.
     """
     value, weight, uncertainty = (_or_zero(row.get(key)) for key in (name, "weight", "yade_uncertainty"))
     solver = SOLVER * (weight if row.get("unit") else abs(value))
@@ -188,9 +189,11 @@ def _allowed(name: str, row: Row) -> float:
     if name == "classic":
         return solver + CONVERGED * abs(value)
     if name in ("coulomb", "coulomb_sharp"):
+        if exists(row.get("coulomb_uncertainty")):
+            return solver + row["coulomb_uncertainty"]
         low, high = row.get("coulomb_low"), row.get("coulomb_high")
         open_width = (high - low) / 2.0 if exists(low) and exists(high) else 0.0
-        return solver + max(DILATANCY * abs(value), min(open_width, HISTORY * abs(value))) / 2.0
+        return solver + max(UNSTATED * abs(value), min(open_width, HISTORY * abs(value))) / 2.0
     return solver
 
 

@@ -22,7 +22,7 @@ WHAT = {
     "coulomb_sharp": "Coulomb prediction, sharp arrises",
     "yade": "YADE's reaction",
     "classic": "classic iteration",
-    "associated_status": "associated programme ended",
+    "associated_status": "associated limit analysis ended",
     "coulomb_status": "Coulomb prediction ended",
     "yade_status": "YADE's run ended",
     "classic_status": "classic iteration ended",

@@ -50,10 +50,13 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
     share = apart / row[predicted] if apart is not None and abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION else None
     sign, word = verdict_symbol(row)
+    stated, plateaus = over_weight(row, "coulomb_uncertainty"), row.get("coulomb_plateaus")
     return _named(table, row, varying) | {
         "symbol": sign,
         "word": word,
         "predicted": format_number(over_weight(row, predicted)),
+        "predicted_uncertainty": format_number(stated, 2) if predicted == "coulomb" and exists(stated) else "",
+        "plateaus": f"one of {plateaus} plateaus" if exists(plateaus) and plateaus > 1 else "",
         "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
         "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
         "yade": format_number(over_weight(row, "yade")),
