@@ -9,8 +9,9 @@ from la_core.analysis.decisions import decide_effects
 from la_core.analysis.modelling import StructuralModel, wedging
 from la_core.analysis.result import Answers
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
-from la_core.coulomb import CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest
-from la_core.limit import Solution
+from la_core.coulomb import SLIDING_SHARE, CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest, slides_in_mechanism
+from la_core.limit import Solution, Status
+from la_core.measures import mechanism
 from la_core.model import Assembly, Effects
 
 Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp arrises; one object twice where both are equal
@@ -118,8 +119,18 @@ def _predicted(
     if sharp is at_inset:
         return changed, changed
     if slides and model.scene.inset > 0.0:  # see `LimitAnalysis.sharp`
-        return changed, sharp
+        return changed, replace(sharp, coulomb=_without_history(changed, sharp))
     return changed, replace(sharp, coulomb=prediction(sharp))
+
+
+def _without_history(at_inset: Answers, sharp: Answers) -> CoulombSolution | None:
+    """Return the sharp associated answer as Coulomb's where no loaded joint slides in either mechanism; None where one does."""
+    coulomb, associated = at_inset.coulomb, sharp.bounds[sharp.main]
+    if coulomb is None or coulomb.status is not Status.SOLVED or slides_in_mechanism(sharp.assembly, associated):
+        return None
+    if mechanism.sliding_share(at_inset.assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE:
+        return None
+    return Sliding(False, "no loaded joint slides in the mechanism").as_coulomb(sharp.assembly, associated)
 
 
 def _with_whole_at_rest(model: StructuralModel, answers: Pair) -> Pair:

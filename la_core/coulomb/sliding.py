@@ -3,9 +3,9 @@
 Without sliding, friction has no history, and the associated answer is Coulomb's.
 
 The associated mechanism alone does not decide: dilatancy wedges blocks that slide without it, such as the lunes of a
-dome. The structure is therefore also followed from rest over its travel, with slightly less friction. Slip before
-rest does not matter if nothing slips afterwards. Slip on the way matters, because it changes the state of friction on
-the plateau.
+dome. The structure is therefore also followed from rest over its travel, with slightly less friction. Slip on the way
+does not matter if nothing slips over the second half of the travel: without dissipation the power of the weights alone
+determines the value.
 """
 
 import time
@@ -112,6 +112,8 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     end = first_travel(joints)
     path = QuasiStaticPath(joints, tangent, rest, Viscosity(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
     work = np.zeros(len(joints.friction))
+    for _ in path.advance_to(end / 2.0):
+        pass
     for _ in path.advance_to(end):
         work += _friction_work(joints, path.before, path.last)
         if work.sum() > SLIGHT_WORK * _energy(joints, path.last):

@@ -76,7 +76,8 @@ give the CPU time and memory of limit analysis and of YADE against the number of
 sizes.
 
 Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
-matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one bound; *Coulomb* is a bound and
+matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
+bound; *Coulomb* is a bound and
 the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"

@@ -85,10 +85,10 @@ def test_setting_aside_changes_no_answer(scene) -> None:
     for drive in (Drive.YIELDING, Drive.PUSHING):
         assert part.bounds[drive].value == pytest.approx(whole.bounds[drive].value, abs=SOLVER * weight)
         assert part.sharp.bounds[drive].value == pytest.approx(whole.sharp.bounds[drive].value, abs=SOLVER * weight)
-    assert part.coulomb is not None and whole.coulomb is not None and part.sharp.coulomb is not None and whole.sharp.coulomb is not None
+    assert part.coulomb is not None and whole.coulomb is not None
     assert part.coulomb.status is Status.SOLVED
     assert part.coulomb.value == pytest.approx(whole.coulomb.value, rel=HISTORY)
-    assert part.sharp.coulomb.value == pytest.approx(whole.sharp.coulomb.value, rel=HISTORY)
+    assert part.sharp.coulomb is None and whole.sharp.coulomb is None  # joints slide, and the arrises are rounded
     assert whole.coulomb.interval[0] <= part.coulomb.value <= whole.coulomb.interval[1]
     assert part.coulomb.at_rest == pytest.approx(whole.coulomb.at_rest, rel=SAME)
 
@@ -149,7 +149,7 @@ def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
     whole, part = reduced(scene, 0)
     analysis = analyse(scene)
     wrong = predict(part, analysis.stiffness, analysis.bounds[Drive.YIELDING])
-    assert wrong.value < 0.5 * reaction(analysis)  # between blocks that cannot yield the wall hangs by friction
+    assert wrong.value < 0.9 * reaction(analysis)  # between blocks that cannot yield the wall hangs by friction
     assert "on the support" in reach.why_not_valid(whole, part, wrong.twists, wrong.forces)
 
 
