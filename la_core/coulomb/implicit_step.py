@@ -18,6 +18,7 @@ from la_core.coulomb.tangent import Tangent
 # steps would press unloaded joints enough for a large friction coefficient to make them jam.
 TOLERANCE = 1e-9
 LEAST_TOLERANCE = 1e-12  # of the weight: round-off of large structures
+LOOSE = 1e3  # times the tolerance: the best iterate is accepted up to here where points chatter at round-off
 MOST_ITERATIONS = 20
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
@@ -120,7 +121,7 @@ def advance(
         return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), JointState(displacement, force), stiffness
 
     rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
-    first = size
+    first, best = size, (np.inf, State(progress, blocks, state, multiplier))
     for iteration in range(MOST_ITERATIONS):
         if size <= tolerance:
             return Trial(State(progress, blocks, state, multiplier), iteration)
@@ -138,7 +139,9 @@ def advance(
             share /= 2.0
         blocks, multiplier = blocks + share * move, multiplier + share * rise
         rest, lag, size, state, stiffness = trial
-    return Trial(State(progress, blocks, state, multiplier) if size <= tolerance else None, MOST_ITERATIONS)
+        if size < best[0]:
+            best = (size, State(progress, blocks, state, multiplier))
+    return Trial(best[1] if best[0] <= LOOSE * tolerance else None, MOST_ITERATIONS)
 
 
 def _direction(

@@ -53,7 +53,7 @@ class PredictionSettings:
     ----------
     viscosities : tuple of float
         First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first; more for large
-        structures. Where paths disagree, one with a tenth of the least viscosity follows.
+        structures. Where paths disagree, one with a tenth of the least viscosity follows, if the effort allows.
     finer : float
         Factor by which the limits of a step are divided.
     effort : float
@@ -64,7 +64,7 @@ class PredictionSettings:
 
     viscosities: tuple[float, ...] = (1e-2, 1e-3)
     finer: float = 1.0
-    effort: float = 2e5
+    effort: float = 1.5e5
     doublings: int = MOST_DOUBLINGS
 
 
@@ -80,6 +80,7 @@ class _Followed:
     values: np.ndarray
     iterations: int
     viscosity: float
+    exhausted: bool
 
 
 def predict(
@@ -117,7 +118,7 @@ def predict(
         return without_value(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     followed: list[_Followed] = []
     for viscosity in (*settings.viscosities, settings.viscosities[-1] / 10.0):
-        if len(followed) >= len(settings.viscosities) and not _disagree(followed):
+        if len(followed) >= len(settings.viscosities) and (not _disagree(followed) or followed[-1].exhausted):
             break
         least = max((path.plateau.travel for path in followed), default=0.0)
         place = (len(followed) + 1, len(settings.viscosities))
@@ -197,7 +198,7 @@ def _follow(
                 break
         end *= 2.0
     found = plateau.plateau_of(progress, values, reached, path.value(last))
-    return _Followed(found, certificate, before, last, progress, values, path.iterations, more * first)
+    return _Followed(found, certificate, before, last, progress, values, path.iterations, more * first, reached < end)
 
 
 def _curve(path: QuasiStaticPath) -> tuple[np.ndarray, np.ndarray]:

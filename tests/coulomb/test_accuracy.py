@@ -16,7 +16,7 @@ from comparison.judge.check import Verdict
 from comparison.workflow import one_scene, stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
-from la_core.analysis.accuracy import MOST_STEPS, with_accuracy
+from la_core.analysis.accuracy import ATTEMPTS, LOOSE, with_accuracy
 from la_core.analysis.accuracy_record import AccuracyRecord, Attempt, from_text, to_text
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -55,7 +55,8 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
     analysis = analyse(scene)
     assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
     exact = expected_value(scene) * divisor(scene)
-    for answer in (analysis.at_inset.sharpest, analysis.sharp.sharpest):
+    sharp = analysis.sharp if analysis.sharp.coulomb is not None else analysis.at_inset  # see `LimitAnalysis.sharp`
+    for answer in (analysis.at_inset.sharpest, sharp.sharpest):
         assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
 
 
@@ -92,13 +93,14 @@ def test_rounded_arrises_are_sharpened_until_they_fit_the_accuracy() -> None:
     assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
 
 
-def test_finer_answers_take_more_steps_and_tell_what_the_last_doubling_changed() -> None:
-    analysis = analyse(with_accuracy(scenes.shipped("wall_third"), 0.01))
-    assert analysis.accuracy is not None
-    attempts = analysis.accuracy.limit_analysis
-    steps = [attempt.settings["steps"] for attempt in attempts]
-    assert steps == [steps[0] * 2**k for k in range(len(steps))] and steps[-1] <= MOST_STEPS
-    assert math.isnan(attempts[0].error) and attempts[-1].is_within(0.01)  # nothing is known before the first doubling
+def test_finer_answers_take_less_viscous_paths_and_their_difference_is_the_error() -> None:
+    loose, fine = (analyse(with_accuracy(scenes.shipped("wall_third"), accuracy)) for accuracy in (2.0 * LOOSE, 0.5 * LOOSE))
+    for analysis, level in ((loose, 0), (fine, 1)):
+        assert analysis.accuracy is not None and analysis.coulomb is not None
+        attempt = analysis.accuracy.limit_analysis[-1]
+        assert attempt.settings["viscosity"] == pytest.approx(1e-3 * ATTEMPTS[level][0])
+        assert attempt.parts["friction's history"] == pytest.approx(analysis.coulomb.uncertainty / abs(analysis.coulomb.value))
+        assert attempt.is_within(analysis.accuracy.asked)
 
 
 def test_a_structure_that_cannot_stand_has_no_error_to_judge() -> None:
@@ -228,9 +230,9 @@ def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
     assert inertia == pytest.approx(accuracy_settings.INERTIA_OF_SPEED * math.sqrt(expected))
 
 
-def test_finer_steps_that_make_it_worse_are_not_the_answer() -> None:
-    """The history of this wall changes more from 32 to 64 steps than before."""
-    analysis = analyse(with_accuracy(scenes.shipped("wall_tall"), 0.002))
+def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
+    """Two paths of this corner lie 1 % apart."""
+    analysis = analyse(with_accuracy(scenes.shipped("corner_settling_end"), 0.002))
     assert analysis.accuracy is not None
     *others, answer = analysis.accuracy.limit_analysis
     assert all(not other.error < answer.error for other in others)
@@ -278,7 +280,7 @@ def test_a_scene_with_an_impossible_accuracy_names_it(tmp_path: Path, capsys: py
 
 
 def test_a_purchase_survives_its_text() -> None:
-    attempt = Attempt({"steps": 8}, 1.5, {"dilatancy": math.nan}, 0.1)
+    attempt = Attempt({"viscosity": 1e-3}, 1.5, {"friction's history": math.nan}, 0.1)
     stored = from_text(to_text(AccuracyRecord(0.01, (attempt,), (), {"travel_periods": 300.0})))
     assert stored is not None and stored.limit_analysis[0].settings == attempt.settings
     assert math.isnan(stored.limit_analysis[0].error) and stored.settings == {"travel_periods": 300.0}
@@ -291,11 +293,11 @@ def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, cap
     out = str(tmp_path / "out")
     assert main(["run", str(path), "--no-yade", "-o", out]) == 0
     printed = capsys.readouterr().out
-    assert "requested accuracy" in printed and "8 steps" in printed
+    assert "requested accuracy" in printed and "viscosities of 0.01 and 0.001" in printed
     first = json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"]
-    assert first["limit_analysis"]["kept"] and len(first["limit_analysis"]["attempts"]) == 2
+    assert first["limit_analysis"]["kept"] and len(first["limit_analysis"]["attempts"]) == 1
     assert main(["run", str(path), "--no-yade", "-o", out]) == 0
     assert "cached" in capsys.readouterr().err
     assert json.loads((tmp_path / "out" / "asking" / "comparison.json").read_text())["accuracy"] == first
     for page in ("report.md", "report.html"):
-        assert "8 steps" in (tmp_path / "out" / page).read_text()
+        assert "viscosities of 0.01 and 0.001" in (tmp_path / "out" / page).read_text()
