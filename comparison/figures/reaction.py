@@ -1,6 +1,6 @@
 """Figure of the reaction against the settlement.
 
-YADE has its record and plateau; limit analysis has its bounds, prediction, interval and path.
+YADE has its record and plateau; limit analysis has its bounds, its prediction with curve and interval, and a path.
 
 Under a live load the figure shows the load's multiplier against the displacement along the load.
 """
@@ -16,6 +16,7 @@ from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, YADE
 from comparison.figures.line_labels import Word, write_words
 from comparison.figures.reaction_levels import (
     Scales,
+    curve_of,
     has_plateau,
     has_sharp,
     interval_of,
@@ -26,7 +27,7 @@ from comparison.figures.reaction_levels import (
     scales_of,
     whole_limits,
 )
-from comparison.numbers import format_number, with_uncertainty
+from comparison.numbers import format_number, several_plateaus, with_uncertainty
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
@@ -40,6 +41,7 @@ GREATEST = r"limit analysis, $R_{\max}$"
 ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
 HISTORY = "interval: value depends on friction's history"
+CURVE = "limit analysis, curve of the prediction"
 FITTED = "YADE, fitted plateau"
 
 
@@ -63,7 +65,7 @@ def reaction_figure(results: Results) -> Figure:
     written: set[str] = set()
     for axes, limits in panels:
         _draw_bounds(axes, analysis, scales, limits)
-        _draw_prediction(axes, analysis, scales, limits)
+        _draw_prediction(axes, analysis, scales, limits, end)
         if run is not None and end > 0.0:
             _draw_run(axes, run, scales, end)
         _finish(axes, scene, scales, end, limits)
@@ -88,7 +90,7 @@ def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
     scene, analysis = results.scene, results.analysis
     scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
-    _draw_prediction(axes, analysis, scales, limits)
+    _draw_prediction(axes, analysis, scales, limits, end)
     _finish(axes, scene, scales, end, limits)
     low, high = (limit / scales.reaction for limit in limits)
     return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(analysis, scales, end))
@@ -105,7 +107,7 @@ def _obstacle(analysis: LimitAnalysis) -> str:
 
 def _status_words(results: Results, obstacle: str) -> str:
     analysis, run = results.analysis, results.run
-    followed = "" if analysis.path is None else "the whole path"
+    followed = "the whole path" if analysis.path is not None else "the first travel" if largest_settlement(results) > 0.0 else ""
     title = followed if run is None else "the whole run" if run.status == "plateau" else f"YADE ended as: {run.status}"
     return "\n".join(line for line in (title, obstacle) if line)
 
@@ -150,7 +152,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     if has_sharp(analysis):
         names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
     labels = [
-        Word(lines[key], lines[key], f"{words}: {format_number(lines[key], 5)}{unit}", LIMIT_ANALYSIS, keys)
+        Word(lines[key], lines[key], f"{words}: {_value_words(analysis, scales, key, lines[key])}", LIMIT_ANALYSIS, keys)
         for key, (words, keys) in names.items()
         if key in lines
     ]
@@ -159,6 +161,15 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
         level = value + run.result.slope / scales.reaction * end
         labels.append(Word(level, level, f"YADE's plateau: {with_uncertainty(value, uncertainty)}{unit}", INK, (FITTED,)))
     return labels + list(_band_words(analysis, scales, unit))
+
+
+def _value_words(analysis: LimitAnalysis, scales: Scales, key: str, value: float) -> str:
+    """Return a level with its unit; the prediction also with its uncertainty and all its plateaus."""
+    unit = f" {scales.reaction_unit}".rstrip()
+    if key != "coulomb" or analysis.coulomb is None:
+        return f"{format_number(value, 5)}{unit}"
+    several = several_plateaus((analysis.coulomb.plateaus / scales.reaction).tolist(), scales.reaction_unit)
+    return f"{with_uncertainty(value, analysis.coulomb.uncertainty / scales.reaction)}{unit}" + (f"\n{several}" if several else "")
 
 
 def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[Word]:
@@ -179,16 +190,18 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
 
 
 def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
-    """Return values that labels must not cover: the ends of the interval and the second half of the path."""
+    """Return values that labels must not cover: the ends of the interval and the second half of path and curve."""
     values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
+    settlement, value = curve_of(analysis, end)
+    values += list(value[settlement >= 0.5 * end])
     if analysis.path is not None:
         late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)
         values += list(analysis.path.value[late])
     return [value / scales.reaction for value in values]
 
 
-def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float]) -> None:
-    """Draw the Coulomb prediction, its interval where it has a width, and the path from rest."""
+def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float], end: float) -> None:
+    """Draw the Coulomb prediction, its curve up to the settlement `end`, its interval where it has a width, and the path from rest."""
     lines, path = {name: value / scales.reaction for name, value in levels(analysis).items()}, analysis.path
     interval = interval_of(analysis)
     if interval is not None:
@@ -198,11 +211,17 @@ def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits:
     if "coulomb" in lines:
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
+    settlement, value = curve_of(analysis, end)
+    if len(settlement):
+        # Short dashes above YADE's solid record, so that both are visible where they coincide, in grey, too.
+        style: dict[str, Any] = {"linewidth": 1.6, "linestyle": (0, (2.2, 2.4)), "zorder": 4.05, "label": CURVE}
+        axes.plot(settlement / scales.settlement, value / scales.reaction, color=LIMIT_ANALYSIS, **style)
     if path is not None:
         # The thin line is below YADE's record and the marks are above it, so that both are visible where they coincide.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
         at, values = path.settlement / scales.settlement, path.value / scales.reaction
-        axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
+        if not len(settlement):  # its chords would cut the corners of the curve
+            axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
         axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path from rest (same stiffness)", **marks)
 
 

@@ -63,13 +63,25 @@ def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:
 
 
 def largest_settlement(results: Results) -> float:
-    """Return the largest settlement of the run, else of the path, m or rad.
+    """Return the largest settlement of the run, else of the path, else of the prediction's curve over its first travel, m or rad.
 
-    It is 0 without both. Figures cut a path that goes beyond the run.
+    It is 0 without all three. Figures cut a path or a curve that goes beyond the run.
     """
     analysis, run = results.analysis, results.run
     recorded = float(run.settling("settlement").max(initial=0.0)) if run is not None else 0.0
-    return recorded or (float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0)
+    followed = float(analysis.path.settlement.max(initial=0.0)) if analysis.path is not None else 0.0
+    travelled = float(analysis.coulomb.path_settlement.max(initial=0.0)) if analysis.coulomb is not None else 0.0
+    return recorded or followed or min(travelled, analysis.stiffness.travel)
+
+
+def curve_of(analysis: LimitAnalysis, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve."""
+    if analysis.coulomb is None or len(analysis.coulomb.path_settlement) < 2 or not end > 0.0:
+        return np.zeros(0), np.zeros(0)
+    settlement, value = analysis.coulomb.path_settlement, analysis.coulomb.path_value
+    inside = (settlement >= 0.0) & (settlement < end)
+    last = min(end, float(settlement[-1]))
+    return np.append(settlement[inside], last), np.append(value[inside], np.interp(last, settlement, value))
 
 
 def scales_of(results: Results) -> Scales:
@@ -80,6 +92,7 @@ def scales_of(results: Results) -> Scales:
         values += list(np.abs(run.settling("reaction")))
     if analysis.path is not None:
         values += list(np.abs(analysis.path.value))
+    values += list(np.abs(curve_of(analysis, largest_settlement(results))[1]))
     largest = max((value for value in values if np.isfinite(value)), default=1.0)
     divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
     tiny = largest_settlement(results) < 1e-5
@@ -98,13 +111,13 @@ def whole_limits(results: Results) -> tuple[float, float]:
     The greatest reaction is inside only where it is near.
     """
     analysis, run = results.analysis, results.run
-    lines = levels(analysis)
-    alone = run is None and analysis.path is None
+    lines, curve = levels(analysis), curve_of(analysis, largest_settlement(results))[1]
+    alone = run is None and analysis.path is None and not len(curve)
     values = [value for name, value in lines.items() if name != "greatest" or alone]
     if alone and analysis.main is Drive.LIVE:  # a scale from zero on would draw levels this close as one line
         values += [value for value in interval_of(analysis) or () if np.isfinite(value)]
         return _padded(min(values, default=0.0), max(values, default=1.0))
-    values.append(0.0)
+    values += [0.0, *curve]
     if analysis.path is not None:
         values += list(analysis.path.value)
     if run is not None:
@@ -124,6 +137,10 @@ def plateau_limits(results: Results) -> tuple[float, float]:
         values += [reaction - 2.0 * uncertainty, reaction + 2.0 * uncertainty, *np.quantile(late, (0.02, 0.98))]
     elif analysis.path is not None:
         values += list(analysis.path.value[len(analysis.path.value) // 2 :])
+    else:
+        end = largest_settlement(results)
+        settlement, value = curve_of(analysis, end)
+        values += list(value[settlement >= 0.5 * end])
     return _padded(*_with_near(values, interval_of(analysis) or ()))
 
 

@@ -15,6 +15,7 @@ from rich import box
 from rich.table import Table
 
 from comparison.judge import without_undefined
+from comparison.numbers import with_uncertainty
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, coulomb, shared_inset
 from la_core.coulomb import PredictionSettings
 from la_core.scene import Scene
@@ -198,7 +199,7 @@ def front(rungs: Sequence[CostPoint]) -> list[CostPoint]:
 
 
 def cost_table(ladder: CostStudy, target: str) -> Table:
-    """Return a table with one row for each rung of a target; a dot marks the Pareto front."""
+    """Return a table with one row for each rung of a target; values have the uncertainty that they state, and a dot marks the front."""
     reference, source = ladder.references[target]
     over = "" if ladder.quantity == "multiplier" else " over W"
     title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}{over}, {source}"
@@ -222,8 +223,9 @@ def cost_table(ladder: CostStudy, target: str) -> Table:
             number_text(value if math.isfinite(value) else None, 2)
             for value in (rung.build, rung.solve, rung.post, rung.total, rung.scatter)
         ]
-        results = [number_text(value if math.isfinite(value) else None, digits) for value, digits in ((rung.value, 6), (rung.error, 2))]
-        table.add_row(rung.family, rung.setting, rung.status, *results, *seconds, "●" if rung.pareto else "")
+        value = with_uncertainty(rung.value, rung.uncertainty) if math.isfinite(rung.uncertainty) else number_text(rung.value, 6)
+        error = number_text(rung.error, 2)
+        table.add_row(rung.family, rung.setting, rung.status, value, error, *seconds, "●" if rung.pareto else "")
     return table
 
 

@@ -20,7 +20,7 @@ PANELS = {ASSOCIATED: "the associated answer", PREDICTION: "the prediction, fric
 
 
 def cost_figure(ladder: CostStudy) -> Figure:
-    """Draw every rung as a mark of its method, and the Pareto fronts as lines.
+    """Draw every rung as a mark of its method, a thin line from there to the uncertainty that it states, and the Pareto fronts as lines.
 
     Letters name the rungs of the fronts below.
     """
@@ -53,6 +53,11 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
         members = [rung for rung in rungs if rung.family == family]
         style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
         axes.plot([r.total for r in members], [_height(r) for r in members], label=family, markersize=7, alpha=0.85, **style)
+    stating = [rung for rung in rungs if math.isfinite(_stated(rung))]
+    if stating:
+        at, stated = [rung.total for rung in stating], [_stated(rung) for rung in stating]
+        axes.vlines(at, [_height(rung) for rung in stating], stated, color=FAINT, linewidth=0.9, zorder=1)
+        axes.plot(at, stated, color=INK, linestyle="none", marker="_", markersize=8, label="stated uncertainty")
     named: list[tuple[str, CostPoint]] = []
     by_yade = [rung for rung in rungs if rung.family == "YADE"]
     for candidates, colour, label in ((rungs, INK, "Pareto front"), (by_yade, method_colour("YADE"), "Pareto front of YADE alone")):
@@ -69,6 +74,11 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     axes.margins(y=0.1)
     axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
     return named
+
+
+def _stated(rung: CostPoint) -> float:
+    """Return the uncertainty that a rung states, over its value; NaN where it states none or has no value."""
+    return max(rung.uncertainty / abs(rung.value), LEAST_ERROR) if abs(rung.value) > 0.0 else math.nan
 
 
 def _height(rung: CostPoint) -> float:

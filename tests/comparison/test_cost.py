@@ -13,6 +13,7 @@ from comparison.studies import cost
 from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
+from comparison.studies.figure_of_cost import cost_figure
 from comparison.yade import process
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -97,6 +98,20 @@ def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
     assert [one.pareto for one in found] == [True, False, True, False, True, False]
     assert math.isnan(found[-1].error)
     assert all(isinstance(one, CostPoint) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
+
+
+def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() -> None:
+    scene = scenes.shipped("two_pads")
+    exact = scene.expected.reaction_over_weight * scene.weight  # type: ignore[union-attr,operator]
+    outcome = MethodOutcome(1.01 * exact, "solved", 0.0, 2.0, 0.02 * exact)
+    silent = MethodOutcome(exact, "solved", 0.0, 1.0)
+    methods = [Method("cone programme", "made up", ASSOCIATED, lambda: silent), Method("Coulomb", "made up", PREDICTION, lambda: outcome)]
+    study = measure_study(scene, methods, lambda number, words: None)
+    drawn = [dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True)) for axes in cost_figure(study).axes]
+    assert [("stated uncertainty" in labels) for labels in drawn] == [False, True]
+    assert drawn[1]["stated uncertainty"].get_ydata() == pytest.approx([0.02 / 1.01])
+    (value,) = cost.cost_table(study, PREDICTION).columns[3].cells
+    assert value == "0.168 ± 0.003"
 
 
 @pytest.mark.yade

@@ -219,11 +219,14 @@ def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
     assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
 
 
+CURVELESS: dict[str, Any] = {"path_settlement": np.zeros(0), "path_value": np.zeros(0)}
+
+
 def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
-    """The analysis with a Coulomb value of so many times the least reaction, and its interval likewise; and a short path."""
+    """The analysis with a Coulomb value of so many times the least reaction, its interval likewise, and no curve; and a short path."""
     assert analysis.coulomb is not None
     least = analysis.bounds[analysis.main].value
-    coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least))
+    coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least), **CURVELESS)
     settlement = np.linspace(0.0, 8e-4, 9)
     path = EquilibriumPath(
         settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
@@ -306,6 +309,41 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
     if "path" in known:
         assert figure.axes[0].get_xlabel().endswith("(mm)")
         assert figure.axes[0].get_ylim()[0] < 0.0 < analysis.path.value.max() < 1e3 * figure.axes[0].get_ylim()[1]  # type: ignore[union-attr]
+
+
+def followed(analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis with a prediction's curve over 16 travels, which falls from three times its value to it along a line."""
+    analysis = replace(frictional(analysis, (1.0, 1.3)), path=None)
+    assert analysis.coulomb is not None
+    travel, value = analysis.stiffness.travel, analysis.coulomb.value
+    settlement = travel * np.array([0.0, 0.5, 16.0])
+    curve = {"path_settlement": settlement, "path_value": value * np.array([3.0, 1.0, 1.0])}
+    coulomb = replace(analysis.coulomb, uncertainty=3.0, plateaus=np.array([value, 2.0 * value]), **curve)
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb))
+
+
+@pytest.mark.parametrize("with_run", [False, True])
+def test_the_curve_of_the_prediction_is_drawn_as_far_as_yade_went_or_over_its_first_travel(with_run: bool, tmp_path: Path) -> None:
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    assert analysis.coulomb is not None
+    run = synthetic_run(analysis) if with_run else None
+    figure = reaction_figure(Results(analysis, run))
+    save(figure, tmp_path / "reaction.png")
+    travel, value = 1e3 * analysis.stiffness.travel, analysis.coulomb.value
+    end = 1e3 * run.settling("settlement").max() if run is not None else travel
+    assert len(figure.axes) == 2
+    for axes in figure.axes:
+        at, values = labels_of(axes)[plot_reaction.CURVE].get_data()
+        assert at[-1] == pytest.approx(end) and len(at) == len(values)
+        assert values[-1] == pytest.approx(np.interp(end, [0.0, 0.5 * travel], [3.0 * value, value]))
+    low, high = figure.axes[0].get_ylim()
+    assert low < 0.0 and high > 3.0 * value
+
+
+def test_the_prediction_s_label_says_its_uncertainty_and_every_plateau(tmp_path: Path) -> None:
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    words = "".join(text.get_text() for axes in reaction_figure(Results(analysis)).axes for text in axes.texts)
+    assert "Coulomb prediction: 363 ± 3 N\nseveral plateaus: 363.3, 726.6 N" in words
 
 
 def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
