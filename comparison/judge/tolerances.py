@@ -4,7 +4,7 @@ from comparison.yade import Results
 from la_core.analysis import LimitAnalysis
 
 REACTION = 5e-3  # of the reaction: finite stiffness, settlement and speed of a YADE run, measured on cases with exact values
-HISTORY = 1e-2  # of the reaction where joints slide: uncertainty of friction's history, from the steps of either method
+HISTORY = 1e-2  # of the reaction where joints slide: friction's history in a run of finite speed, beside both stated uncertainties
 REACH = 5e-3  # of the reaction, in addition: effect of friction's history next to blocks set aside (`la_core.analysis.reach`)
 LEAST_REACTION = 1e-4  # of the weight: tolerance of a reaction of zero
 UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run

@@ -20,7 +20,7 @@ LIGHTEST = 0.55  # share of white in the colour of the largest slope
 DODGE = 0.12  # of the step between relaxations: lines that coincide stay apart
 
 
-def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float, int]] | None = None) -> Figure:
+def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float, int | None]] | None = None) -> Figure:
     """Draw the reaction over the weight, or the multiplier, on the left and the number of programmes on the right.
 
     Each slope is a line. A hollow marker with a range is a run that did not converge: the range is that of its last ten values. A
@@ -30,8 +30,9 @@ def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float
     ----------
     result : Sensitivity
         The study.
-    references : mapping of str to (float, int), optional
-        Value (N, N m or multiplier) and number of programmes of other methods, by name; drawn as horizontal lines.
+    references : mapping of str to (float, int or None), optional
+        Value (N, N m or multiplier) and number of programmes of other methods, by name; drawn as horizontal lines. The number is None
+        for a method that solves none.
     """
     figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -48,7 +49,8 @@ def sensitivity_figure(result: Sensitivity, references: Mapping[str, tuple[float
     for k, (reference, programmes) in enumerate((references or {}).values()):
         style = {"color": INK, "linewidth": 1.2, "linestyle": REFERENCE_LINES[k % len(REFERENCE_LINES)], "zorder": 1}
         value.axhline(reference / result.divisor, **style)
-        count.axhline(programmes, **style)
+        if programmes is not None:
+            count.axhline(programmes, **style)
     _finish(value, count, result, relaxations)
     handles = [*_slope_handles(slopes), *_reference_handles(references or {}), *_status_handles(result)]
     figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False, handlelength=3.5)
@@ -108,7 +110,7 @@ def _slope_handles(slopes: list[float]) -> list[Line2D]:
     return [Line2D([], [], label=f"classic, slope a = {slope:g}", **style) for slope, style in zip(slopes, styles, strict=True)]
 
 
-def _reference_handles(references: Mapping[str, tuple[float, int]]) -> list[Line2D]:
+def _reference_handles(references: Mapping[str, tuple[float, int | None]]) -> list[Line2D]:
     dashes = [REFERENCE_LINES[k % len(REFERENCE_LINES)] for k in range(len(references))]
     return [Line2D([], [], color=INK, linewidth=1.2, linestyle=dash, label=name) for name, dash in zip(references, dashes, strict=True)]
 

@@ -163,10 +163,11 @@ def reaction_symbol(result: Sensitivity) -> str:
     return "multiplier" if result.quantity == "multiplier" else "R/W"
 
 
-def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float, int]] | None = None) -> Table:
+def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float, int | None]] | None = None) -> Table:
     """Return a table with one row for each run, then one for each other method.
 
-    `references` has the value (N, N m or multiplier) and the number of programmes of other methods, by name.
+    `references` has the value (N, N m or multiplier) and the number of programmes of other methods, by name; None for a method that
+    solves none.
     """
     shared = result.parameters
     title = (
@@ -180,7 +181,7 @@ def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float,
         ends = [str(trial.iterations), _shown(trial.violation, 2), STATUS_WORDS[trial.status], number_text(trial.seconds, 2)]
         table.add_row(number_text(trial.slope), number_text(trial.relaxation), *values, *ends)
     for name, (value, programmes) in (references or {}).items():
-        table.add_row(name.replace("[", r"\["), "", _shown(value / result.divisor, 5), "", str(programmes), "", "", "")
+        table.add_row(name.replace("[", r"\["), "", _shown(value / result.divisor, 5), "", number_text(programmes), "", "", "")
     return table
 
 

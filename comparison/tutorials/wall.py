@@ -40,13 +40,14 @@ answer = la_core.solve(scene)
 low, high = answer.interval
 print(f"least (associated): {answer.least:.1f} N, by hand {wedge / (1.0 + friction**2):.1f} N")
 print(f"interval of the mechanism: {low:.1f} to {high:.1f} N, wedge alone {wedge:.1f} N")
-print(f"prediction: {answer.coulomb:.1f} N")
+print(f"prediction: {answer.coulomb:.1f} ± {answer.uncertainty:.1f} N")
 assert abs(answer.least / wedge * (1.0 + friction**2) - 1.0) < 1e-5
 assert abs(high / wedge - 1.0) < 1e-3
 
 # %% [markdown]
 # Between the two, the mechanism is the same and statics is silent: friction at the flanks may stand anywhere within its cone. The
-# prediction picks the state that elastic joints reach when the base settles steadily from rest.
+# prediction picks the state that elastic joints reach when the base settles steadily from rest. Its uncertainty is what paths of different
+# viscosity, and the rest of their curves, leave open.
 #
 # ## The second opinion
 #
@@ -65,7 +66,7 @@ result.plot("reaction").save("wall-reaction.png")
 
 # %% [markdown]
 # The figure shows the whole way: at rest the base carries its share of the wall, then the reaction falls and stays. Limit analysis
-# followed the same way without inertia or damping.
+# followed the same way without inertia: its curve is dashed.
 #
 # ## Another history
 #

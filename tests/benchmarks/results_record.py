@@ -70,6 +70,8 @@ def model_values(summary: dict[str, Any]) -> dict[str, Any]:
         "predicted": over_weight(predicted[quantity], unit),
         "interval": [over_weight(end, unit) for end in predicted[f"{quantity}_interval"]],
         "greatest": over_weight(bounds.get("reaction_max"), unit),
+        "stated": over_weight(coulomb["uncertainty"], unit),
+        "plateaus": [over_weight(value, unit) for value in coulomb["plateaus"]],
         "sharp": over_weight(coulomb[f"{quantity}_sharp"], unit),
         "prediction_status": coulomb["status"],
         "solves": coulomb["iterations"],

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from comparison.judge import prediction as check_prediction
 from comparison.judge import run_checks, sections, tolerances
 from comparison.judge.check import Check, Verdict, overall
 from comparison.judge.run_checks import check_expected, check_run
+from comparison.workflow import one_scene
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -30,6 +32,19 @@ def _case(name: str) -> tuple[Scene, LimitAnalysis]:
 
 def _verdict(name: str, found: list[Check]) -> Verdict:
     return next(check.verdict for check in found if check.name.startswith(name))
+
+
+def test_alone_a_prediction_that_is_none_leaves_no_verdict_and_says_why() -> None:
+    _scene, analysis = _case("two_pads")
+    assert analysis.coulomb is not None and not one_scene._judge(one_scene.SceneOutcome(Results(analysis), None, [], ""))
+    unsure = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, uncertainty=120.0, strain_residual=0.0, sliding_residual=2e-4)
+    failed = dataclasses.replace(analysis.coulomb, status=Status.FAILED, value=math.nan)
+    for coulomb, reason in (
+        (unsure, "ended as inaccurate: its value is 363.30 ± 120 N, and the largest residual of its limit state 2.0e-04."),
+        (failed, "ended as failed, so it has no value."),
+    ):
+        (check,) = one_scene._judge(one_scene.SceneOutcome(Results(with_answers(analysis, coulomb=coulomb)), None, [], ""))
+        assert check.verdict is Verdict.INCONCLUSIVE and check.reason == f"Coulomb limit analysis {reason}"
 
 
 @pytest.fixture(scope="module")
@@ -209,7 +224,7 @@ def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
         tolerances: ("REACTION", "HISTORY", "REACH", "LEAST_REACTION", "UNBALANCED", "BROAD"),
         run_checks: ("SETTLEMENT",),
-        check_prediction: ("SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE", "DOUBTFUL"),
+        check_prediction: ("SAME_MASS", "STEADY", "CONSISTENT", "ADMISSIBLE"),
         sections: ("SECTION", "ALONG"),
     }
     for module, names in rooms.items():
@@ -277,24 +292,37 @@ def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple
 
 
 @pytest.mark.parametrize(
-    ("residual", "factor", "verdict"),
+    ("changes", "factor", "reason"),
     [
-        (2e-3, 1.005, Verdict.AGREE),
-        (2e-3, 1.05, Verdict.INCONCLUSIVE),
-        (2e-3, 1.30, Verdict.INCONCLUSIVE),
-        (5e-2, 1.000, Verdict.INCONCLUSIVE),
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.005, ""),
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.05, "no limit state (largest residual 2.0e-03)"),
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.30, "no limit state (largest residual 2.0e-03)"),
+        ({"plateaus": np.array([1900.0, 2400.0])}, 1.005, ""),
+        ({"plateaus": np.array([1900.0, 2400.0])}, 1.30, "several plateaus (1900, 2400)"),
+        ({"uncertainty": 200.0}, 1.000, "states an uncertainty of 10.1%, too large"),
     ],
 )
-def test_an_iteration_that_did_not_converge_may_confirm_but_not_contradict(
-    wall: tuple[Scene, LimitAnalysis], residual: float, factor: float, verdict: Verdict
+def test_a_prediction_in_doubt_may_confirm_but_not_contradict_and_a_broad_one_does_neither(
+    wall: tuple[Scene, LimitAnalysis], changes: dict[str, Any], factor: float, reason: str
 ) -> None:
     _scene, analysis = wall
     assert analysis.coulomb is not None
-    coulomb = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, dilatancy_residual=residual)
+    coulomb = dataclasses.replace(analysis.coulomb, **changes)
     found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis, reaction=factor * coulomb.value)))
     check = next(c for c in found if c.name == "reaction against prediction")
-    assert check.verdict is verdict and ("not converged" in check.reason) is (verdict is not Verdict.AGREE)
+    assert check.verdict is (Verdict.INCONCLUSIVE if reason else Verdict.AGREE) and reason in check.reason
     assert Verdict.DISAGREE not in {c.verdict for c in found}
+
+
+def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    tolerances_of = []
+    for share in (0.0, 0.02):
+        coulomb = dataclasses.replace(analysis.coulomb, uncertainty=share * analysis.coulomb.value)
+        found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis)))
+        tolerances_of.append(next(c.tolerance for c in found if c.name == "reaction against prediction"))
+    assert tolerances_of[1] - tolerances_of[0] == pytest.approx(0.02 * analysis.coulomb.value, rel=1e-6)
 
 
 def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:

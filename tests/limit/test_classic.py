@@ -150,12 +150,13 @@ def test_study_of_the_parameters_tells_how_every_run_ended(tmp_path: Path) -> No
     assert [trial.status for trial in result.trials] == 2 * [Status.INACCURATE, Status.SOLVED, Status.INFEASIBLE]
     found = json.loads(json.dumps(sensitivity_dict(result), allow_nan=False))
     assert [trial["value"] is None for trial in found["trials"]] == 2 * [True, False, True]
-    references = {"associated": (solve_associated(assembly, Drive.YIELDING).value, 1)}
-    assert sensitivity_table(result, references).row_count == 7
+    least = solve_associated(assembly, Drive.YIELDING).value
+    references: dict[str, tuple[float, int | None]] = {"associated": (least, 1), "Coulomb, elastic joints": (least, None)}
+    assert sensitivity_table(result, references).row_count == 8
     figure = sensitivity_figure(result, references)
     save(figure, tmp_path / "sensitivity.png")
-    assert [text.get_text() for text in figure.legends[0].get_texts()][-3:] == [
-        "associated", "not converged, range of the last ten", "no equilibrium found: last value",
+    assert [text.get_text() for text in figure.legends[0].get_texts()][-4:] == [
+        "associated", "Coulomb, elastic joints", "not converged, range of the last ten", "no equilibrium found: last value",
     ]  # fmt: skip
 
 

@@ -28,8 +28,8 @@ def execute(context: Context) -> int:
     return AGREE
 
 
-def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Sensitivity, dict[str, tuple[float, int]]]:
-    """Study a scene and write the figure; returns the study, and each reference's value and number of programmes.
+def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Sensitivity, dict[str, tuple[float, int | None]]]:
+    """Study a scene and write the figure; returns the study, and each reference's value and number of programmes, None without any.
 
     Raises SceneError for a structure without an answer.
     """
@@ -37,9 +37,9 @@ def study_and_draw(scene: Scene, figure: Path, narration: Narration) -> tuple[Se
     main, coulomb = analysis.bounds[analysis.main], analysis.coulomb
     if main.status is not Status.SOLVED:
         raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so the classic iteration has no starting point")
-    references = {"associated": (main.value, 1)}
+    references: dict[str, tuple[float, int | None]] = {"associated": (main.value, 1)}
     if coulomb is not None:
-        references["Coulomb, elastic joints"] = (coulomb.value, coulomb.iterations)
+        references["Coulomb, elastic joints"] = (coulomb.value, None)
     result = study(
         scene,
         analysis.whole,
