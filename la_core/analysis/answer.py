@@ -215,7 +215,8 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
     values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
     if scene.inset == 0.0 and analysis.assembly.inset:
-        values["shared_inset"] = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+        shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+        values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
     values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
     return values | {
         "iterations": printed.iterations,

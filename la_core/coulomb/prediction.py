@@ -20,7 +20,7 @@ from la_core.coulomb.interval import reaction_interval
 from la_core.coulomb.path_progress import PathProgress
 from la_core.coulomb.plateau import Plateau
 from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
-from la_core.coulomb.solution import CoulombSolution, without_value
+from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.coulomb.tangent import Tangent
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
@@ -109,13 +109,13 @@ def predict(
         Receives the progress of the paths.
     """
     if associated.status is not Status.SOLVED:
-        return without_value(assembly, associated.status)
+        return without_answer(assembly, associated.status)
     start, settings = time.perf_counter(), settings or PredictionSettings()
     joints = ElasticJoints(assembly, stiffness)
     tangent = Tangent(joints)
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
-        return without_value(assembly, Status.FAILED, time.perf_counter() - start, iterations)
+        return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     followed: list[_Followed] = []
     for viscosity in (*settings.viscosities, settings.viscosities[-1] / 10.0):
         if len(followed) >= len(settings.viscosities) and (not _disagree(followed) or followed[-1].exhausted):
@@ -124,7 +124,7 @@ def predict(
         place = (len(followed) + 1, len(settings.viscosities))
         one = _follow(joints, tangent, rest, viscosity, settings, least, _reporter(joints, report, viscosity, place))
         if one is None:
-            return without_value(assembly, Status.FAILED, time.perf_counter() - start, iterations)
+            return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
         followed.append(one)
     iterations += sum(path.iterations for path in followed)
     at_rest = 0.0 if joints.live else joints.value_in_units(joints.reaction(rest.joints.force))

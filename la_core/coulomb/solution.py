@@ -114,7 +114,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         the duality gap of the associated answer.
     """
     if associated.status is not Status.SOLVED:
-        return without_value(assembly, associated.status)
+        return without_answer(assembly, associated.status)
     unit = 1.0 if assembly.has_live_load else assembly.mean_weight * assembly.support_speed
     return CoulombSolution(
         Status.SOLVED,
@@ -134,7 +134,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     )
 
 
-def without_value(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:
+def without_answer(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:
     """Return a prediction without a value.
 
     Parameters

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import scenes
-from paths import REPORTS, with_reports
 
 import la_core
 from la_core.analysis.result import LimitAnalysis
@@ -28,12 +27,13 @@ class Heard:
 
 
 @pytest.mark.parametrize("name", ["two_pads", "two_blocks", "ferris_tin_loi_1"])
-def test_bounds_are_told_before_the_prediction_and_are_those_of_the_answer(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bounds_are_told_before_the_prediction_and_are_those_of_the_answer(name: str) -> None:
     heard = Heard()
-    with_reports(monkeypatch)
     analysis = analyse(scenes.shipped(name), listener=heard)
     early, *reports = heard.found
-    assert tuple(reports) == REPORTS
+    shares = [report.share for report in reports if isinstance(report, PathProgress)]
+    assert len(shares) == len(reports) and (len(shares) > 0) == (analysis.assembly.effects.friction == "coulomb")
+    assert all(0.0 < share <= 1.0 for share in shares)
     assert isinstance(early, LimitAnalysis) and early.coulomb is None and early.sharp.coulomb is None and early.path is None
     for before, after in ((early.at_inset, analysis.at_inset), (early.sharp, analysis.sharp)):
         assert {drive: bound.value for drive, bound in before.bounds.items()} == {
