@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from la_core.analysis import one_pass
+from la_core.analysis.settings import Silent
 from la_core.coulomb import PathProgress
 
 REPORTS = tuple(PathProgress(0.25 * k, 0.25 * k, 100.0 + k, 0.01, 1 + k // 2, 2) for k in range(4))
@@ -27,7 +28,7 @@ def with_reports(
         for report in reports:
             listener.path(report)
             meanwhile(report)
-        return original(model, bounds, settings, listener)
+        return original(model, bounds, settings, Silent())
 
     monkeypatch.setattr(one_pass, "with_prediction", reporting)
     return predicted
