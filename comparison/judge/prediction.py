@@ -68,7 +68,8 @@ def predicted(results: Results) -> Prediction:
         return Prediction(least.value, (math.nan, math.nan), least.twists, True, REACTION, obstacle)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
-        unsure = coulomb.uncertainty / max(abs(coulomb.value), least_reaction(analysis))
+        stated = coulomb.uncertainty if math.isfinite(coulomb.uncertainty) else 0.0  # files of version 0.2.0 state none
+        unsure = stated / max(abs(coulomb.value), least_reaction(analysis))
         share = (HISTORY if slides else REACTION) + unsure + (REACH if assembly.effects.reach else 0.0)
         obstacle = (
             f"Limit analysis states an uncertainty of {unsure:.1%}, too large to judge YADE. Refine it with --accuracy."
