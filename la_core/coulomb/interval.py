@@ -16,14 +16,15 @@ from la_core.coulomb.elastic_joints import ElasticJoints, JointState
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
-THRESHOLD = 0.03  # of the support's motion: slower slip and parting count as sticking
+# Of the support's motion: slower slip and parting count as sticking. The first is used; an interval that moves with the second is unknown.
+THRESHOLDS = (0.01, 0.003)
 LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
 # A friction coefficient below SLIGHT may act in any direction: it moves an end by no more, and exact directions contradict equilibrium.
 SLIGHT = 1e-5
 FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 
 
-def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float = THRESHOLD) -> tuple[float, float]:
+def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointState, threshold: float = THRESHOLDS[0]) -> tuple[float, float]:
     """Least and greatest reaction (N, N m) or multiplier that a mechanism allows.
 
     An end is infinite where nothing limits it, and NaN where no state of forces fits the mechanism.

@@ -16,7 +16,7 @@ from la_core.coulomb import plateau
 from la_core.coulomb.certificate import Certificate, certify, joint_rates
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
-from la_core.coulomb.interval import reaction_interval
+from la_core.coulomb.interval import THRESHOLDS, reaction_interval
 from la_core.coulomb.path_progress import PathProgress
 from la_core.coulomb.plateau import Plateau
 from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
@@ -240,7 +240,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     return CoulombSolution(
         Status.SOLVED if certified and certain else Status.INACCURATE,
         value * unit,
-        reaction_interval(joints, joint_rates(joints, chosen.before, chosen.last), chosen.last.joints),
+        _interval(joints, chosen, [followed[i] for i in most], uncertainty),
         twists * (1.0 / (assembly.weight * joints.live_size) if joints.live else speed),
         global_forces(assembly, chosen.last.joints.force),
         at_rest=float("nan"),
@@ -260,6 +260,21 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
         path_settlement=chosen.progress * stiffness.travel,
         path_value=chosen.values * unit,
     )
+
+
+def _interval(joints: ElasticJoints, chosen: _Followed, alike: list[_Followed], uncertainty: float) -> tuple[float, float]:
+    """Interval of the mechanism in units; NaN where it moves with the threshold or the path, or does not contain the value."""
+    unit = joints.value_in_units(1.0)
+
+    def ends(path: _Followed, threshold: float) -> np.ndarray:
+        return np.array(reaction_interval(joints, joint_rates(joints, path.before, path.last), path.last.joints, threshold)) / unit
+
+    low, high = stated = ends(chosen, THRESHOLDS[0])
+    others = [ends(chosen, THRESHOLDS[1]), *(ends(path, THRESHOLDS[0]) for path in alike if path is not chosen)]
+    allowed = plateau.ALIKE * plateau.reference_size(chosen.plateau.value)
+    moves = any(not ((other == stated) | (np.abs(other - stated) <= allowed)).all() for other in others if np.isfinite(stated).any())
+    holds = low - uncertainty <= chosen.plateau.value <= high + uncertainty
+    return (low * unit, high * unit) if holds and not moves else (float("nan"), float("nan"))
 
 
 def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:

@@ -227,7 +227,7 @@ def left_out_list(entries: dict[str, Entry]) -> str:
 def run(names: Sequence[str], folder: Path) -> None:
     """Run the scenes, and store each as soon as it is done."""
     entries = read_record()
-    one_scene._figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     expected = {name: entries.get(name, {}).get("seconds", USUAL) for name in names}
     pace = 1.0  # of this run over the last one
     with Narration(Console(stderr=True)) as narration:
