@@ -1,9 +1,11 @@
 """Takes shipped scenes through both methods, reduced and full model, and writes what they gave as the page results.md.
 
     .venv/bin/python tests/benchmarks/results_page.py [SCENE ...]
+    .venv/bin/python tests/benchmarks/results_page.py --limit-analysis [SCENE ...]
     .venv/bin/python tests/benchmarks/results_page.py --write
 
 Without names every shipped scene is run but the long ones. Results are kept in results.json: a scene that is not run again keeps its entry.
+--limit-analysis runs limit analysis alone and keeps the recorded values and verdicts of YADE.
 --write runs nothing: it writes results.md, and the tables in friction.md and effects.md that come from the same record.
 """
 
@@ -16,7 +18,7 @@ from textwrap import fill
 from typing import Any
 
 from marked_text import listed, sentences, span, with_part
-from results_record import FRICTION_WALLS, RECORD, measured, read_record, write_record
+from results_record import FRICTION_WALLS, RECORD, measured, read_record, with_limit_analysis, write_record
 from rich.console import Console
 
 from comparison.judge.effects_table import EFFECTS
@@ -132,6 +134,9 @@ def _origins(entries: dict[str, Entry]) -> str:
         made.setdefault(words + (f" (from the {entry['source']})" if "source" in entry else ""), []).append(name)
     most = max(made, key=lambda words: len(made[words]))
     others = [f"{listed([f'`{name}`' for name in names])}: {words}." for words, names in made.items() if words != most]
+    kept = [f"`{name}`" for name, entry in entries.items() if entry.get("yade_before")]
+    if kept:
+        others.append(f"Limit analysis was run again without YADE, whose values and verdicts are those of the run before: {listed(kept)}.")
     return "\n".join([f"Made on {most}.", *others]) + "\n"
 
 
@@ -224,6 +229,16 @@ def left_out_list(entries: dict[str, Entry]) -> str:
     return sentences([f"`{effect}`: left out in {len(names)} of {len(entries)} shipped scenes." for effect, names in scenes.items()])
 
 
+def run_limit_analysis(names: Sequence[str], folder: Path) -> None:
+    """Run limit analysis of the scenes alone, and store each as soon as it is done."""
+    entries = read_record()
+    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    with Narration(Console(stderr=True)) as narration:
+        for name in names:
+            entries[name] = with_limit_analysis(entries[name], name, folder, narration)
+            write_record(entries)
+
+
 def run(names: Sequence[str], folder: Path) -> None:
     """Run the scenes, and store each as soon as it is done."""
     entries = read_record()
@@ -249,13 +264,14 @@ def write_pages() -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help="shipped scenes to run again; all but the long ones")
+    parser.add_argument("--limit-analysis", action="store_true", help="run limit analysis alone, and keep the record of YADE")
     parser.add_argument("--write", action="store_true", help="run nothing, write the pages from the record")
     parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="folder of results to keep; what lies there is not run again")
     options = parser.parse_args()
     if not options.write:
         names = options.scenes or [name for name in shipped.names() if name not in shipped.LONG]
         with tempfile.TemporaryDirectory() as folder:
-            run(names, options.output or Path(folder))
+            (run_limit_analysis if options.limit_analysis else run)(names, options.output or Path(folder))
     write_pages()
 
 

@@ -56,6 +56,16 @@ def measured(name: str, folder: Path, listener: Listener) -> dict[str, Any]:
     return entry | {"seconds": round(time.monotonic() - start, 1), "versions": versions}
 
 
+def with_limit_analysis(entry: dict[str, Any], name: str, folder: Path, listener: Listener) -> dict[str, Any]:
+    """The entry with fresh limit analysis of both models, and the recorded values and verdicts of YADE, which knows no prediction."""
+    scene, kept = load_scene(shipped.find(name)), ("yade_status", "yade", "uncertainty", "verdict", "yade_seconds")
+    models = {"reduced": scene} | ({} if name in shipped.LONG else {"full": full_model(scene)})
+    for model, one in models.items():
+        fresh = model_values(run_scene(one, folder / one.name, listener, with_yade=False))
+        entry = entry | {model: entry[model] | {key: value for key, value in fresh.items() if key not in kept}}
+    return entry | {"yade_before": True}
+
+
 def model_values(summary: dict[str, Any]) -> dict[str, Any]:
     """What `comparison.json` says of one model, at the inset that both methods share; `sharp` without inset.
 
