@@ -18,7 +18,9 @@ from la_core.coulomb.tangent import Tangent
 # steps would press unloaded joints enough for a large friction coefficient to make them jam.
 TOLERANCE = 1e-9
 LEAST_TOLERANCE = 1e-12  # of the weight: round-off of large structures
-LOOSE = 1e3  # times the tolerance: the best iterate is accepted up to here where points chatter at round-off
+# Times the tolerance: up to here the best iterate is accepted where the next STALLED ones are no better, for points then chatter.
+# Where the best residual is larger, the iteration mostly runs in a circle, and ends after LOST worse ones.
+LOOSE, STALLED, LOST = 1e3, 2, 4
 MOST_ITERATIONS = 20
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
@@ -121,7 +123,7 @@ def advance(
         return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), JointState(displacement, force), stiffness
 
     rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
-    first, best = size, (np.inf, State(progress, blocks, state, multiplier))
+    first, best, best_at = size, (np.inf, State(progress, blocks, state, multiplier)), 0
     for iteration in range(MOST_ITERATIONS):
         if size <= tolerance:
             return Trial(State(progress, blocks, state, multiplier), iteration)
@@ -140,8 +142,10 @@ def advance(
         blocks, multiplier = blocks + share * move, multiplier + share * rise
         rest, lag, size, state, stiffness = trial
         if size < best[0]:
-            best = (size, State(progress, blocks, state, multiplier))
-    return Trial(best[1] if best[0] <= LOOSE * tolerance else None, MOST_ITERATIONS)
+            best, best_at = (size, State(progress, blocks, state, multiplier)), iteration
+        elif iteration - best_at >= (STALLED if best[0] <= LOOSE * tolerance else LOST):
+            break
+    return Trial(best[1] if best[0] <= LOOSE * tolerance else None, iteration + 1)
 
 
 def _direction(

@@ -64,7 +64,7 @@ class PredictionSettings:
 
     viscosities: tuple[float, ...] = (1e-2, 1e-3)
     finer: float = 1.0
-    effort: float = 1.5e5
+    effort: float = 2e5
     doublings: int = MOST_DOUBLINGS
 
 
@@ -234,7 +234,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     stride = chosen.last.progress - chosen.before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
-    certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL
+    certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and chosen.last.progress >= first_travel(joints)
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
     return CoulombSolution(

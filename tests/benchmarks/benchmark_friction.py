@@ -1,6 +1,6 @@
 """Accuracy and cost of the Coulomb prediction: its stated uncertainty against viscosities and steps ten times finer.
 
-    python tests/benchmarks/benchmark_friction.py [--quick] [--verbose] [-o RECORD.json]
+    python tests/benchmarks/benchmark_friction.py [--quick] [--large] [--verbose] [-o RECORD.json]
     python tests/benchmarks/benchmark_friction.py --write
 
 Running-bond walls, sharp arrises, a third or half of the base settles. Every wall is predicted with the default viscosities,
@@ -37,7 +37,8 @@ from la_core.text_table import number_text
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 RECORD, PART = "friction.json", "predictions"  # record in the gallery; part of friction.md that is written from it
-WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8), (16, 10), (20, 12))  # blocks per course, courses
+WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8))  # blocks per course, courses
+LARGE_WALLS = ((16, 10), (20, 12))  # minutes each, by the reference
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
 COARSER, DEFAULT, REFERENCE = "coarser", "default", "reference"
@@ -122,9 +123,10 @@ def run(case: Case) -> Result:
     return Result(case, runs)
 
 
-def cases(quick: bool) -> Iterator[Case]:
-    """All walls; a handful of small ones if quick."""
-    for (per_course, courses), friction, part in itertools.product(WALLS[:4] if quick else WALLS, (0.3, 0.6) if quick else FRICTION, PARTS):
+def cases(quick: bool, large: bool = False) -> Iterator[Case]:
+    """All walls but the large ones; a handful of small ones if quick, and the large ones, too, if large."""
+    walls = WALLS[:4] if quick else WALLS + (LARGE_WALLS if large else ())
+    for (per_course, courses), friction, part in itertools.product(walls, (0.3, 0.6) if quick else FRICTION, PARTS):
         yield Case(per_course, courses, friction, per_course // part)
 
 
@@ -278,6 +280,7 @@ def write_page(folder: Path = GALLERY) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a handful of small walls")
+    parser.add_argument("--large", action="store_true", help="walls of 160 and 240 blocks, too: hours")
     parser.add_argument("--verbose", action="store_true", help="list every wall")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("-o", "--output", type=Path, metavar="RECORD", help="file for all values, JSON")
@@ -287,7 +290,7 @@ def main() -> None:
         write_page()
         return
     console = Console()
-    results = run_all(list(cases(options.quick)), options.workers, console, options.output)
+    results = run_all(list(cases(options.quick, options.large)), options.workers, console, options.output)
     if options.verbose:
         console.print(listing(results))
     console.print(summary(results))

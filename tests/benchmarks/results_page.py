@@ -198,7 +198,7 @@ def _full_conclusions(entries: dict[str, Entry]) -> str:
 
 def _whole_building(entries: dict[str, Entry]) -> str:
     entry = entries.get(BUILDING, {})
-    if "full" not in entry:
+    if "stated" not in entry.get("full", {}):
         return ""
     model = entry["full"]
     text = (
