@@ -274,7 +274,7 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield "Coulomb: status", answer["status"], ""
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
-    yield _quantity(scene, "Coulomb: uncertainty", answer["uncertainty"])
+    yield _quantity(scene, "Coulomb: uncertainty", answer["uncertainty"], 2)
     for plateau in answer["plateaus"]:
         yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
     yield _quantity(scene, "Coulomb: least by its mechanism", low)
@@ -286,5 +286,6 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield "Coulomb: iterations", str(answer["iterations"]), ""
 
 
-def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
-    return name, number_text(value), "" if scene.live is not None else number_text(over_weight(value, scene.weight))
+def _quantity(scene: Scene, name: str, value: float | None, digits: int = 6) -> tuple[str, str, str]:
+    over = "" if scene.live is not None else number_text(over_weight(value, scene.weight), digits)
+    return name, number_text(value, digits), over

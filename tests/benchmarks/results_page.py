@@ -168,9 +168,10 @@ def _figures(entries: dict[str, Entry]) -> str:
         model, seconds = entries[BUILDING]["reduced"], entries[BUILDING]["reduced"]["yade_seconds"]
         text = (
             f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes in YADE and is *{model['verdict']}*. Its joints stick and "
-            f"slip in YADE. Its reaction, with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, differs by "
-            f"{percent(abs(_off(model)))} from the prediction, whose stated uncertainty is {percent(model['stated'] / model['predicted'])}: the "
-            "path used up its effort before it reached the first travel."
+            f"slip in YADE. Its reaction, with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, "
+            f"differs by {percent(abs(_off(model)))} from the prediction, "
+            f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}: "
+            "the path used up its effort before it reached the first travel."
         )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
