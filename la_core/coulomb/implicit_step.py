@@ -124,6 +124,7 @@ def advance(
 
     rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
     first, best, best_at = size, (np.inf, State(progress, blocks, state, multiplier)), 0
+    iteration = -1  # for a limit of no iterations
     for iteration in range(MOST_ITERATIONS):
         if size <= tolerance:
             return Trial(State(progress, blocks, state, multiplier), iteration)
