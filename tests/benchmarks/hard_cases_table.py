@@ -61,10 +61,11 @@ class Outcome:
 
     @property
     def sharp(self) -> float:
-        """Least reaction over the weight for sharp arrises, without dilatancy; NaN where there is none."""
+        """Least reaction over the weight without dilatancy, for sharp arrises where no joint slides; NaN where there is none."""
         assert self.summary is not None
         analysis = self.summary["limit_analysis"]
-        value = (analysis["coulomb"] or analysis["associated"])["reaction_sharp"]
+        answer = analysis["coulomb"] or analysis["associated"]
+        value = answer["reaction"] if answer["reaction_sharp"] is None else answer["reaction_sharp"]
         return math.nan if value is None else float(value / self.summary["weight"])
 
     @property

@@ -31,8 +31,8 @@ def test_columns_without_bond_carry_nothing_by_friction_in_either_method(name: s
 @pytest.mark.parametrize(("name", "known"), [("wall_third", 0.0703), ("wall_half", 0.1309), ("wall_low_friction", 0.0765)])
 def test_walls_come_to_the_reaction_of_an_independent_path_following(name: str, known: float, cross_checked: CrossCheck) -> None:
     found = cross_checked(name)
-    assert found.analysis.sharp.coulomb is not None
-    assert found.analysis.sharp.coulomb.value / found.scene.weight == pytest.approx(known, rel=HISTORY)
+    assert found.analysis.coulomb is not None
+    assert found.analysis.coulomb.value / found.scene.weight == pytest.approx(known, rel=HISTORY)
     if found.run.scatter() <= STEADY:
         assert found.run.result.reaction / found.scene.weight == pytest.approx(known, rel=HISTORY)
 
