@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import scenes
 from faulty_runs import INTERRUPTED, TOOL, Fake, answer, crosscheck, one_message, processes_about, unfinished, wait_for
 
 from comparison.cli.commands import main
@@ -83,17 +84,19 @@ def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
-    """YADE's process inherits the limit, below which everything but its result fits."""
+def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(plain_figures: None, tmp_path: Path) -> None:
+    """YADE's process inherits the limit, below which everything but its result, of many stored states, fits."""
+    scene, undisturbed, out = tmp_path / "two_pads.toml", tmp_path / "undisturbed", tmp_path / "out"
+    scene.write_text(scenes.shipped("two_pads").text + "\n[yade]\nposes = 200\n")
+    assert main(["run", str(scene), "-o", str(undisturbed), "-q"]) == 0
     case, run = ((undisturbed / "two_pads" / name).stat().st_size for name in ("case.h5", "run.h5"))
     assert case < run
-    out = tmp_path / "out"
-    with crosscheck("run", "two_pads", "-o", str(out), preexec_fn=limited(run - 1)) as process:
+    with crosscheck("run", str(scene), "-o", str(out), preexec_fn=limited(run - 1)) as process:
         _, said = process.communicate()
     assert process.returncode == TOOL and "Traceback" not in said
     assert said.count("YADE: failed") == 1 and "File too large" in said and "run.h5" in said
     assert not unfinished(out) and not (out / "two_pads" / "run.h5").exists()
-    assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+    assert main(["run", str(scene), "-o", str(out), "-q"]) == 0
     assert answer(out) == answer(undisturbed)
 
 
