@@ -272,9 +272,9 @@ def _interval(joints: ElasticJoints, chosen: _Followed, alike: list[_Followed], 
     low, high = stated = ends(chosen, THRESHOLDS[0])
     others = [ends(chosen, THRESHOLDS[1]), *(ends(path, THRESHOLDS[0]) for path in alike if path is not chosen)]
     allowed = plateau.ALIKE * plateau.reference_size(chosen.plateau.value)
-    moves = any(not ((other == stated) | (np.abs(other - stated) <= allowed)).all() for other in others if np.isfinite(stated).any())
+    near = [np.isclose(other, stated, rtol=0.0, atol=allowed).all() for other in others]  # two infinite ends are the same
     holds = low - uncertainty <= chosen.plateau.value <= high + uncertainty
-    return (low * unit, high * unit) if holds and not moves else (float("nan"), float("nan"))
+    return (low * unit, high * unit) if holds and all(near) else (float("nan"), float("nan"))
 
 
 def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:
