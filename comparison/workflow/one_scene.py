@@ -192,7 +192,7 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
 
 
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
-    """Return why a prediction is none, as the end of a sentence."""
+    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
     if coulomb.status is not Status.INACCURATE:
         return ", so it has no value"
     value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()

@@ -32,7 +32,7 @@ def needed(results: Results) -> dict[str, tuple[bool | str, str]]:
 
 
 def restore(results: Results) -> LimitAnalysis | None:
-    """Return limit analysis with the effects that were left out and that YADE's run shows to be needed; None where there are none.
+    """Return limit analysis with the effects that were left out and that YADE's run shows to be needed; None where it shows no such effect.
 
     This is the only function that repeats limit analysis after a run. It adds what is missing in the model and changes nothing else: not
     the way the prediction is made, and no effect that was modelled or that the scene itself chose. The interfaces are used again.

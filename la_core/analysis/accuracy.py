@@ -25,7 +25,7 @@ ROUNDED, HISTORY, ELASTIC, GAP = "rounded arrises", "friction's history", "elast
 INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
 # Paths of the attempts: viscosities and effort relative to the default, division of the steps. The first suffices for LOOSE
-# accuracies: of 128 walls (tests/benchmarks/benchmark_friction.py) nine in ten are then within 0.1 %.
+# accuracies: of 96 walls (tests/benchmarks/benchmark_friction.py) nine in ten are then within 0.04 %.
 LOOSE = 0.02
 ATTEMPTS = ((10.0, 0.5, 1.0), (1.0, 1.0, 1.0), (0.1, 4.0, 3.0), (0.01, 16.0, 10.0))
 # Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.

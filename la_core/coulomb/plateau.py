@@ -39,6 +39,11 @@ class Plateau:
     scatter: float
     travel: float
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether the curve is flat over the second half of its way."""
+        return self.change <= FLAT * reference_size(self.mean)
+
 
 def reference_size(value: float) -> float:
     """Size that differences of a scaled value are relative to."""
@@ -50,16 +55,11 @@ def plateau_of(progress: np.ndarray, values: np.ndarray, end: float, value: floa
     last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
     length = _lengths(progress, 0.75 * end, end)
     order = np.argsort(values)
-    share = np.cumsum(length[order]) / max(length.sum(), 1e-300)
-    kept = values[order][(share >= TAIL) & (share - length[order] / max(length.sum(), 1e-300) <= 1.0 - TAIL)]
+    weight = length[order] / max(length.sum(), 1e-300)
+    share = np.cumsum(weight)
+    kept = values[order][(share >= TAIL) & (share - weight <= 1.0 - TAIL)]
     scatter = float(np.abs(kept - value).max()) if len(kept) else float("nan")
     return Plateau(value, last, abs(last - before), scatter, end)
-
-
-def is_flat(progress: np.ndarray, values: np.ndarray, end: float) -> bool:
-    """Whether a curve (P,) over its progress (P,) is flat over the second half of its way to `end`."""
-    last, before = _mean(progress, values, end / 2.0, end), _mean(progress, values, end / 4.0, end / 2.0)
-    return abs(last - before) <= FLAT * reference_size(last)
 
 
 def _lengths(progress: np.ndarray, low: float, high: float) -> np.ndarray:

@@ -12,7 +12,7 @@ structure forgets it, as it forgets most of its early history. The power of the 
 reaction without it, by the balance of power: R = R_with_drag + eta sum(M v^2), v = dq/dp.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -107,7 +107,6 @@ class QuasiStaticPath:
 
     def __init__(self, joints: ElasticJoints, tangent: Tangent, rest: State, viscosity: Viscosity, finer: float = 1.0) -> None:
         self.joints, self.viscosity, self.iterations = joints, viscosity, 0
-        self.before = self.last = rest
         self._tangent, self._finer = tangent, finer
         self._offset = rest.progress  # of the support, from wedging
         self._live_at = float(joints.live_load @ rest.blocks)
@@ -230,9 +229,8 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0) 
     state = replace(state, joints=replace(joints.laid, displacement=joints.displacement(state.blocks, -wedging)))
     drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
     iterations = 0
-    step: Callable[[float], Trial] = lambda drag: advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks)  # noqa: E731
     for _ in range(MOST_REST_STEPS):
-        trial = step(drag)
+        trial = advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks)
         iterations += trial.iterations
         if trial.state is None:
             drag *= 10.0

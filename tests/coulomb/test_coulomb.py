@@ -16,6 +16,10 @@ from la_core.coulomb import (
     predict,
     prediction,
 )
+from la_core.coulomb.certificate import certify
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.tangent import Tangent
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import residuals
@@ -558,11 +562,6 @@ def test_end_of_the_path_is_certified(name) -> None:
 
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     """A step across a jump, or a state in motion, is no limit state: its power balance misses."""
-    from la_core.coulomb.certificate import certify
-    from la_core.coulomb.elastic_joints import ElasticJoints
-    from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
-    from la_core.coulomb.tangent import Tangent
-
     assembly, stiffness = problem(great_wall(0.6, 1.6))
     joints = ElasticJoints(assembly, stiffness)
     rest, _ = come_to_rest(joints, tangent := Tangent(joints))

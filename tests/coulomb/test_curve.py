@@ -1,5 +1,8 @@
 """Plateau of a curve: flat or not, what its scatter leaves open, and which values are one plateau."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 import scenes
@@ -19,7 +22,7 @@ PROGRESS = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 200)])
     (1e-8 * np.cos(40.0 * PROGRESS), True),  # a reaction of zero, but for noise
 ])  # fmt: skip
 def test_a_curve_is_flat_where_its_mean_no_longer_changes(values: np.ndarray, flat: bool) -> None:
-    assert plateau.is_flat(PROGRESS, values, 1.0) is flat
+    assert bool(plateau.plateau_of(PROGRESS, values, 1.0, values[-1]).is_flat) is flat
 
 
 def test_a_plateau_states_its_change_and_its_scatter_without_a_stray_jump() -> None:
@@ -47,14 +50,14 @@ def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.M
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     whole = predict(assembly, stiffness, associated)
-    original = prediction.plateau.plateau_of
-    made = []
+    original, made = prediction._follow, []
 
-    def apart(progress: np.ndarray, values: np.ndarray, end: float, value: float) -> plateau.Plateau:
-        made.append(value)
-        return original(progress, values, end, 1.05 * value if len(made) == 1 else value)
+    def apart(*arguments: Any) -> Any:
+        made.append(one := original(*arguments))
+        assert one is not None
+        return replace(one, plateau=replace(one.plateau, value=1.05 * one.plateau.value)) if len(made) == 1 else one
 
-    monkeypatch.setattr(prediction.plateau, "plateau_of", apart)
+    monkeypatch.setattr(prediction, "_follow", apart)
     several = predict(assembly, stiffness, associated, settings=PredictionSettings())
     assert len(several.viscosities) == 3
     assert several.plateaus == pytest.approx([whole.value, 1.05 * whole.value], rel=1e-3)
