@@ -1,8 +1,9 @@
 """Friction without dilatancy: the quasi-static path to the plateau, its certificate, and the mechanism's interval."""
 
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.path_progress import PathProgress
-from la_core.coulomb.prediction import ACCEPTED_RESIDUAL, PredictionSettings, predict, reaction_at_rest
+from la_core.coulomb.prediction import PredictionSettings, predict, reaction_at_rest
 from la_core.coulomb.sliding import SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 

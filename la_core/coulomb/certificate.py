@@ -12,9 +12,13 @@ import numpy as np
 
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
+from la_core.coulomb.quasi_static_path import QuasiStaticPath
 from la_core.measures import residuals
 from la_core.model import global_forces
 
+ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
+END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
+END_ITERATIONS, LEAST_END_ITERATIONS, END_STEPS = 0.2, 200, 20  # most iterations of the last stretch over those of the path
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
 
 
@@ -93,3 +97,16 @@ def certify(joints: ElasticJoints, before: State, last: State) -> Certificate:
         float(np.sum(np.abs(dissipation + np.sum(friction * rates.slip, axis=1)))) / put_in,
         abs(float(block_power.sum()) + driving - float(dissipation.sum())) / put_in,
     )
+
+
+def certified_end(path: QuasiStaticPath, stretch: float) -> tuple[State, State, Certificate]:
+    """Go on with hardly any drag until the state is a limit state; otherwise return the step that comes closest."""
+    best = (path.before, path.last, certify(path.joints, path.before, path.last))
+    most = path.iterations + max(END_ITERATIONS * path.iterations, LEAST_END_ITERATIONS)
+    for _ in path.advance_to(path.last.progress + stretch, most, END_VISCOSITY, stretch / END_STEPS):
+        certificate = certify(path.joints, path.before, path.last)
+        if certificate.worst < best[2].worst:
+            best = (path.before, path.last, certificate)
+        if certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
+            break
+    return best

@@ -6,6 +6,10 @@ mu n where it exceeds that limit. The limit is less by the friction of a normal 
 joint would make it grow until the blocks jam. Only the friction force has a history, and a point that parts forgets it. YADE's
 contacts obey the same law with the same stiffness.
 
+The law can be smoothed. A contact point then parts and slips gradually, over forces of the size `smoothing`: n is the
+larger root of n (n + kn u_n) = smoothing^2, and |t| is the smaller root of (|t| - |t*|) (|t| - mu n) = smoothing |t|.
+Both return to the sharp law as the smoothing vanishes, and friction never exceeds mu n.
+
 Displacements are over `unit`, the travel of the fastest support point; forces are over the weight W.
 """
 
@@ -28,10 +32,13 @@ class JointState:
         Relative displacement at each contact point since the blocks were laid.
     force : (C, k) array
         Contact force on block b, compression positive.
+    memory : (C, k - 1) array
+        Friction force from which the next step starts; the friction force itself where the law is sharp.
     """
 
     displacement: np.ndarray
     force: np.ndarray
+    memory: np.ndarray
 
 
 class ElasticJoints:
@@ -92,7 +99,7 @@ class ElasticJoints:
     def laid(self) -> JointState:
         """Joints as laid, without displacement or force."""
         zero = np.zeros((len(self.friction), self.width))
-        return JointState(zero, zero)
+        return JointState(zero, zero, zero[:, 1:])
 
     def local(self, values: np.ndarray) -> np.ndarray:
         """Values of all contact points (C k,) as an array (C, k)."""
@@ -102,8 +109,8 @@ class ElasticJoints:
         """Relative displacements (C, k) for displacements (n,) of the free blocks and the support's motion over its travel."""
         return self.local(self.kinematics @ blocks) + progress * self.motion
 
-    def force(self, displacement: np.ndarray, before: JointState) -> tuple[np.ndarray, np.ndarray]:
-        """Contact forces at the end of a step, and minus their derivative by the displacements.
+    def state(self, displacement: np.ndarray, before: JointState, smoothing: float = 0.0) -> tuple[JointState, np.ndarray]:
+        """State at the end of a step, and minus the derivative of its forces by the displacements.
 
         Parameters
         ----------
@@ -111,32 +118,36 @@ class ElasticJoints:
             Relative displacements at the end of the step.
         before : JointState
             Joints at the start of the step, with their history of friction.
+        smoothing : float
+            Force over which a contact point parts and slips gradually; 0 for the sharp law.
 
         Returns
         -------
-        force : (C, k) array
-            Contact forces on block b.
+        state : JointState
+            Displacements and forces at the end of the step.
         tangent : (C, k, k) array
             Stiffness of each contact point: not symmetric where it slides, zero where it parts.
         """
-        normal = np.maximum(-self.normal * displacement[:, 0], 0.0)
-        trial = before.force[:, 1:] - self.shear * (displacement[:, 1:] - before.displacement[:, 1:])
+        normal, normal_slope = _positive(-self.normal * displacement[:, 0], smoothing)
+        trial = before.memory - self.shear * (displacement[:, 1:] - before.displacement[:, 1:])
         size = np.linalg.norm(trial, axis=1)
-        limit = self.friction * np.maximum(normal - self._round_off, 0.0)
-        slides = size > limit
-        direction = trial / np.where(size > 0.0, size, 1.0)[:, None]
-        share = np.where(slides, limit / np.where(size > 0.0, size, 1.0), 1.0)
+        rubs = normal > self._round_off
+        limit = self.friction * np.where(rubs, normal - self._round_off, 0.0)
+        friction, by_trial, by_limit = _smaller(size, limit, smoothing)
+        known = np.where(size > 0.0, size, 1.0)
+        direction = trial / known[:, None]
+        share = np.where(size > 0.0, friction / known, by_trial)
         force = np.concatenate([normal[:, None], trial * share[:, None]], axis=1)
-        loaded, rubs = normal > 0.0, normal > self._round_off
+        memory = trial * np.minimum(limit / known, 1.0)[:, None]  # cut back sharply, so that a joint at rest keeps its friction
         tangent = np.zeros((len(normal), self.width, self.width))
-        tangent[:, 0, 0] = self.normal * loaded
-        across = np.where(rubs, self.shear * share, 0.0)
+        tangent[:, 0, 0] = self.normal * normal_slope
+        pressed = np.where(rubs, by_limit * self.friction * tangent[:, 0, 0], 0.0)
+        across, along = (np.where(rubs, self.shear * part, 0.0) for part in (share, by_trial - share))
         for i in range(1, self.width):
-            tangent[:, i, 0] = np.where(slides & rubs, self.friction * self.normal * direction[:, i - 1], 0.0)
+            tangent[:, i, 0] = pressed * direction[:, i - 1]
             for j in range(1, self.width):
-                along = slides * direction[:, i - 1] * direction[:, j - 1]
-                tangent[:, i, j] = across * ((i == j) - along)
-        return force, tangent
+                tangent[:, i, j] = across * (i == j) + along * direction[:, i - 1] * direction[:, j - 1]
+        return JointState(displacement, force, memory), tangent
 
     def unbalanced(self, force: np.ndarray) -> np.ndarray:
         """Force (n,) on the free blocks that the contact forces (C, k) and the weights leave unbalanced."""
@@ -150,3 +161,23 @@ class ElasticJoints:
     def value_in_units(self, scaled: float) -> float:
         """Reaction in N or N m, or the multiplier, from its scaled value."""
         return scaled / self.live_size if self.live else scaled * self.assembly.weight * self.assembly.support_speed
+
+
+def _positive(value: np.ndarray, smoothing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Positive part of a value, smoothed, and its derivative."""
+    if smoothing == 0.0:
+        return np.maximum(value, 0.0), (value > 0.0).astype(float)
+    root = np.hypot(value, 2.0 * smoothing)
+    part = np.where(value > 0.0, 0.5 * (value + root), 2.0 * smoothing**2 / (root - np.minimum(value, 0.0)))
+    return part, 0.5 * (1.0 + value / root)
+
+
+def _smaller(first: np.ndarray, second: np.ndarray, smoothing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Smaller of two values of at least 0, smoothed, and its derivatives by both."""
+    if smoothing == 0.0:
+        is_second = first > second
+        return np.where(is_second, second, first), np.where(is_second, 0.0, 1.0), is_second.astype(float)
+    total = first + second + smoothing
+    root = np.sqrt(total**2 - 4.0 * first * second)
+    smaller = 2.0 * first * second / (total + root)
+    return smaller, (second - smaller) / root, (first - smaller) / root

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY, first_travel
-from la_core.coulomb.quasi_static_path import Point, QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY
+from la_core.coulomb.quasi_static_path import Falling, Point, QuasiStaticPath, come_to_rest, first_travel
 from la_core.coulomb.tangent import Tangent
 from la_core.model import Assembly, JointStiffness
 
@@ -68,7 +68,7 @@ def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float
     rest, _ = come_to_rest(joints, tangent, wedging / stiffness.travel)
     points: list[Point] = []
     if rest is not None:
-        viscosity = Viscosity(FIRST_VISCOSITY, LAST_VISCOSITY, ANNEALED * first_travel(joints))
+        viscosity = Falling(FIRST_VISCOSITY, LAST_VISCOSITY, ANNEALED * first_travel(joints))
         path = QuasiStaticPath(joints, tangent, rest, viscosity)
         points.append(path.points[0])
         for station in settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2:

@@ -90,6 +90,7 @@ def advance(
     target: Target,
     drag: float,
     guess: np.ndarray,
+    smoothing: float = 0.0,
 ) -> Trial:
     """Take one step.
 
@@ -107,6 +108,8 @@ def advance(
         Viscosity over the length of the step.
     guess : (n,) array
         First displacements of the iteration.
+    smoothing : float
+        Force over which contact points part and slip gradually.
     """
     progress, live_at = target.progress, target.live_at
     blocks, multiplier = guess, before.multiplier
@@ -114,13 +117,13 @@ def advance(
 
     def evaluate(blocks: np.ndarray, multiplier: float) -> tuple[np.ndarray, float, float, JointState, np.ndarray]:
         displacement = joints.displacement(blocks, target.support)
-        force, stiffness = joints.force(displacement, before.joints)
-        rest = joints.unbalanced(force) - drag * joints.mass * (blocks - before.blocks)
+        state, stiffness = joints.state(displacement, before.joints, smoothing)
+        rest = joints.unbalanced(state.force) - drag * joints.mass * (blocks - before.blocks)
         lag = 0.0
         if live_at is not None:
             rest += multiplier * joints.live_load
             lag = live_at - float(joints.live_load @ blocks)
-        return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), JointState(displacement, force), stiffness
+        return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), state, stiffness
 
     rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
     first, best, best_at = size, (np.inf, State(progress, blocks, state, multiplier)), 0

@@ -1,6 +1,9 @@
 """Progress of a path, for whoever waits for it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+
+from la_core.coulomb.elastic_joints import ElasticJoints
 
 
 @dataclass(frozen=True)
@@ -27,3 +30,18 @@ class PathProgress:
     viscosity: float
     path: int
     paths: int
+
+
+Reporter = Callable[[PathProgress], None]
+Sender = Callable[[float, float, float], None]  # progress, end of the travel, scaled value
+
+
+def sender(joints: ElasticJoints, report: Reporter | None, viscosity: float, path: int, paths: int) -> Sender:
+    """Function that reports the points of one path with this first viscosity."""
+
+    def send(progress: float, end: float, value: float) -> None:
+        if report is not None:
+            share = (path - 1 + min(progress / end, 1.0)) / paths
+            report(PathProgress(progress, share, joints.value_in_units(value), viscosity, path, paths))
+
+    return send

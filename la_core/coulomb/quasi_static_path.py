@@ -23,38 +23,49 @@ from la_core.coulomb.tangent import Tangent
 
 FIRST_STEP = 0.05  # of the elastic sag
 LONGEST_STEP = 0.05  # of the travel, or of the progress where that is more
-LARGEST_CHANGE = 0.06  # of the contact forces, in one step
+LARGEST_CHANGE, SMOOTH_CHANGE = 0.06, 0.2  # of the contact forces, in one step of sharp and of smooth joints
 GROWTH, CUT = 1.6, 4.0  # of the length of the step: after an easy step, and after one that did not converge
 CAUTION, REGAINED = 0.7, 1.3  # limit over a length that failed, and its growth with every step
 EASY = 8  # iterations of a step after which the next one may be longer
+LAST_SMOOTHING = 0.1  # of the path's: smoothing on a stretch with a viscosity of its own, towards the end
 SHORTEST_STEP = 1e-13  # of the travel
 AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
 REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
 AT_REST = 1e-6  # of the travel: displacement in the last step to rest
 MOST_REST_STEPS = 300
+SAGS = 300.0  # least travel over the elastic sag: the strain of the joints must not pass for a mechanism
 
 
 @dataclass(frozen=True)
-class Viscosity:
-    """Viscosity along the path, in multiples of the weight at unit rate.
+class Falling:
+    """Quantity that falls along the path: the viscosity (multiples of the weight at unit rate), or the smoothing (force).
 
     Attributes
     ----------
     first : float
-        Value at the start.
+        Value until `start`.
     last : float
         Value from `until` on; in between its logarithm falls evenly.
     until : float
-        Progress from which on the viscosity keeps its last value, over the travel.
+        Progress from which on it keeps its last value, over the travel.
+    start : float
+        Progress from which on it falls, over the travel.
     """
 
     first: float
     last: float
     until: float
+    start: float = 0.0
 
     def at(self, progress: float) -> float:
-        """Viscosity at a progress over the travel."""
-        return float(self.first * (self.last / self.first) ** min(progress / self.until, 1.0))
+        """Value at a progress over the travel."""
+        if self.first == self.last:
+            return self.first
+        share = min(max((progress - self.start) / (self.until - self.start), 0.0), 1.0)
+        return float(self.first * (self.last / self.first) ** share)
+
+
+SHARP = Falling(0.0, 0.0, 1.0)  # smoothing of sharp joints
 
 
 @dataclass(frozen=True)
@@ -90,10 +101,12 @@ class QuasiStaticPath:
         Its tangent matrices.
     rest : State
         State at rest under gravity, from `come_to_rest`.
-    viscosity : Viscosity
+    viscosity : Falling
         Drag along the path.
     finer : float
         Factor by which the limits of a step are divided: its first and greatest length, and the change of forces.
+    smoothing : Falling
+        Force over which contact points part and slip gradually, along the path.
 
     Attributes
     ----------
@@ -105,8 +118,16 @@ class QuasiStaticPath:
         Newton iterations so far, also those of steps that did not converge.
     """
 
-    def __init__(self, joints: ElasticJoints, tangent: Tangent, rest: State, viscosity: Viscosity, finer: float = 1.0) -> None:
-        self.joints, self.viscosity, self.iterations = joints, viscosity, 0
+    def __init__(
+        self,
+        joints: ElasticJoints,
+        tangent: Tangent,
+        rest: State,
+        viscosity: Falling,
+        finer: float = 1.0,
+        smoothing: Falling = SHARP,
+    ) -> None:
+        self.joints, self.viscosity, self.smoothing, self.iterations = joints, viscosity, smoothing, 0
         self._tangent, self._finer = tangent, finer
         self._offset = rest.progress  # of the support, from wedging
         self._live_at = float(joints.live_load @ rest.blocks)
@@ -115,6 +136,11 @@ class QuasiStaticPath:
         self._rate = np.zeros_like(rest.blocks)
         self._mark = self._older_mark = self.last
         self._length, self._limit = FIRST_STEP * joints.sag / finer, np.inf
+
+    @property
+    def curve(self) -> tuple[np.ndarray, np.ndarray]:
+        """Progress (P,) and value (P,) of all points."""
+        return np.array([point.progress for point in self.points]), np.array([point.value for point in self.points])
 
     @property
     def rate(self) -> np.ndarray:
@@ -131,11 +157,16 @@ class QuasiStaticPath:
         return state.multiplier if self.joints.live else self.joints.reaction(state.joints.force)
 
     def advance_to(
-        self, end: float, most_iterations: float = np.inf, viscosity: float | None = None, longest: float = np.inf
+        self,
+        end: float,
+        most_iterations: float = np.inf,
+        viscosity: float | None = None,
+        longest: float = np.inf,
     ) -> Iterator[Point]:
         """Follow the path to a progress and yield every point; stop early after `most_iterations` of the whole path.
 
-        It also stops where no step is short enough; `last.progress` then lies before the end.
+        It also stops where no step is short enough; `last.progress` then lies before the end. On a stretch with a viscosity
+        of its own the smoothing is less, by LAST_SMOOTHING.
 
         Parameters
         ----------
@@ -154,37 +185,43 @@ class QuasiStaticPath:
                 length = end - self.last.progress
             progress = end if length == end - self.last.progress else self.last.progress + length
             eta = self.viscosity.at(progress) if viscosity is None else viscosity
-            trial = self._trial(progress, eta / length, length)
+            smoothing = self.smoothing.at(progress) * (1.0 if viscosity is None else LAST_SMOOTHING)
+            most_change = (SMOOTH_CHANGE if smoothing > 0.0 else LARGEST_CHANGE) / self._finer
+            trial = self._trial(progress, eta / length, length, smoothing)
             self.iterations += trial.iterations
             change = _change(self.last, trial.state) if trial.state is not None else np.inf
-            if trial.state is not None and (change <= LARGEST_CHANGE / self._finer or length <= SHORTEST_STEP):
+            if trial.state is not None and (change <= most_change or length <= SHORTEST_STEP):
                 self._accept(trial.state, length, eta)
-                self._lengthen(trial.iterations, change, length)
+                self._lengthen(trial.iterations, change / most_change, length)
                 yield self.points[-1]
-            elif not self._shorten(trial.state is not None, change, length):
+            elif not self._shorten(trial.state is not None, change / most_change, length):
                 return
 
     def _lengthen(self, iterations: int, change: float, length: float) -> None:
-        """Choose the length of the next step after one of `length` that was accepted."""
+        """Choose the length of the next step after one of `length` that was accepted; `change` is over its limit."""
         self._limit *= REGAINED
-        if iterations <= EASY and change < 0.6 * LARGEST_CHANGE / self._finer:
+        if iterations <= EASY and change < 0.6:
             longest = max(LONGEST_STEP, 0.25 * self.last.progress) / self._finer
             self._length = min(GROWTH * max(length, self._length), longest, max(self._limit, length))
 
     def _shorten(self, converged: bool, change: float, length: float) -> bool:
-        """Choose the length of the next trial after one of `length` that was refused; False where it is too short."""
+        """Choose the length of the next trial after one of `length` that was refused; `change` is over its limit.
+
+        Returns False where the length is too short.
+        """
         if converged:
-            self._length = length * max(1.0 / CUT, 0.8 * LARGEST_CHANGE / self._finer / change)
+            self._length = length * max(1.0 / CUT, 0.8 / change)
         else:
             self._limit = CAUTION * length
             self._length = length / CUT
         return self._length >= SHORTEST_STEP
 
-    def _trial(self, progress: float, drag: float, length: float) -> Trial:
+    def _trial(self, progress: float, drag: float, length: float, smoothing: float) -> Trial:
         live_at = self._live_at + progress if self.joints.live else None
         support = 0.0 if self.joints.live else self._offset + progress
         guess = self.last.blocks + length * self._rate
-        return advance(self.joints, self._tangent, self.last, Target(progress, support, live_at), drag, guess)
+        target = Target(progress, support, live_at)
+        return advance(self.joints, self._tangent, self.last, target, drag, guess, smoothing)
 
     def _accept(self, state: State, length: float, viscosity: float) -> None:
         self.before, self.last = self.last, state
@@ -198,13 +235,18 @@ class QuasiStaticPath:
         self.points.append(Point(state.progress, self.value(state) + drag, drag, self.iterations))
 
 
+def first_travel(joints: ElasticJoints) -> float:
+    """Travel that a path is followed for before its curve is judged: the whole travel, and SAGS elastic sags."""
+    return max(1.0, SAGS * joints.sag)
+
+
 def _change(before: State, after: State) -> float:
     """Change of the contact forces in a step, relative to the forces."""
     old, new = before.joints.force, after.joints.force
     return float(np.abs(new - old).sum() / max(np.abs(old).sum(), np.abs(new).sum(), 1e-12))
 
 
-def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0) -> tuple[State | None, int]:
+def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, smoothing: float = 0.0) -> tuple[State | None, int]:
     """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
 
     The blocks are laid without force. A drag that falls with every step lets them sag until nothing moves.
@@ -217,6 +259,8 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0) 
         Its tangent matrices.
     wedging : float
         Motion of the support against its settlement before gravity acts, over the travel.
+    smoothing : float
+        Force over which contact points part and slip gradually.
 
     Returns
     -------
@@ -230,14 +274,14 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0) 
     drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
     iterations = 0
     for _ in range(MOST_REST_STEPS):
-        trial = advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks)
+        trial = advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks, smoothing)
         iterations += trial.iterations
         if trial.state is None:
             drag *= 10.0
             continue
         moved = float(np.abs(trial.state.blocks - state.blocks).max())
         state = trial.state
-        if drag <= last * 1.001 and moved <= AT_REST:
+        if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
             return state, iterations
         drag = max(drag / 10.0, last)
     return None, iterations

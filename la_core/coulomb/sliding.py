@@ -16,8 +16,8 @@ import numpy as np
 from la_core.coulomb.certificate import joint_rates
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
-from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY, first_travel
-from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.prediction import ANNEALED, LAST_VISCOSITY
+from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest, first_travel
 from la_core.coulomb.solution import CoulombSolution, without_sliding
 from la_core.coulomb.tangent import Tangent
 from la_core.limit import Solution, Status
@@ -110,7 +110,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     if rest is None:
         return True, "the blocks do not come to rest on elastic joints", iterations
     end = first_travel(joints)
-    path = QuasiStaticPath(joints, tangent, rest, Viscosity(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
+    path = QuasiStaticPath(joints, tangent, rest, Falling(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
     work = np.zeros(len(joints.friction))
     for _ in path.advance_to(end / 2.0):
         pass

@@ -18,7 +18,7 @@ from la_core.coulomb import (
 )
 from la_core.coulomb.certificate import certify
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.quasi_static_path import QuasiStaticPath, Viscosity, come_to_rest
+from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest
 from la_core.coulomb.tangent import Tangent
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
@@ -566,7 +566,7 @@ def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     joints = ElasticJoints(assembly, stiffness)
     rest, _ = come_to_rest(joints, tangent := Tangent(joints))
     assert rest is not None
-    path = QuasiStaticPath(joints, tangent, rest, Viscosity(1e-2, 1e-2, 1.0))
+    path = QuasiStaticPath(joints, tangent, rest, Falling(1e-2, 1e-2, 1.0))
     for _ in path.advance_to(0.01):
         pass
     early = certify(joints, path.before, path.last)

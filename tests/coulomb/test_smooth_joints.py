@@ -1,0 +1,89 @@
+"""Smooth joints of large structures: their law, its derivative, its sharp limit, and the predictions that rest on them."""
+
+import numpy as np
+import pytest
+import scenes
+
+from la_core.coulomb import ACCEPTED_RESIDUAL, predict, prediction
+from la_core.coulomb.elastic_joints import ElasticJoints, JointState
+from la_core.limit import Drive, Status, solve_associated
+from la_core.model import assemble, joint_stiffness
+
+SMOOTHING = (1.0, 1e-2)  # times the mean contact force
+DIFFERENCE = 1e-6  # of the displacement that strains a joint by its mean force: step of the finite differences
+
+in_plane_and_3d = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+
+
+def structure(plane: bool) -> ElasticJoints:
+    scene = scenes.build(*scenes.wall(4, 3, split=0.8), friction=0.6, plane=plane)
+    assembly = assemble(scene)
+    return ElasticJoints(assembly, joint_stiffness(assembly, scene.inset, scene.yade))
+
+
+def random_states(joints: ElasticJoints, seed: int) -> tuple[np.ndarray, JointState]:
+    """Displacements of joints that press, part, stick and slip, and their state before."""
+    rng = np.random.default_rng(seed)
+    count, width = len(joints.friction), joints.width
+    strain = 1.0 / count / joints.normal  # by the mean contact force
+    shear = rng.normal(size=(count, width - 1)) / count
+    before = JointState(rng.normal(size=(count, width)) * strain, np.concatenate([np.ones((count, 1)) / count, shear], axis=1), shear)
+    return rng.normal(size=(count, width)) * strain, before
+
+
+@in_plane_and_3d
+@pytest.mark.parametrize("smoothing", SMOOTHING)
+def test_tangent_is_the_derivative_of_the_forces(plane, smoothing) -> None:
+    joints = structure(plane)
+    displacement, before = random_states(joints, 5)
+    force = smoothing / len(joints.friction)
+    _, tangent = joints.state(displacement, before, force)
+    step = DIFFERENCE / len(joints.friction) / joints.normal
+    for axis in range(joints.width):
+        moved = np.zeros_like(displacement)
+        moved[:, axis] = step
+        ahead, behind = (joints.state(displacement + sign * moved, before, force)[0].force for sign in (1.0, -1.0))
+        assert np.allclose(-(ahead - behind) / (2.0 * step), tangent[:, :, axis], rtol=1e-4, atol=1e-4 * joints.normal)
+
+
+@in_plane_and_3d
+@pytest.mark.parametrize("smoothing", SMOOTHING)
+def test_friction_of_smooth_joints_stays_in_its_cone_and_joints_never_pull(plane, smoothing) -> None:
+    joints = structure(plane)
+    state, _ = joints.state(*random_states(joints, 7), smoothing / len(joints.friction))
+    normal, friction = state.force[:, 0], np.linalg.norm(state.force[:, 1:], axis=1)
+    assert (normal > 0.0).all()
+    assert (friction <= joints.friction * normal).all()
+    assert (np.linalg.norm(state.memory, axis=1) <= joints.friction * normal * (1.0 + 1e-12)).all()
+
+
+@in_plane_and_3d
+def test_smooth_law_becomes_the_sharp_one_as_the_root_of_the_smoothing(plane) -> None:
+    joints = structure(plane)
+    displacement, before = random_states(joints, 9)
+    sharp = joints.state(displacement, before)[0].force
+    mean = 1.0 / len(joints.friction)
+    for smoothing in (1e-2, 1e-4, 1e-6):
+        smooth = joints.state(displacement, before, smoothing * mean)[0].force
+        assert np.abs(smooth - sharp).max() <= 3.0 * np.sqrt(smoothing) * mean
+
+
+def test_a_sharp_joint_remembers_the_friction_that_it_carries() -> None:
+    joints = structure(True)
+    state, _ = joints.state(*random_states(joints, 3))
+    assert np.array_equal(state.memory, state.force[:, 1:])
+
+
+@pytest.mark.parametrize(("split", "friction"), [(1.6, 0.3), (2.4, 0.6)])
+def test_large_structures_state_an_uncertainty_that_holds(split, friction, monkeypatch) -> None:
+    """A wall that is small enough for sharp joints, predicted both ways."""
+    scene = scenes.build(*scenes.wall(10, 6, split=split), friction=friction)
+    assembly = assemble(scene)
+    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    associated = solve_associated(assembly, Drive.YIELDING)
+    sharp = predict(assembly, stiffness, associated)
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    smooth = predict(assembly, stiffness, associated)
+    assert smooth.certificate <= ACCEPTED_RESIDUAL
+    assert abs(smooth.value - sharp.value) <= smooth.uncertainty + sharp.uncertainty
+    assert (smooth.status is Status.SOLVED) == (smooth.uncertainty <= prediction.BROAD * smooth.value)
