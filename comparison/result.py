@@ -11,11 +11,11 @@ from typing import Any
 from rich.console import Console
 
 from comparison.figures import assembly_figure, rendered, save, scene_figures
-from comparison.judge import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import FIGURE_FORMATS, refuse_name
+from comparison.verdict import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, decided_model, structural_model

@@ -7,7 +7,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
-from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
+from comparison.judge import effects_summary, percent
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
 from la_core.text_table import number_text, over_weight

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comparison.judge.check import Check, Verdict, finite_or_none
+from comparison.verdict import Check, Verdict, finite_or_none
 from comparison.yade import Run
 from la_core.model import Assembly
 

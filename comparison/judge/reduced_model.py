@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.check import Check, Verdict
 from comparison.judge.tolerances import UNBALANCED
+from comparison.verdict import Check, Verdict
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, reach
 from la_core.geometry import Blocks

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from comparison.judge.check import Check, Verdict, inside, within
 from comparison.judge.energy import check_energy
 from comparison.judge.prediction import check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
-from comparison.judge.tolerances import REACTION, UNBALANCED, accuracy_share, reaction_tolerance
+from comparison.judge.tolerances import UNBALANCED, accuracy_share, reaction_tolerance
 from comparison.numbers import plural
+from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Status
@@ -167,7 +167,7 @@ def _check_balance(results: Results) -> Check:
 def _check_bounds(results: Results) -> Check:
     """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    reaction, tolerance = run.result.reaction, reaction_tolerance(results, max(REACTION, accuracy_share(analysis)))
+    reaction, tolerance = run.result.reaction, reaction_tolerance(results)
     least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]
     above = math.inf if greatest.status is Status.UNBOUNDED else greatest.value if greatest.status is Status.SOLVED else math.nan
     reason = "YADE's reaction lies outside the bounds of equilibrium and friction on these contact points, so one of the models is wrong."

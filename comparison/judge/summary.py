@@ -5,11 +5,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from comparison.judge.check import Check, overall
+from comparison.judge.curves import curves_summary
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
+from comparison.verdict import Check, overall
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
@@ -94,6 +95,7 @@ def comparison_summary(
         "first_prediction": first_prediction_summary(first, analysis),
         "yade": yade,
         "accuracy": accuracy_summary(results),
+        "curves": curves_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],
         "verdict": verdict.value if verdict else None,

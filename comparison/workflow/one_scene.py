@@ -10,11 +10,12 @@ from typing import Any
 from comparison import provenance
 from comparison.figures import save
 from comparison.figures import scene_figures as figures_of
-from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
+from comparison.judge import check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
 from comparison.numbers import format_number
 from comparison.report import viewer
 from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
+from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
     COMPARISON_CODE,

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.judge.verdict_table import verdict_cells
 from comparison.numbers import format_number, with_uncertainty
 from comparison.report import report, scene_view
+from comparison.verdict.verdict_table import verdict_cells
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find

@@ -8,9 +8,9 @@ import scenes
 from conftest import Silent, every_shipped_scene
 
 from comparison.judge import prediction
-from comparison.judge.check import Check, Verdict
 from comparison.judge.effects_table import EFFECTS, effects_summary
 from comparison.judge.reduced_model import check_plane
+from comparison.verdict.check import Check, Verdict
 from comparison.workflow import one_scene, restored_effects
 from comparison.yade import Results
 from la_core.analysis.case_file import read_case, write_case

@@ -6,10 +6,11 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
-from comparison.judge import Check, check_accuracy, check_expected, limit_analysis_summary, overall
+from comparison.judge import check_accuracy, check_expected, limit_analysis_summary
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
+from comparison.verdict import Check, overall
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
 from la_core.limit import Status
