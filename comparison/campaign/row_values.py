@@ -73,7 +73,7 @@ def deviation(row: Row) -> float | None:
 
 def worst_first(rows: list[Row]) -> list[Row]:
     """Return rows by falling deviation; rows without one come last, by gravity of the verdict; equal rows by name."""
-    gravity = {"disagree": 0, "inconclusive": 1}
+    gravity = {"disagree": 0, "cannot stand": 1, "inconclusive": 1}
 
     def key(row: Row) -> tuple[bool, float, int, str]:
         apart = deviation(row)

@@ -4,9 +4,10 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+from comparison.cli.exit_codes import MEANINGS
 from comparison.provenance import version
 from comparison.run_folder import FIGURE_FORMATS
-from comparison.settings import MOST_WORKERS
+from comparison.settings import HARDER_SECONDS, MOST_WORKERS
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
@@ -30,7 +31,7 @@ def parser() -> argparse.ArgumentParser:
     whole = argparse.ArgumentParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
-        epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
+        epilog=f"exit codes: {', '.join(f'{code} {meaning}' for code, meaning in MEANINGS.items())}",
     )
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
     verbs = whole.add_subparsers(required=True, metavar="COMMAND")
@@ -110,6 +111,12 @@ def _add_run(add: AddVerb) -> None:
     )
     run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
+    harder_help = (
+        "where the verdict is inconclusive or disagree, run both methods again with finer settings of their own, in the folder SCENE_harder"
+    )
+    run.add_argument("--try-harder", action="store_true", help=harder_help)
+    most = f"wall time that --try-harder may take for each scene, in seconds (default: {HARDER_SECONDS:g}, that is 15 minutes)"
+    run.add_argument("--try-harder-limit", type=seconds, metavar="S", default=HARDER_SECONDS, help=most)
 
 
 def _add_campaign(add: AddVerb) -> None:

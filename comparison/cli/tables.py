@@ -8,13 +8,13 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import effects_summary, percent
-from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, verdict_cells
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, check_words, mark_of, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
-MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
+COLOURS = {"agree": "green", "disagree": "red", "inconclusive": "yellow", "cannot stand": "red"}
 
 
 def new_table(*headings: str, title: str | None = None) -> Table:
@@ -41,6 +41,11 @@ def _expected(expected: Expected, live: bool) -> str:
     value = expected.multiplier if live else expected.reaction_over_weight
     associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
     return f"{number_text(associated)} associated" if value is None and associated is not None else number_text(value)
+
+
+def coloured(words: str, verdict: str | None) -> str:
+    """Return words in the colour of a verdict, as markup of the terminal library."""
+    return f"[{COLOURS[verdict]}]{words}[/]" if verdict in COLOURS else words
 
 
 def plain(text: str) -> str:
@@ -92,7 +97,7 @@ def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check]) 
         return None
     table = _answer_table(("prediction" if rows else "check", unit, share), rows)
     for check in checks:
-        table.add_row(check.name, number_text(check.limit_analysis), MARKS[check.verdict])
+        table.add_row(check.name, number_text(check.limit_analysis), coloured(" ".join(check_words(check.verdict)), check.verdict))
     return table
 
 
@@ -126,7 +131,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
-        table.add_row(plain(scene), *values, MARKS[comparison["verdict"]], limit_seconds, yade_seconds)
+        table.add_row(plain(scene), *values, coloured(mark_of(comparison["verdict"]), comparison["verdict"]), limit_seconds, yade_seconds)
     return table
 
 
@@ -138,7 +143,7 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
         accuracy = comparison.get("accuracy") or {}
         for method in (name for name in ACCURACY_METHODS if name in accuracy):
             answer = accuracy[method]
-            error = f"{MARKS['agree' if answer['kept'] else 'inconclusive'].split()[0]}[/] {percent(answer['error'])}"
+            error = f"{coloured(*('✓', 'agree') if answer['kept'] else ('?', 'inconclusive'))} {percent(answer['error'])}"
             cost = [str(len(answer["attempts"])), number_text(answer["seconds"], 2)]
             cells = [percent(accuracy["asked"]), error, answer["chosen"], *cost]
             table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *cells)

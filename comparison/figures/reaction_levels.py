@@ -38,8 +38,8 @@ class Scales:
 
 
 def has_plateau(run: Run | None) -> bool:
-    """Return whether there is a run with a fitted plateau."""
-    return run is not None and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
+    """Return whether there is a run that ended on a plateau."""
+    return run is not None and run.status == "plateau" and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
 
 
 def levels(analysis: LimitAnalysis) -> dict[str, float]:

@@ -3,11 +3,9 @@
 from comparison.report import viewer
 from comparison.report.paraview import export
 from comparison.report.report import stored_report, write_report
-from comparison.report.scene_view import VERDICTS
 from comparison.report.templating import flat, template_environment
 
 __all__ = [
-    "VERDICTS",
     "export",
     "flat",
     "stored_report",

@@ -5,10 +5,11 @@ from pathlib import Path
 from typing import Any
 
 from comparison.judge import without_undefined
-from comparison.report.scene_view import VERDICTS, view_of_scene
+from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
+from comparison.verdict import VERDICTS
 
 LIMITATIONS = (
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "

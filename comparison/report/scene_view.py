@@ -10,8 +10,8 @@ from comparison.numbers import DASH, exists, format_number, half_width, interval
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.templating import flat
 from comparison.report.viewer import embedded
+from comparison.verdict import VERDICTS, check_words
 
-VERDICTS = {"agree": ("✓", "agree"), "disagree": ("✗", "disagree"), "inconclusive": ("?", "inconclusive"), None: (DASH, "not compared")}
 FIGURES = {
     "assembly": "The structure: blocks by role, interfaces with their contact points, and the motion or load that drives it.",
     "mechanisms": "Mechanisms of both methods for the same motion of the support; marks show contact points that open or slide.",
@@ -61,8 +61,9 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any]) -> dict[
         "symbol": symbol,
         "word": word,
         "sentence": _sentence(comparison),
+        "next_step": comparison.get("next_step") or "",
         "first_prediction": (comparison.get("first_prediction") or {}).get("sentence") or "",
-        "notes": comparison.get("notes") or [],
+        "notes": [*_first_verdict(comparison), *(comparison.get("notes") or [])],
         "checks": [_check_view(check) for check in comparison.get("checks") or []],
         "figures": list(_figures(folder / scene, scene)),
         "view": embedded(folder / scene),
@@ -138,19 +139,44 @@ def _sum(*values: Any) -> float | None:
 
 
 def _sentence(comparison: dict[str, Any]) -> str:
-    """Return the verdict and its reason as sentences."""
+    """Return the verdict, its reason and the remarks of its checks as sentences."""
     verdict, reason = comparison.get("verdict"), comparison.get("reason") or ""
-    agreement = "The two methods agree." if comparison.get("yade") else "Limit analysis agrees with the expected value; YADE was not run."
-    openings = {"agree": agreement, "disagree": "The comparison fails.", "inconclusive": "No verdict can be given."}
-    return f"{openings.get(str(verdict), 'Nothing was compared.')} {reason}".strip()
+    openings = {
+        "agree": "The two methods agree.",
+        "disagree": "The comparison fails.",
+        "inconclusive": "No verdict can be given.",
+        "expected value met": "",
+        "cannot stand": "The structure cannot stand.",
+    }
+    sentences = (openings.get(str(verdict), "Nothing was compared."), reason, " ".join(comparison.get("remarks") or []))
+    return " ".join(sentence for sentence in sentences if sentence)
+
+
+def _first_verdict(comparison: dict[str, Any]) -> Iterator[str]:
+    """Yield the sentence about an earlier attempt with coarser settings; nothing where there was none."""
+    if first := comparison.get("first_verdict"):
+        before = f"The first one, {first['scene']}, was {first['verdict']}: {first['reason']}"
+        yield f"Second attempt, with finer settings of both methods. {before}"
 
 
 def _check_view(check: dict[str, Any]) -> dict[str, Any]:
-    symbol, word = VERDICTS.get(check.get("verdict"), VERDICTS[None])
+    symbol, word = check_words(check.get("verdict"))
     names = ("name", "limit_analysis", "yade", "difference", "tolerance")
+    words = [check.get(name) for name in ("reason", "next_step")]
     return {name: check.get(name) for name in names} | {
-        "symbol": symbol, "word": word, "unit": check.get("unit") or "", "reason": check.get("reason") or "",
-    }  # fmt: skip
+        "symbol": symbol,
+        "word": word,
+        "unit": check.get("unit") or "",
+        "reason": " ".join(sentence for sentence in words if sentence),
+        "range": _range_words(*(check.get("range") or (None, None))),
+    }
+
+
+def _range_words(low: Any, high: Any) -> str:
+    """Return the range of a range check, one end of which may be missing; "" for any other check."""
+    if not exists(low):
+        return f"at most {format_number(high, 5)}" if exists(high) else ""
+    return value_range(low, high, not exists(high), 5)
 
 
 def _figures(folder: Path, scene: str) -> Iterator[dict[str, str]]:

@@ -2,7 +2,9 @@
 
 import enum
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 class Verdict(enum.StrEnum):
@@ -16,11 +18,17 @@ class Verdict(enum.StrEnum):
         They differ by more than the tolerance.
     INCONCLUSIVE
         A number does not exist, or it is too uncertain for a verdict.
+    EXPECTED_MET
+        Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
+    CANNOT_STAND
+        The structure has no equilibrium under its own weight, and YADE does not contradict this.
     """
 
     AGREE = "agree"
     DISAGREE = "disagree"
     INCONCLUSIVE = "inconclusive"
+    EXPECTED_MET = "expected value met"
+    CANNOT_STAND = "cannot stand"
 
 
 @dataclass(frozen=True)
@@ -47,8 +55,8 @@ class Check:
         Reason in sentences; for AGREE a remark, or "".
     next_step : str
         What a user can do about it, in sentences; "" for AGREE, and where the verdict's own next step is the one to take.
-    range : tuple of (float, float or None), or None
-        Range in which YADE's value must lie, in `unit`, None for no upper end; None for a check that is no range check. The
+    range : tuple of float or None, or None
+        Ends of the range in which YADE's value must lie, in `unit`, None for no end; None for a check that is no range check. The
         difference is then the distance beyond the range, 0 inside it.
     """
 
@@ -61,7 +69,7 @@ class Check:
     unit: str = ""
     reason: str = ""
     next_step: str = ""
-    range: tuple[float, float | None] | None = None
+    range: tuple[float | None, float | None] | None = None
 
 
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
@@ -126,10 +134,16 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
         return within(name, math.nan, observed, tolerance, unit, reason, next_step)
     nearer = low if observed - low <= high - observed else high
     beyond = min(observed - low, 0.0) + max(observed - high, 0.0)
-    span = (low, finite_or_none(high))
+    span = (finite_or_none(low), finite_or_none(high))
     if abs(beyond) <= tolerance:
         return Check(name, Verdict.AGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, range=span)
     return Check(name, Verdict.DISAGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, reason, next_step, span)
+
+
+def stored_check(stored: Mapping[str, Any]) -> Check:
+    """Return a check from its object in comparison.json."""
+    ends = stored.get("range")
+    return Check(**{**stored, "verdict": Verdict(stored["verdict"]), "range": tuple(ends) if ends else None})
 
 
 def finite_or_none(value: float) -> float | None:

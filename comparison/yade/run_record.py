@@ -29,9 +29,9 @@ class RunResult(_Named):
     status : str
         One of STATUSES.
     reaction : float
-        Reaction on the plateau, extrapolated to zero settlement, N or N m.
+        Reaction on the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau.
     uncertainty : float
-        Half width of the interval that holds the reaction 19 times in 20, N or N m.
+        Half width of the interval that holds the reaction 19 times in 20, N or N m; NaN without a plateau.
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float
@@ -259,4 +259,10 @@ def read_run(path: Path, assembly: Assembly) -> Run:
             raise ValueError("settings are missing in settings/json")
         if states == 0 or groups["result"]["status"] not in STATUSES or not np.all((extra >= 0) & (extra < blocks)):
             raise ValueError("no stored state, an unknown status, or a block number out of range")
-    return Run(RunResult(**groups["result"]), RunSeries(**groups["record"]), Poses(**groups["poses"]), extra, settings)
+    result = RunResult(**groups["result"] | _without_plateau(groups["result"]["status"]))
+    return Run(result, RunSeries(**groups["record"]), Poses(**groups["poses"]), extra, settings)
+
+
+def _without_plateau(status: str) -> dict[str, float]:
+    """Return the values that do not exist without a plateau: what a run was on its way to is quoted nowhere."""
+    return {} if status == "plateau" else dict.fromkeys(("reaction", "uncertainty", "slope"), float("nan"))

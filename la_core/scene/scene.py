@@ -66,6 +66,8 @@ class Scene(Tabled):
         Files of the [[mesh]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
+    effort : str
+        "normal", or "high" for finer and longer paths of the prediction.
     """
 
     name: str
@@ -85,6 +87,7 @@ class Scene(Tabled):
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
+    effort: str = "normal"
 
     @property
     def weight(self) -> float:
@@ -187,6 +190,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         yade=file.yade,
         meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
         accuracy=file.accuracy,
+        effort=file.effort,
     )
 
 

@@ -207,7 +207,7 @@ def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdi
 
 def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
     scene, analysis = _case("two_pads")
-    assert {check.verdict for check in check_expected(analysis)} == {Verdict.AGREE}
+    assert {check.verdict for check in check_expected(analysis)} == {Verdict.EXPECTED_MET}
     assert scene.expected is not None
     wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
     assert Verdict.DISAGREE in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}

@@ -264,7 +264,7 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     bounds = Answers(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)})
     analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, flat.inset, scene.yade))
     (check,) = check_plane(analysis)
-    assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.reason
+    assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.next_step
 
 
 def forced_flat(scene: Scene) -> Assembly:

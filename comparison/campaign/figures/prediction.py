@@ -27,7 +27,7 @@ SIZE, SMALL = 6.5, 4.0  # pt
 LINEAR = 1.0  # per cent: the scale of differences is linear up to here, logarithmic beyond
 LEVELS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # per cent
 PALE = tint(tint(tint(LIMIT_ANALYSIS)))  # bars that cover each other stay as pale as one
-VERDICT_FACE = {"agree": INK, "inconclusive": "white", "disagree": "#d62728"}
+VERDICT_FACE = {"agree": INK, "inconclusive": "white", "disagree": "#d62728", "cannot stand": "#d62728"}
 
 
 def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:

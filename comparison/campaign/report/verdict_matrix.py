@@ -9,7 +9,7 @@ from comparison.campaign.row_groups import SweepRows, key, longest, ordered, sli
 from comparison.campaign.row_values import Row, deviation, failed, link
 from comparison.campaign.table import CampaignTable
 from comparison.numbers import exists, format_number
-from comparison.report import VERDICTS
+from comparison.verdict import VERDICTS
 
 FAILURE = ("!", "failed")
 MOST_COLUMNS = 24  # that fit side by side; a parameter with more values goes downwards

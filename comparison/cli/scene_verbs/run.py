@@ -8,7 +8,7 @@ from comparison.cli.context import Context
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
-from comparison.workflow import run_scene
+from comparison.workflow import run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
 from la_core.scene import full_model, load_scene, shipped
@@ -24,6 +24,10 @@ def execute(context: Context) -> int:
             for model in models:
                 folder = options.output / model.scene.name
                 comparisons.append(run_scene(model, folder, narration, not options.no_yade, options.time_limit))
+                if options.try_harder:
+                    limit = options.try_harder_limit
+                    again = try_harder(comparisons[-1], model.scene, options.output, narration, not options.no_yade, limit)
+                    comparisons += [again] if again is not None else []
     except (SceneError, FolderInUseError):  # an error found only during the run: earlier scenes keep their report
         if comparisons:
             conclude([(options.output, comparisons)], context)

@@ -10,7 +10,7 @@ from comparison.judge import check_accuracy, check_expected, limit_analysis_summ
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
-from comparison.verdict import Check, overall
+from comparison.verdict import Check, Conclusion, Verdict, conclusion
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
 from la_core.limit import Status
@@ -29,6 +29,8 @@ class _BoundsFirst(Narration):
         if self._context.options.json or (analysis.scene.accuracy is not None and not self._context.options.bounds):
             super().tell_bounds(analysis)
             return
+        if (concluded := _concluded(analysis, [])).verdict is Verdict.CANNOT_STAND:
+            self._context.out.print(f"{analysis.scene.name} cannot stand. {concluded.reason}", markup=False)
         self._context.out.print(tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}))
         self.has_printed_bounds = True
 
@@ -52,12 +54,20 @@ def execute(context: Context) -> int:
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
-    verdict, reason = overall(checks)
-    if reason:
-        narrator.print(reason, markup=False)
+    concluded = _concluded(analysis, checks)
+    if concluded.next_step:  # one method alone has nothing more to say about its own answer
+        is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
+        words = "" if is_said else f"{concluded.reason}\n"
+        narrator.print(f"{words}next: {concluded.next_step}", markup=False)
     if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
-        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
-    return EXIT_OF_VERDICT[verdict]
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[concluded.verdict], key=GRAVITY.index)
+    return EXIT_OF_VERDICT[concluded.verdict]
+
+
+def _concluded(analysis: LimitAnalysis, checks: list[Check]) -> Conclusion:
+    """Return the conclusion of limit analysis alone."""
+    main = analysis.bounds[analysis.main]
+    return conclusion(checks, None, main.falling if main.status is Status.INFEASIBLE else None)
 
 
 def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:

@@ -178,6 +178,10 @@ class SceneFile(Table):
     accuracy: Accuracy | None = described(
         "requested accuracy of both methods, as a share of the answer; as `crosscheck run --accuracy`", default=None
     )
+    effort: Literal["normal", "high"] = described(
+        "high: the prediction follows finer and longer paths, at several times the cost; `crosscheck run --try-harder` sets it",
+        default="normal",
+    )
     gravity: Gravity = described("acceleration of gravity, z is up", "m/s2", default=(0.0, 0.0, -9.81))
     stone: Stone | None = described("material of blocks without their own density", default=None)
     joint: Joint = described("friction and inset of every joint")
