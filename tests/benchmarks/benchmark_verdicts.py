@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import on_path  # noqa: F401
+from growth_report import table
 from marked_text import sentences
 from rich.console import Console
 from verdict_scenes import SCENES, SEED, drawn
@@ -27,7 +28,6 @@ from comparison.verdict import mark_of
 from comparison.workflow import run_scene, try_harder
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.scene import same_structure
-from la_core.text_table import listing
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel
@@ -98,14 +98,14 @@ def page(record: dict[str, Any]) -> str:
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
     parts = [
         "# A second opinion on the verdicts",
-        f"Random irregular scenes by both methods, seed {SEED}: unequal blocks, leaning walls, inclined beds, lintels and walls of two leaves in "
-        "space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run again with joints "
+        f"Random irregular scenes by both methods, seed {SEED}: unequal blocks, leaning walls, inclined beds, lintels and walls of "
+        "two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run again with joints "
         f"{STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. Written by `python tests/benchmarks/benchmark_verdicts.py`.",
         sentences(list(_conclusions(entries))),
         "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
-        listing(HEADINGS, rows),
+        table(HEADINGS, rows),
         "## What stays open",
-        listing(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
+        table(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
         f"Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
     ]
     return "\n\n".join(parts) + "\n"
@@ -174,6 +174,7 @@ def main() -> None:
             record["scenes"][str(entry["number"])] = entry
             record["versions"] = {name: versions[name] for name in ("crosscheck", "python", "numpy", "machine")}
             write_text(options.record, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+            write_text(options.record.with_suffix(".md"), page(record))
             print(f"{done} of {len(jobs)}: {' | '.join(_row(entry))}", flush=True)
     if record["scenes"]:
         write_text(options.record.with_suffix(".md"), page(record))

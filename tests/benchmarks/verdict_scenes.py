@@ -7,6 +7,7 @@ a rule of the scene file, is drawn again.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -118,7 +119,7 @@ def _wall(random: np.random.Generator, length: float) -> Iterator[Stone]:
     for _ in range(int(random.integers(4, 8))):
         top = round(bottom + float(random.uniform(0.18, 0.4)), 3)
         cuts = _cuts(random, 0.0, length)
-        yield from (Stone(low, high, bottom, top) for low, high in zip(cuts[:-1], cuts[1:], strict=True))
+        yield from (Stone(low, high, bottom, top) for low, high in pairwise(cuts))
         bottom = top
 
 
@@ -137,7 +138,7 @@ def _lintel(random: np.random.Generator, length: float) -> Iterator[Stone]:
         else:
             parts = [_cuts(random, 0.0, length)]
         for cuts in parts:
-            yield from (Stone(low, high, bottom, top) for low, high in zip(cuts[:-1], cuts[1:], strict=True))
+            yield from (Stone(low, high, bottom, top) for low, high in pairwise(cuts))
         bottom = top
 
 
@@ -149,7 +150,7 @@ def _leaves(random: np.random.Generator, length: float) -> Iterator[Stone]:
         through = course == courses - 1 or random.uniform() < 0.3
         for near, far in ((0.0, DEPTH),) if through else ((0.0, middle), (middle, DEPTH)):
             cuts = _cuts(random, 0.0, length)
-            yield from (Stone(low, high, bottom, top, near, far) for low, high in zip(cuts[:-1], cuts[1:], strict=True))
+            yield from (Stone(low, high, bottom, top, near, far) for low, high in pairwise(cuts))
         bottom = top
 
 
