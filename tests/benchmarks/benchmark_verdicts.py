@@ -99,8 +99,9 @@ def page(record: dict[str, Any]) -> str:
     parts = [
         "# A second opinion on the verdicts",
         f"Random irregular scenes by both methods, seed {SEED}: unequal blocks, leaning walls, inclined beds, lintels and walls of "
-        "two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run again with joints "
-        f"{STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. Written by `python tests/benchmarks/benchmark_verdicts.py`.",
+        "two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run "
+        f"again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. "
+        "Written by `python tests/benchmarks/benchmark_verdicts.py`.",
         sentences(list(_conclusions(entries))),
         "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
         table(HEADINGS, rows),
