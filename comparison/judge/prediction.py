@@ -245,5 +245,8 @@ def _check_steadiness(results: Results) -> Check:
 def _scatter(results: Results) -> float:
     """Return the scatter about the plateau's line over the reaction, a small one taken as 1 % of the weight: noise is no stick-slip."""
     analysis, run = results.analysis, results.recorded
+    settlement, reaction = run.settling("settlement"), run.settling("reaction")
+    kept = settlement >= run.result.plateau_start
     size = max(abs(run.result.reaction), least_reaction(analysis) / UNCERTAIN)
-    return run.scatter() * abs(run.result.reaction) / size
+    line = run.result.reaction + run.result.slope * settlement
+    return float(np.std((reaction - line)[kept]) / size) if kept.any() else math.nan

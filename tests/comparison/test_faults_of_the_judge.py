@@ -8,6 +8,7 @@ import pytest
 import scenes
 from runs import coulomb_run, made_up_run, perfect_run, with_answers
 
+from comparison.judge import energy
 from comparison.judge.curves import compare_curves
 from comparison.judge.run_checks import check_run
 from comparison.judge.tolerances import FLOOR, UNCERTAIN
@@ -125,6 +126,20 @@ def test_noise_is_no_motion_where_the_support_leaves_alone() -> None:
     run = with_noise(analysis, perfect_run(analysis), 5e-3)
     assert not mechanism.moving(analysis.assembly.blocks, run.mechanism()).any()
     assert named(SIMILARITY, judged(analysis, run)).reason.startswith("No block moves in either method")
+
+
+@pytest.mark.parametrize(("least", "verdict"), [(energy.LEAST_TURNOVER, Verdict.AGREE), (0.0, Verdict.INCONCLUSIVE)])
+def test_energy_that_hardly_anything_turned_over_is_noise(least: float, verdict: Verdict, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(energy, "LEAST_TURNOVER", least)
+    analysis = leaving(2)
+    run = with_noise(analysis, perfect_run(analysis), 1e-3)
+    record = {name: np.zeros(5) for name in ("kinetic_energy", "reaction")} | {"settlement": run.poses.settlement}
+    stiffness = {"normal_stiffness": analysis.stiffness.normal, "shear_stiffness": analysis.stiffness.shear}
+    recorded = made_up_run(record=record | {"stage": np.array([0, 1, 1, 1, 1])}).record
+    run = dataclasses.replace(run, record=recorded, settings=stiffness)
+    run.poses.forces[1:] *= 1.5  # forces that do not balance the weights: the work does not add up
+    (check,) = energy.check_energy(analysis.assembly, run)
+    assert check.verdict is verdict
 
 
 def test_a_block_that_moves_in_yade_alone_is_no_noise() -> None:
