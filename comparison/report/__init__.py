@@ -1,6 +1,7 @@
 """What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
+from comparison.report.facts import structure_facts
 from comparison.report.paraview import export
 from comparison.report.report import stored_report, write_report
 from comparison.report.scene_view import VERDICTS
@@ -11,6 +12,7 @@ __all__ = [
     "export",
     "flat",
     "stored_report",
+    "structure_facts",
     "template_environment",
     "viewer",
     "write_report",

@@ -66,6 +66,8 @@ class Scene(Tabled):
         Files of the [[mesh]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
+    project, author, date : str
+        Words for the head of a report, "" where the file has none.
     """
 
     name: str
@@ -85,6 +87,9 @@ class Scene(Tabled):
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
+    project: str = ""
+    author: str = ""
+    date: str = ""
 
     @property
     def weight(self) -> float:
@@ -187,6 +192,9 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         yade=file.yade,
         meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
         accuracy=file.accuracy,
+        project=file.project,
+        author=file.author,
+        date=file.date,
     )
 
 
