@@ -3,6 +3,7 @@
 from comparison.report import viewer
 from comparison.report.facts import structure_facts
 from comparison.report.paraview import export
+from comparison.report.pdf import write_pdf
 from comparison.report.report import stored_report, write_report
 from comparison.report.scene_view import VERDICTS
 from comparison.report.templating import flat, template_environment
@@ -15,5 +16,6 @@ __all__ = [
     "structure_facts",
     "template_environment",
     "viewer",
+    "write_pdf",
     "write_report",
 ]

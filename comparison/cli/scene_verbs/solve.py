@@ -11,7 +11,7 @@ from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
 from comparison.yade import Results
-from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
+from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene, shipped
 
@@ -28,7 +28,9 @@ class _BoundsFirst(Narration):
         if self._context.options.json or (analysis.scene.accuracy is not None and not self._context.options.bounds):
             super().tell_bounds(analysis)
             return
-        self._context.out.print(tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}))
+        self._context.out.print(
+            tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}, self._context.options.long)
+        )
         self.has_printed_bounds = True
 
 
@@ -39,6 +41,8 @@ def execute(context: Context) -> int:
     """
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
+    if options.accuracy is not None:
+        scene = with_accuracy(scene, options.accuracy)
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)
@@ -71,8 +75,8 @@ def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnal
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
     """Print the tables of an answer, without that of the bounds where it was printed already."""
     if not has_printed_bounds:
-        context.out.print(tables.bounds_table(scene, answer))
-    if (rest := tables.prediction_table(scene, answer, checks)) is not None:
+        context.out.print(tables.bounds_table(scene, answer, context.options.long))
+    if (rest := tables.prediction_table(scene, answer, checks, context.options.long)) is not None:
         context.out.print(rest)
     if answer["path"] is not None:
         context.out.print(tables.path_table(scene, answer["path"]))
