@@ -17,7 +17,8 @@ class GuessingParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one message."""
-        self.exit(USAGE, f"error: {message}; `{self.prog} --help` lists what is valid\n")
+        sys.stderr.write(f"error: {message}; `{self.prog} --help` lists what is valid\n")
+        raise SystemExit(USAGE)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
@@ -28,10 +29,10 @@ class GuessingParser(argparse.ArgumentParser):
     def unknown(self, options: argparse.Namespace, words: Sequence[str]) -> NoReturn:
         """End with the nearest option of the chosen verb for each word that it does not know."""
         (verbs,) = (action for action in self._actions if isinstance(action, argparse._SubParsersAction))
-        chosen = verbs.choices.get(getattr(options, "verb", None), self)
+        chosen = verbs.choices.get(getattr(options, "verb", ""), self)
         known = [word for word in chosen._option_string_actions if word.startswith("--")]
         told = (f'"{word}": unknown option; {nearest(word.split("=")[0], known, "options")}' for word in words if word.startswith("-"))
-        chosen.error("; ".join(told) or f'"{" ".join(words)}": one argument too many')
+        GuessingParser.error(chosen, "; ".join(told) or f'"{" ".join(words)}": one argument too many')
 
 
 def parse(whole: GuessingParser, arguments: Sequence[str] | None = None) -> argparse.Namespace | None:

@@ -153,7 +153,7 @@ def verdict_table(comparisons: list[dict[str, Any]], width: int | None = None) -
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
         rows.append([plain(scene), *values, MARKS[comparison["verdict"]], limit_seconds, yade_seconds])
-    kept = range(len(VERDICT_HEADINGS))
+    kept = list(range(len(VERDICT_HEADINGS)))
     if width is not None and _width(VERDICT_HEADINGS, rows) > width:
         kept = [k for k in kept if VERDICT_HEADINGS[k] in SHORT_VERDICT]
     table = new_table(*(VERDICT_HEADINGS[k] for k in kept), title=VERDICT_TITLE if len(kept) > len(SHORT_VERDICT) else SHORT_TITLE)
