@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from comparison.numbers import DASH, Units, exists, format_number
+from comparison.numbers import DASH, Units, exists, format_number, value_range
 from comparison.report.conclusion import conclusion
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.inputs import input_rows, key_rows, scene_file
@@ -72,6 +72,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "word": word,
         "sentence": units.words(_sentence(comparison)),
         "conclusion": conclusion(comparison, units),
+        "next_step": units.words(comparison.get("next_step") or ""),
         "first_prediction": units.words((comparison.get("first_prediction") or {}).get("sentence") or ""),
         "notes": [units.words(note) for note in comparison.get("notes") or []] + list(_joint_notes(comparison)),
         "checks": checks,
@@ -121,11 +122,22 @@ def _sentence(comparison: dict[str, Any]) -> str:
 def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
     symbol, word = VERDICTS.get(check.get("verdict"), VERDICTS[None])
     unit = check.get("unit") or ""
-    numbers = {name: units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")}
-    return {
-        "name": check.get("name"), **numbers, "unit": units.of(unit)[1], "symbol": symbol, "word": word,
-        "reason": units.words(check.get("reason") or ""),
-    }  # fmt: skip
+    words = (check.get(name) for name in ("reason", "next_step"))
+    return {name: units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")} | {
+        "name": check.get("name"),
+        "unit": units.of(unit)[1],
+        "symbol": symbol,
+        "word": word,
+        "reason": units.words(" ".join(sentence for sentence in words if sentence)),
+        "range": _range_words(*(units.value(end, unit) for end in check.get("range") or (None, None))),
+    }
+
+
+def _range_words(low: float | None, high: float | None) -> str:
+    """Return the range of a range check, one end of which may be missing; "" for any other check."""
+    if not exists(low):
+        return f"at most {format_number(high, 5)}" if exists(high) else ""
+    return value_range(low, high, not exists(high), 5)
 
 
 def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[dict[str, str]]:

@@ -2,7 +2,7 @@
 
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
-from la_core.measures.joint_measures import JointForces, joint_centres, joint_forces, joint_states, thrust_line
+from la_core.measures.joint_measures import JointForces, joint_centres, joint_forces, joint_rows, joint_states, thrust_line
 from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds
 
 __all__ = [
@@ -15,6 +15,7 @@ __all__ = [
     "contact_states",
     "joint_centres",
     "joint_forces",
+    "joint_rows",
     "joint_states",
     "measure",
     "mechanism",

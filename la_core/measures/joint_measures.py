@@ -1,10 +1,11 @@
 """Measures of joints: the resultant force of each interface, where it acts, its state, and the line of thrust."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from la_core.measures.dissipation import ContactState, loaded_compression
+from la_core.measures.dissipation import ContactState, contact_states, loaded_compression
 from la_core.model import Assembly
 
 CHAIN = 2.0 / 3.0  # of the free blocks: where as many have two joints only, the thrust follows a line
@@ -81,6 +82,22 @@ def joint_states(assembly: Assembly, states: np.ndarray, forces: np.ndarray) -> 
     highest = np.zeros(count, dtype=int)
     np.maximum.at(highest, assembly.points.interface, rank)
     return np.array(ranked, dtype=int)[highest]
+
+
+def joint_rows(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> list[dict[str, Any]]:
+    """Every joint as a row of a table: names of its blocks, state, normal and shear force (N), centre of pressure (m).
+
+    twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
+    """
+    names, interfaces = assembly.blocks.names, assembly.interfaces
+    states = joint_states(assembly, contact_states(assembly, twists, forces), forces)
+    joints = joint_forces(assembly, forces)
+    columns = (interfaces.block_a, interfaces.block_b, states, joints.normal.tolist(), joints.shear.tolist(), joints.centre.tolist())
+    return [
+        {"block_a": names[a], "block_b": names[b], "state": ContactState(state).name.lower(), "normal": normal, "shear": shear}
+        | dict(zip("xyz", centre, strict=True))
+        for a, b, state, normal, shear, centre in zip(*columns, strict=True)
+    ]
 
 
 def thrust_line(assembly: Assembly) -> np.ndarray:
