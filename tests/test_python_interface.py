@@ -233,7 +233,7 @@ def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float)
 
 @pytest.mark.parametrize("name", ["trilith", "wall_low_friction", "ferris_tin_loi_1"])
 def test_an_answer_prints_the_table_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    main(["solve", name])
+    main(["solve", name, "--long"])
     shown = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip() and "seconds" not in line and "─" not in line]
     own = [line.split() for line in str(la_core.solve(la_core.load(name))).splitlines() if "seconds" not in line and "─" not in line]
     assert len(own) > 8

@@ -25,7 +25,8 @@ class Answer(Tabled):
     """Results of limit analysis for one scene.
 
     Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
-    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
+    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve
+    --long`, and so does a notebook.
 
     Attributes
     ----------

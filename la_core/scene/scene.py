@@ -66,8 +66,12 @@ class Scene(Tabled):
         Files of the [[mesh]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
-    project, author, date : str
-        Words for the head of a report, "" where the file has none.
+    project : str
+        Project that the report belongs to, "" where the file names none.
+    author : str
+        Who answers for the report, "" where the file names nobody.
+    date : str
+        Date in the head of the report, "" where the file has none.
     """
 
     name: str

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from browser import Browser, find_browser
+from campaigns import QUICK
 from conftest import CrossChecked
 
 from comparison.cli.commands import main
@@ -59,11 +60,10 @@ def report(tmp_path_factory: pytest.TempPathFactory, cross_checked: Callable[[st
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The page of a campaign of two cases, by limit analysis alone."""
+    """The page of a campaign of four cases, by limit analysis alone."""
     folder = tmp_path_factory.mktemp("campaign")
-    text = 'title = "Friction"\nyade = false\n[[sweep]]\nscene = "two_pads"\n[sweep.keys]\n"joint.friction" = [0.4, 0.6]\n'
-    (folder / "friction.toml").write_text(text, encoding="utf-8")
-    main(["campaign", str(folder / "friction.toml"), "-o", str(folder / "out"), "-q", "--workers", "1"])
+    (folder / "friction.toml").write_text(QUICK, encoding="utf-8")
+    assert main(["campaign", str(folder / "friction.toml"), "-o", str(folder / "out"), "-q", "--workers", "1"]) == 0
     return folder / "out" / "report.html"
 
 

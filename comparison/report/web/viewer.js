@@ -220,7 +220,7 @@ class View {
       return;
     }
     const { data, geometry } = this, { place, joint, block } = this.chosen, method = this.methods[place];
-    const number = (value) => Number(value.toPrecision(3)).toLocaleString("en"), force = (value) => `${number(value / data.force_unit_size)} ${data.force_unit}`;
+    const number = (value) => (Number(value.toPrecision(3)) + 0).toLocaleString("en", { maximumSignificantDigits: 3 }), force = (value) => `${number(value / data.force_unit_size)} ${data.force_unit}`;
     if (block !== null) {
       const [x, y, z, a, b, c] = method.moved.slice(6 * block, 6 * block + 6), weight = geometry.weights[block];
       this.picked.textContent = `${method.label}: block "${data.names[block]}"${weight > 0 ? `, weight ${force(weight)}` : ""}; moved by `
