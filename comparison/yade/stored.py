@@ -57,6 +57,7 @@ def locate_results(source: str) -> list[Path]:
     if not folder.is_dir():
         return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))
-    if not runs and source not in shipped.names() and not folder.with_name(f"{folder.name}.toml").is_file():
+    is_scene = source in shipped.names() or Path(f"{source}.toml").is_file()  # a scene beside a folder of its name
+    if not runs and not is_scene:
         raise SceneError(source, "holds no results of `crosscheck run`", hint="name a folder of results, or a scene")
     return runs

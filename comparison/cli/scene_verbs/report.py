@@ -20,7 +20,10 @@ def execute(context: Context) -> int:
     A scene whose results cannot be read gets an error message; the other scenes are still reported. Raises SceneError for a folder
     without results.
     """
-    folders = list(dict.fromkeys(map(_run_folder, context.options.folders)))
+    folders = []
+    for named in context.options.folders:
+        if (folder := _run_folder(named)) == named or folder not in folders:  # scenes of one run have one report
+            folders.append(folder)
     if any(map(is_campaign, folders)):
         return report_campaigns(context)
     reports: list[tuple[Path, list[dict[str, Any]]]] = []
