@@ -15,7 +15,7 @@ from la_core.scene import Expected, Scene
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
-EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations", "seconds")  # ends of rows that only `--long` shows
+EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
 LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
 SHORT_VERDICT = ("scene", "Coulomb", "YADE", "verdict")
 SHORT_TITLE = "reaction over the weight W: prediction, YADE's plateau (--long: bounds, times)"

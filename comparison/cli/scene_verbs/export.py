@@ -14,12 +14,7 @@ def execute(context: Context) -> int:
     """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for damaged results."""
     options = context.options
     stored = locate_results(options.source)
-    several = len(stored) > 1
-    files = []
-    for results in map(read_results, stored) if stored else [solved_results(options.source)]:
-        name = results.scene.name
-        folder = options.output or Path(f"{name}-paraview")
-        files += [str(path) for path in export(results, folder / name if several and options.output else folder)]
+    files = _export_stored(stored, options.output) if stored else _export_solved(options.source, options.output)
     if options.json:
         context.print_json({"files": files})
     else:
@@ -27,6 +22,16 @@ def execute(context: Context) -> int:
     return AGREE
 
 
-def solved_results(source: str) -> Results:
-    """Return the limit analysis of a scene given by its path or shipped name; raises SceneError."""
-    return Results(analyse(load_scene(shipped.find(source))))
+def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
+    """Export the stored results of scenes, those of several into folders of their names; return the files to open."""
+    files: list[str] = []
+    for folder in folders:
+        place = Path(f"{folder.name}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
+        files += map(str, export(read_results(folder), place))
+    return files
+
+
+def _export_solved(source: str, output: Path | None) -> list[str]:
+    """Export the limit analysis of a scene given by its path or shipped name; return the files to open. Raises SceneError."""
+    scene = load_scene(shipped.find(source))
+    return list(map(str, export(Results(analyse(scene)), output or Path(f"{scene.name}-paraview"))))
