@@ -118,7 +118,7 @@ class Result(Tabled):
         Parameters
         ----------
         name : str
-            Name of the figure: "assembly", "mechanisms", "reaction" or "dissipation".
+            Name of the figure: "assembly", "mechanisms", "reaction", "forces" or "dissipation".
 
         Returns
         -------
@@ -262,7 +262,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     what : Scene or Answer
         A scene, for a figure of its assembly, or an answer, for the figure `name`.
     name : str
-        Figure of an answer: "assembly", "mechanisms" (default), "reaction" or "dissipation". Ignored for a scene.
+        Figure of an answer: "assembly", "mechanisms" (default), "reaction", "forces" or "dissipation". Ignored for a scene.
     run : Run or None
         YADE's record, drawn beside the answer. Ignored for a scene.
 

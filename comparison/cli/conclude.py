@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from comparison.cli import tables
+from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
 from comparison.provenance import describe
-from comparison.report import stored_report, write_report
+from comparison.report import stored_report, write_pdf, write_report
 from comparison.verdict import Verdict
 
 
@@ -21,13 +22,13 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        page = write_report(folder, comparisons, describe())
+        page = write_report(folder, comparisons, describe(), {name: getattr(context.options, name) or "" for name in HEAD})
         stored.append(stored_report(comparisons, describe()))
         if not as_json:
             for comparison in comparisons:
                 if comparison["verdict"] == Verdict.CANNOT_STAND:
                     out.print(f"{comparison['scene']} cannot stand. {comparison['reason']}", markup=False)
-            out.print(tables.verdict_table(comparisons))
+            out.print(tables.verdict_table(comparisons, None if context.options.long else out.width))
             if any(comparison.get("accuracy") for comparison in comparisons):
                 out.print(tables.accuracy_table(comparisons))
             for comparison in comparisons:
@@ -36,6 +37,8 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
                 for words in lines_below(comparison):
                     out.print(f"{comparison['scene']}: {words}", markup=False)
             out.print(f"report: {os.path.relpath(page)}", markup=False)
+        if getattr(context.options, "pdf", False):
+            context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
         again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
         codes += [_code(comparison) for comparison in comparisons if comparison["scene"] not in again]  # the second attempt decides
     if as_json:

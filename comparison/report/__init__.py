@@ -1,7 +1,9 @@
 """What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
+from comparison.report.facts import structure_facts
 from comparison.report.paraview import export
+from comparison.report.pdf import write_pdf
 from comparison.report.report import stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
@@ -9,7 +11,9 @@ __all__ = [
     "export",
     "flat",
     "stored_report",
+    "structure_facts",
     "template_environment",
     "viewer",
+    "write_pdf",
     "write_report",
 ]

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from comparison import provenance
+from comparison.figures import report_figures as figures_of
 from comparison.figures import save
-from comparison.figures import scene_figures as figures_of
 from comparison.judge import (
     FINER_PATHS,
     PLAIN_SCENE,
@@ -18,12 +18,13 @@ from comparison.judge import (
     check_run,
     comparison_summary,
     requested_accuracy,
+    without_undefined,
     yade_summary,
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
 from comparison.numbers import format_number
-from comparison.report import viewer
-from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
+from comparison.report import structure_facts, viewer
+from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, write_text
 from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
@@ -184,7 +185,10 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
         (folder / ANIMATION).unlink(missing_ok=True)
     checks = [*check_expected(analysis), *_judge(outcome), *requested_accuracy.check_accuracy(results)]
     summary = comparison_summary(results, outcome.yade, checks, outcome.notes, first)
-    summary |= {"first_verdict": outcome.first_verdict, "provenance": provenance.describe(), "inputs": inputs}
+    summary |= {"structure": without_undefined(structure_facts(results)), "first_verdict": outcome.first_verdict}
+    summary |= {"provenance": provenance.describe(), "inputs": inputs}
+    for name in FIGURES:  # one of an earlier run that these results do not have
+        (folder / name).unlink(missing_ok=True)
     for path, draw in drawings.items():
         save(draw(), path)
     write_text(view, viewer.viewer_text(results))

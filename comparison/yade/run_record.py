@@ -9,6 +9,7 @@ import numpy as np
 
 from la_core import exchange
 from la_core.model import Assembly
+from la_core.text_table import dataframe
 
 STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
@@ -157,6 +158,11 @@ class Run:
     extra_contacts: np.ndarray
     settings: dict[str, Any]
 
+    def __repr__(self) -> str:
+        """Return one line: the arrays would fill pages."""
+        counts = f"{len(self.record)} samples, {len(self.poses)} stored states"
+        return f"<Run of YADE {self.result.version}: {self.status}, reaction {self.reaction:.6g} ± {self.uncertainty:.2g}, {counts}>"
+
     @property
     def status(self) -> str:
         """End of the run: "plateau", "no plateau", "collapsed", "timeout" or "failed"."""
@@ -171,6 +177,23 @@ class Run:
     def uncertainty(self) -> float:
         """Half width of the 95 % confidence interval of the reaction, N or N m; NaN without a plateau."""
         return self.result.uncertainty
+
+    def to_dataframe(self) -> Any:
+        """Return the record as a table of pandas: one row a sample, with stage, time (s), settlement (m, rad), reaction (N, N m).
+
+        Returns
+        -------
+        pandas.DataFrame
+            Table of the record.
+
+        Raises
+        ------
+        SceneError
+            Pandas is not installed.
+        """
+        names = ("stage", "time", "settlement", "reaction")
+        columns = (getattr(self.record, name).tolist() for name in names)
+        return dataframe([dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)])
 
     def settling(self, series: str) -> np.ndarray:
         """Return one recorded series of the settlement stage.

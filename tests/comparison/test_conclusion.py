@@ -16,6 +16,7 @@ import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
 from comparison.judge.run_checks import check_expected, check_run
 from comparison.judge.summary import comparison_summary
+from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.verdict import VERDICTS, Check, Verdict, conclusion, inside, mark_of, stored_check
 from comparison.workflow import harder
@@ -27,6 +28,8 @@ from la_core.analysis.stage import analyse
 from la_core.coulomb import PredictionSettings
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
+
+NEWTON = Units(1.0)  # of a report on light structures
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +47,7 @@ def summary_of(results: Results, yade: dict[str, Any] | None, checks: list[Check
 def test_one_method_alone_meets_the_expected_value_and_agrees_with_nobody(pads: LimitAnalysis, tmp_path: Path) -> None:
     summary = summary_of(Results(pads), None, list(check_expected(pads)))
     assert summary["verdict"] == "expected value met" and "YADE was not run" in summary["reason"]
-    view = view_of_scene(tmp_path, 1, summary)
+    view = view_of_scene(tmp_path, 1, summary, NEWTON)
     assert (view["symbol"], view["word"]) == ("○", "expected value met (YADE not run)")
     words = [view["word"], view["sentence"], *(check["word"] for check in view["checks"]), *(str(value) for value in summary["checks"])]
     assert not [text for text in words if "agree" in text]
@@ -128,7 +131,7 @@ def test_the_next_step_reaches_json_and_report(wall: LimitAnalysis, tmp_path: Pa
     run = coulomb_run(wall, uncertainty=0.1 * wall.coulomb.value)
     summary = summary_of(Results(wall, run), {"status": "plateau"}, check_run(Results(wall, run)))
     assert "--try-harder" in summary["next_step"]
-    assert view_of_scene(tmp_path, 1, summary)["next_step"] == summary["next_step"]
+    assert view_of_scene(tmp_path, 1, summary, NEWTON)["next_step"] == summary["next_step"]
     assert summary["curves"] is not None and summary["remarks"] == []
 
 
@@ -136,7 +139,7 @@ def test_a_remark_of_an_agreement_is_shown(wall: LimitAnalysis, tmp_path: Path) 
     run = coulomb_run(wall, scatter=0.02)
     summary = summary_of(Results(wall, run), {"status": "plateau"}, check_run(Results(wall, run)))
     assert summary["verdict"] == "agree" and summary["reason"] == "" and "Stick-slip" in summary["remarks"][0]
-    assert "Stick-slip" in view_of_scene(tmp_path, 1, summary)["sentence"]
+    assert "Stick-slip" in view_of_scene(tmp_path, 1, summary, NEWTON)["sentence"]
 
 
 # --- ranges, plateaus, words ------------------------------------------------------------------------------------------------------
@@ -148,7 +151,7 @@ def test_a_range_check_is_shown_as_a_range_and_its_difference_is_the_distance_be
     assert (high.verdict, high.difference, high.range) == (Verdict.DISAGREE, -0.5, (1.0, None))
     assert all(stored_check(dataclasses.asdict(check)) == check for check in (low, high))
     run = coulomb_run(wall)
-    view = view_of_scene(tmp_path, 1, summary_of(Results(wall, run), {"status": "plateau"}, check_run(Results(wall, run))))
+    view = view_of_scene(tmp_path, 1, summary_of(Results(wall, run), {"status": "plateau"}, check_run(Results(wall, run))), NEWTON)
     shown = {check["name"]: check for check in view["checks"]}
     ranged = [check for name, check in shown.items() if "range" in name or "interval" in name or "bounds" in name]
     assert len(ranged) >= 3

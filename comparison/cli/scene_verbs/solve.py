@@ -12,7 +12,7 @@ from comparison.progress import Narration
 from comparison.settings import load_settings
 from comparison.verdict import Check, Conclusion, Verdict, conclusion
 from comparison.yade import Results
-from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
+from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene, shipped
 
@@ -31,7 +31,9 @@ class _BoundsFirst(Narration):
             return
         if (concluded := _concluded(analysis, [])).verdict is Verdict.CANNOT_STAND:
             self._context.out.print(f"{analysis.scene.name} cannot stand. {concluded.reason}", markup=False)
-        self._context.out.print(tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}))
+        self._context.out.print(
+            tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}, self._context.options.long)
+        )
         self.has_printed_bounds = True
 
 
@@ -42,6 +44,8 @@ def execute(context: Context) -> int:
     """
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
+    if options.accuracy is not None:
+        scene = with_accuracy(scene, options.accuracy)
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)
@@ -82,8 +86,8 @@ def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnal
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
     """Print the tables of an answer, without that of the bounds where it was printed already."""
     if not has_printed_bounds:
-        context.out.print(tables.bounds_table(scene, answer))
-    if (rest := tables.prediction_table(scene, answer, checks)) is not None:
+        context.out.print(tables.bounds_table(scene, answer, context.options.long))
+    if (rest := tables.prediction_table(scene, answer, checks, context.options.long)) is not None:
         context.out.print(rest)
     if answer["path"] is not None:
         context.out.print(tables.path_table(scene, answer["path"]))

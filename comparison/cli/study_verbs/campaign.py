@@ -64,6 +64,8 @@ def find_campaign(path_or_name: Path) -> Path:
     if path_or_name.suffix == ".toml" or path_or_name.exists():
         return path_or_name
     name = str(path_or_name)
+    if name not in known and (complete := path_or_name.with_name(f"{path_or_name.name}.toml")).is_file():
+        return complete
     if name not in known:
         raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
     return known[name]
