@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
@@ -123,10 +124,10 @@ def round_below(value: float) -> float:
 
 
 LENGTHS = {"m": (1e-3, "mm"), "rad": (1e-3, "mrad")}
-# A number or a range in SI units within a sentence: "2552.39 to 3340.92 N", "12.5 N m", "4e-05 m".
-_IN_WORDS = re.compile(
-    r"(?<![\w.])(?:(?P<low>[-−]?\d[\d.]*(?:e[-+]?\d+)?) to )?(?P<value>[-−]?\d[\d.]*(?:e[-+]?\d+)?) (?P<unit>N m|N|m)(?![\w/0-9])"
-)
+# Numbers of one SI unit within a sentence: "2552.39 to 3340.92 N", "363.3 ± 0.1 N", "363.3, 402 N", "12.5 N m", "4e-05 m".
+_NUMBER = r"[-−]?\d[\d.]*(?:e[-+]?\d+)?"
+_IN_WORDS = re.compile(rf"(?<![\w.])(?P<numbers>{_NUMBER}(?:(?: to | ± |, ){_NUMBER})*) (?P<unit>N m|N|m)(?![\w/0-9])")
+LONGEST_TEXT = 10  # characters of a number that is written without a power of ten
 
 
 @dataclass(frozen=True)
@@ -161,10 +162,15 @@ class Units:
         return _IN_WORDS.sub(self._shown, sentence)
 
     def _shown(self, found: re.Match[str]) -> str:
-        unit = found["unit"]
-        numbers = [number for number in (found["low"], found["value"]) if number]
-        texts = [format_number(self.value(float(number.replace("−", "-")), unit), _digits(number)) for number in numbers]
-        return f"{' to '.join(texts)} {self.of(unit)[1]}"
+        size, unit = self.of(found["unit"])
+        return f"{re.sub(_NUMBER, lambda number: _scaled(number[0], size), found['numbers'])} {unit}"
+
+
+def _scaled(number: str, size: float) -> str:
+    """Return a number as text over a power of ten, with the digits that it has."""
+    scaled = Decimal(number.replace("−", "-")).scaleb(-round(math.log10(size)))
+    text = f"{scaled:f}".replace("-", "−")
+    return text if len(text) <= LONGEST_TEXT else format_number(float(scaled), _digits(number))
 
 
 def _digits(number: str) -> int:

@@ -20,7 +20,9 @@ import pytest
 import comparison
 import la_core
 from comparison.cli.commands import main
+from comparison.figures import report_figures
 from comparison.workflow import one_scene
+from comparison.yade import Results
 from la_core.analysis.case_file import scene_digest
 from la_core.exchange.checksummed_file import ExchangeError
 from la_core.scene import shipped
@@ -267,13 +269,14 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert result.verdict is comparison.Verdict.AGREE and result.reason == ""
     assert result.yade is not None
     assert result.yade.reaction == pytest.approx(result.answer.coulomb, rel=ELASTIC)
-    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE}
+    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE, comparison.Verdict.EXPECTED_MET}
     again = comparison.read(tmp_path / "two_pads")
     assert (str(again), again.checks) == (str(result), result.checks)
     for name in ("assembly", "dissipation"):
         result.plot(name).save(tmp_path / f"{name}.svg")
         assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("<path") > 5
-    assert result.plot()._repr_png_() == (result.folder / "mechanisms.png").read_bytes()
+    untitled = comparison.Picture(report_figures(Results(result.answer.analysis, result.yade))["mechanisms"]())
+    assert untitled._repr_png_() == (result.folder / "mechanisms.png").read_bytes() != result.plot()._repr_png_()
     assert "data:image/png;base64," in result._repr_html_()
     with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
         result.plot("mechanism")

@@ -411,4 +411,9 @@ def test_words_and_numbers_of_a_report_have_one_unit() -> None:
     assert heavy.text(1986.65, "N") == "1.987 kN" and light.text(12.5, "N") == "12.50 N"
     assert heavy.text(3.4e-4, "m", 3) == "0.340 mm" and heavy.text(2e9, "N/m") == "2000 kN/mm"
     assert heavy.words("Range: 2552.39 to 3340.92 N.") == "Range: 2.55239 to 3.34092 kN."
-    assert heavy.words("moved 4e-05 m in 12 s, 5 N/m, 3 mm") == "moved 0.040 mm in 12 s, 5 N/m, 3 mm"
+    assert heavy.words("moved 4e-05 m in 12 s, 5 N/m, 3 mm") == "moved 0.04 mm in 12 s, 5 N/m, 3 mm"
+    assert (
+        heavy.words("said 363.3 ± 0.1 N; 1300.40 N (plateaus: 363.3, 402 N)")
+        == "said 0.3633 ± 0.0001 kN; 1.30040 kN (plateaus: 0.3633, 0.402 kN)"
+    )
+    assert heavy.words("off by −4e-12 m") == "off by −4e-9 mm" and light.words("363.3 ± 0.1 N") == "363.3 ± 0.1 N"
