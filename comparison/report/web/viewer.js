@@ -61,7 +61,7 @@ class View {
     this.stage.replaceChildren(
       this.canvas, row("titles", ...this.titles), this.picked,
       row("controls", make("label", { className: "travel" }, data.quantity, this.slider), this.play, this.words),
-      row("controls", ...boxes, box("through", "see through the blocks", data.see_through), this.fit, this.reset),
+      row("controls", ...boxes, box("through", "see through the blocks", data.see_through), this.reset, this.fit),
       row("legend", ...palette.map((entry) => swatch(entry.colour, entry.name)), swatch("transparent", "before", FAINT), ...marks,
         make("span", {}, this.scale, this.force), ...thrust),
     );
