@@ -62,7 +62,7 @@ seed-paper: setup
 # The browser's tests skip where there is none; this installs one (about 0.1 GB to fetch) and runs them.
 test-browser: setup
 	@{ command -v chromium || command -v chromium-browser || command -v google-chrome; } >/dev/null || $(APT_INSTALL) chromium || $(call ask,chromium)
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/comparison/test_viewer_in_browser.py
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m browser tests/comparison
 
 # comparison/report/web/three.min.js: what the viewer uses of three.js, bundled byte for byte the same by these versions; needs npm.
 viewer-library:

@@ -7,11 +7,11 @@ are stable; type checkers read them in `__init__.pyi`.
 from importlib import import_module as _load
 
 _HOMES = {
-    "Check": "judge",
+    "Check": "verdict",
     "Picture": "result",
     "Result": "result",
     "Run": "yade",
-    "Verdict": "judge",
+    "Verdict": "verdict",
     "draw": "result",
     "read": "result",
     "run": "result",

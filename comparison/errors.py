@@ -16,9 +16,13 @@ class YadeFailedError(Exception):
     """YADE ended without a result; the message gives the meaning of the exit code and the log's last lines."""
 
 
+class PrinterMissingError(Exception):
+    """No browser that prints a report as PDF; the message says how to get one or do without."""
+
+
 def message_of(error: BaseException) -> str:
     """Return one message that says what stopped a command and what to do."""
-    if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError):
+    if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError | PrinterMissingError):
         return str(error)
     if isinstance(error, OSError):
         return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them

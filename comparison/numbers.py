@@ -1,12 +1,16 @@
-"""Numbers as text: rounded to significant digits, with a dash for an undefined one."""
+"""Numbers as text: rounded to significant digits, with a dash for an undefined one, and in the units of a report."""
 
 import math
+import re
+from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
 LEAST_UNCERTAINTY = 1e-9  # a smaller one is round-off
 A_POINT = "a point"
 DASH = "–"  # stands for an undefined number
+SMALL = 100.0  # N: structures that weigh less are reported in N, all others in kN
 
 
 def format_number(value: Any, digits: int = 4) -> str:
@@ -96,3 +100,80 @@ def first_sentence(text: str) -> str:
     """Return the first sentence of a text, for places without room for the rest."""
     first, more, _ = text.partition(". ")
     return f"{first}." if more else first
+
+
+def force_unit(weight: Any, unit: str = "N") -> tuple[float, str]:
+    """Return the size, in SI units, of the unit in which a structure's forces are reported, and its name.
+
+    Parameters
+    ----------
+    weight : float or None
+        Weight of the structure, N; of the heaviest where one page has several.
+    unit : str
+        "N", "N m" for moments, or "" for a multiplier, which has no unit.
+    """
+    if unit not in ("N", "N m") or (exists(weight) and weight < SMALL):
+        return 1.0, unit
+    return 1e3, f"k{unit}"
+
+
+def round_below(value: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
+
+
+LENGTHS = {"m": (1e-3, "mm"), "rad": (1e-3, "mrad")}
+# Numbers of one SI unit within a sentence: "2552.39 to 3340.92 N", "363.3 ± 0.1 N", "363.3, 402 N", "12.5 N m", "4e-05 m".
+_NUMBER = r"[-−]?\d[\d.]*(?:e[-+]?\d+)?"
+_IN_WORDS = re.compile(rf"(?<![\w.])(?P<numbers>{_NUMBER}(?:(?: to | ± |, ){_NUMBER})*) (?P<unit>N m|N|m)(?![\w/0-9])")
+LONGEST_TEXT = 10  # characters of a number that is written without a power of ten
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of one report.
+
+    Attributes
+    ----------
+    weight : float or None
+        Weight of the heaviest structure of the report, N; it decides between N and kN.
+    """
+
+    weight: float | None
+
+    def of(self, unit: str) -> tuple[float, str]:
+        """Return the size of the shown unit in an SI unit such as "N", "N m", "N/m", "m" or "rad", and its name; others stay."""
+        if unit == "N/m":
+            size, force = force_unit(self.weight)
+            return 1e3 * size, f"{force}/mm"
+        return LENGTHS.get(unit) or force_unit(self.weight, unit)
+
+    def value(self, value: Any, unit: str) -> float | None:
+        """Return a value of an SI unit in the shown one; None where it is undefined."""
+        return value / self.of(unit)[0] if exists(value) else None
+
+    def text(self, value: Any, unit: str, digits: int = 4) -> str:
+        """Return a value of an SI unit with its shown unit as text; a dash where it is undefined."""
+        return f"{format_number(self.value(value, unit), digits)} {self.of(unit)[1]}".rstrip() if exists(value) else DASH
+
+    def words(self, sentence: str) -> str:
+        """Return a sentence with its forces and lengths in the shown units."""
+        return _IN_WORDS.sub(self._shown, sentence)
+
+    def _shown(self, found: re.Match[str]) -> str:
+        size, unit = self.of(found["unit"])
+        return f"{re.sub(_NUMBER, lambda number: _scaled(number[0], size), found['numbers'])} {unit}"
+
+
+def _scaled(number: str, size: float) -> str:
+    """Return a number as text over a power of ten, with the digits that it has."""
+    scaled = Decimal(number.replace("−", "-")).scaleb(-round(math.log10(size)))
+    text = f"{scaled:f}".replace("-", "−")
+    return text if len(text) <= LONGEST_TEXT else format_number(float(scaled), _digits(number))
+
+
+def _digits(number: str) -> int:
+    """Return the significant digits of a number as text, at least 2."""
+    mantissa = re.sub(r"[-−.]", "", re.split("e", number)[0]).lstrip("0")
+    return max(len(mantissa), 2)

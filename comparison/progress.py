@@ -53,6 +53,8 @@ class Narration(_Bars):
         self._tasks: dict[str, TaskID] = {}
         self._analysed: Scene | None = None
         self._pace = _Pace()
+        self._paces: dict[str, _Pace] = {}
+        self._shares: dict[str, float] = {}
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Print that a stage began, was found cached or ended badly."""
@@ -79,7 +81,12 @@ class Narration(_Bars):
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Show the progress of a running YADE case. report: as YADE's process wrote it."""
-        self.fraction(scene, float(report.get("fraction") or 0.0), f"YADE: {_state(report)}")
+        share = float(report.get("fraction") or 0.0)
+        if scene not in self._paces or share < self._shares.get(scene, 0.0):
+            self._paces[scene] = _Pace()
+        self._shares[scene] = share
+        done = f"{100.0 * share:.0f} %, " if report.get("stage") != "gravity" and share > 0.0 else ""
+        self.fraction(scene, share, f"YADE: {done}{_state(report)}{self._paces[scene].time_left(share) if done else ''}")
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work; without a terminal, print a line every few seconds.
@@ -149,6 +156,8 @@ class CampaignNarration(_Bars):
         counts = f"{self._done} of {self._total} done, {self._running} running, {self._failed} failed{self._left()}"
         if self._has_bars:
             self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=counts)
+        elif self._total and self._done + self._failed == self._total:
+            self._say(f"{self._title}: {counts}")
         else:
             self._say_now_and_then(f"{self._title}: {counts}")
 
@@ -194,4 +203,4 @@ def _state(report: dict[str, Any]) -> str:
         return "coming to rest under gravity"
     settlement, reaction = report.get("settlement"), report.get("reaction")
     moved = "" if settlement is None else f"moved {settlement * 1e3:.3f} {report.get('unit', '')}"
-    return moved if reaction is None else f"{moved}, reaction {reaction:.5g}"
+    return moved if reaction is None else f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"

@@ -11,11 +11,11 @@ from typing import Any
 from rich.console import Console
 
 from comparison.figures import assembly_figure, rendered, save, scene_figures
-from comparison.judge import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, verdict_cells
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.report import write_report
 from comparison.run_folder import FIGURE_FORMATS, refuse_name
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, mark_of, stored_check, verdict_cells
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, decided_model, structural_model
@@ -103,9 +103,14 @@ class Result(Tabled):
         return str(self.summary["reason"])
 
     @property
+    def next_step(self) -> str:
+        """What to do next, in sentences; "" where both methods agree, or where nothing was compared."""
+        return str(self.summary.get("next_step") or "")
+
+    @property
     def checks(self) -> tuple[Check, ...]:
         """All checks of the comparison, each with its numbers, tolerance and verdict."""
-        return tuple(Check(**check | {"verdict": Verdict(check["verdict"])}) for check in self.summary["checks"])
+        return tuple(map(stored_check, self.summary["checks"]))
 
     def plot(self, name: str = "mechanisms") -> Picture:
         """Draw one figure of the report.
@@ -113,7 +118,7 @@ class Result(Tabled):
         Parameters
         ----------
         name : str
-            Name of the figure: "assembly", "mechanisms", "reaction" or "dissipation".
+            Name of the figure: "assembly", "mechanisms", "reaction", "forces" or "dissipation".
 
         Returns
         -------
@@ -151,19 +156,16 @@ class Result(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         *cells, own_seconds, yade_seconds = verdict_cells(self.summary)
-        mark = SYMBOLS[self.summary["verdict"]]
-        return VERDICT_TITLE, VERDICT_HEADINGS, [[*cells, mark, own_seconds, yade_seconds]]
+        return VERDICT_TITLE, VERDICT_HEADINGS, [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]]
 
     def __repr__(self) -> str:
-        return "\n".join([super().__repr__(), *([self.reason] if self.reason else [])])
+        return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)
 
     def _repr_html_(self) -> str:
-        figure = self.folder / "mechanisms.png"
-        image = ""
-        if figure.is_file():
-            encoded = base64.b64encode(figure.read_bytes()).decode()
-            image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">'
-        return f"{super()._repr_html_()}\n<p>{html.escape(self.reason)}</p>\n{image}"
+        encoded = base64.b64encode(figure.read_bytes()).decode() if (figure := self.folder / "mechanisms.png").is_file() else ""
+        image = f'<img alt="mechanisms" style="max-width: 100%" src="data:image/png;base64,{encoded}">' if encoded else ""
+        words = html.escape(f"{self.reason} {self.next_step}".strip())
+        return f"{super()._repr_html_()}\n<p>{words}</p>\n{image}"
 
 
 def run(
@@ -207,7 +209,7 @@ def run(
     --------
     >>> import comparison
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
-    <Verdict.AGREE: 'agree'>
+    <Verdict.EXPECTED_MET: 'expected value met'>
     """
     if time_limit is not None and not 0.0 < time_limit < math.inf:
         raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
@@ -260,7 +262,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     what : Scene or Answer
         A scene, for a figure of its assembly, or an answer, for the figure `name`.
     name : str
-        Figure of an answer: "assembly", "mechanisms" (default), "reaction" or "dissipation". Ignored for a scene.
+        Figure of an answer: "assembly", "mechanisms" (default), "reaction", "forces" or "dissipation". Ignored for a scene.
     run : Run or None
         YADE's record, drawn beside the answer. Ignored for a scene.
 
@@ -283,8 +285,7 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     """
     if isinstance(what, Scene):
         return Picture(assembly_figure(what, decided_model(what).assembly))
-    drawings = scene_figures(Results(what.analysis, run))
-    chosen = name or "mechanisms"
+    drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
     if chosen not in drawings:
         raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
     return Picture(drawings[chosen]())
@@ -296,5 +297,4 @@ def _narration(quiet: bool) -> Narration:
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:
     results = read_results(folder, interfaces)
-    answer = Answer(results.scene, results.analysis)
-    return Result(folder, summary, answer, results.run if summary["yade"] is not None else None)
+    return Result(folder, summary, Answer(results.scene, results.analysis), results.run if summary["yade"] is not None else None)

@@ -20,6 +20,7 @@ OF_A_FOLDER = Path("crosscheck.toml")  # in the current folder
 PREFIX = "CROSSCHECK_"
 SYSTEM_PYTHON = "/usr/bin/python3"
 LARGEST_FILE = 100_000  # bytes; settings are a few lines
+HARDER_SECONDS = 900.0  # s of wall time for a second attempt with finer settings, unless the caller says otherwise
 MOST_WORKERS = 1000
 
 

@@ -3,6 +3,10 @@
 import html
 import math
 from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from la_core.errors import SceneError
 
 ROUND_OFF = 1e-9  # of the weight: a smaller reaction is zero but for the residuals of the solver
 
@@ -34,6 +38,15 @@ def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
     for row, tag in ((head, "th"), *((row, "td") for row in body)):
         lines.append("<tr>" + "".join(f'<{tag} style="text-align: left">{html.escape(cell)}</{tag}>' for cell in row) + "</tr>")
     return "\n".join([*lines, "</table>"])
+
+
+def dataframe(rows: Sequence[dict[str, Any]]) -> Any:
+    """Rows as a table of pandas; raises SceneError where the extra of that name is not installed."""
+    try:
+        pandas = import_module("pandas")
+    except ImportError as error:
+        raise SceneError("to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas"') from error
+    return pandas.DataFrame(list(rows))
 
 
 class Tabled:

@@ -21,7 +21,7 @@ ROOMS = (
     "la_core.exchange", "la_core.geometry", "la_core.scene", "la_core.model", "la_core.measures",
     "la_core.limit", "la_core.coulomb", "la_core.analysis",
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
-    "comparison.progress", "comparison.yade", "comparison.judge", "comparison.limit_analysis", "comparison.figures",
+    "comparison.progress", "comparison.verdict", "comparison.yade", "comparison.judge", "comparison.limit_analysis", "comparison.figures",
     "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.result", "comparison.cli",
     "comparison.__main__",
 )  # fmt: skip

@@ -19,7 +19,7 @@ from comparison.campaign.cases import expand
 from comparison.cli.arguments import parser
 from comparison.cli.commands import COMMANDS, main
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, INTERRUPTED, TOOL, USAGE
-from comparison.judge.verdict_table import verdict_cells
+from comparison.verdict.verdict_table import verdict_cells
 from la_core.analysis.stage import analyse
 from la_core.limit.classic_iteration import ClassicParameters
 from la_core.limit.problem import Drive

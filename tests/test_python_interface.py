@@ -20,7 +20,9 @@ import pytest
 import comparison
 import la_core
 from comparison.cli.commands import main
+from comparison.figures import report_figures
 from comparison.workflow import one_scene
+from comparison.yade import Results
 from la_core.analysis.case_file import scene_digest
 from la_core.exchange.checksummed_file import ExchangeError
 from la_core.scene import shipped
@@ -233,7 +235,7 @@ def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float)
 
 @pytest.mark.parametrize("name", ["trilith", "wall_low_friction", "ferris_tin_loi_1"])
 def test_an_answer_prints_the_table_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    main(["solve", name])
+    main(["solve", name, "--long"])
     shown = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip() and "seconds" not in line and "─" not in line]
     own = [line.split() for line in str(la_core.solve(la_core.load(name))).splitlines() if "seconds" not in line and "─" not in line]
     assert len(own) > 8
@@ -267,13 +269,14 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert result.verdict is comparison.Verdict.AGREE and result.reason == ""
     assert result.yade is not None
     assert result.yade.reaction == pytest.approx(result.answer.coulomb, rel=ELASTIC)
-    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE}
+    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE, comparison.Verdict.EXPECTED_MET}
     again = comparison.read(tmp_path / "two_pads")
     assert (str(again), again.checks) == (str(result), result.checks)
     for name in ("assembly", "dissipation"):
         result.plot(name).save(tmp_path / f"{name}.svg")
         assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("<path") > 5
-    assert result.plot()._repr_png_() == (result.folder / "mechanisms.png").read_bytes()
+    untitled = comparison.Picture(report_figures(Results(result.answer.analysis, result.yade))["mechanisms"]())
+    assert untitled._repr_png_() == (result.folder / "mechanisms.png").read_bytes() != result.plot()._repr_png_()
     assert "data:image/png;base64," in result._repr_html_()
     with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
         result.plot("mechanism")
@@ -335,3 +338,33 @@ def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
         la_core.variant(pads, {3: 1})  # type: ignore[dict-item]
     with pytest.raises(la_core.SceneError, match="greater than or equal to 0"):
         la_core.variant(pads, {"yade.speed": -1.0})
+
+
+def test_an_answer_hands_out_mechanism_forces_joints_and_path() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    blocks = answer.scene.blocks
+    assert answer.mechanism.shape == (len(blocks), 6) and answer.forces.shape == (4, 3)
+    (support,) = np.flatnonzero(blocks.role == 2)
+    assert answer.mechanism[support] == pytest.approx([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
+    assert answer.forces.sum(axis=0) == pytest.approx([0.0, 0.0, answer.scene.weight], abs=ROUND_OFF * answer.scene.weight)
+    fixed, settling = answer.joints
+    assert (fixed["block_a"], fixed["block_b"], fixed["state"]) == ("fixed pad", "block", "opening")
+    assert settling["normal"] == pytest.approx(answer.coulomb, rel=ELASTIC) and settling["x"] == pytest.approx(0.999, abs=2e-3)
+    settlement, value = la_core.solve(la_core.load("two_blocks")).path
+    assert len(settlement) == len(value) > 10 and value[-1] == pytest.approx(la_core.solve(la_core.load("two_blocks")).coulomb, rel=1e-2)
+
+
+def test_tables_of_pandas_are_made_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
+    pytest.importorskip("pandas")
+    table = answer.to_dataframe()
+    assert list(table.columns) == list(answer.joints[0]) and len(table) == 2
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(la_core.SceneError, match='install the extra "pandas"'):
+        answer.to_dataframe()
+
+
+def test_what_holds_arrays_shows_itself_in_one_line() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    assert repr(answer.analysis).startswith("<LimitAnalysis of two_pads: solved, bound 363.297, prediction 363.297 N")
+    assert "\n" not in repr(answer.analysis) + repr(answer.scene.blocks) and len(repr(answer.scene.blocks)) < 200

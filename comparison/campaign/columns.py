@@ -34,8 +34,9 @@ BEFORE_KEYS = {
 }
 AFTER_KEYS = {
     "state": Column("", "done or failed"),
-    "verdict": Column("", "agree, disagree or inconclusive; empty where nothing was compared"),
+    "verdict": Column("", "agree, disagree, inconclusive, cannot stand, or expected value met (YADE was not run); empty without one"),
     "reason": Column("", "reason for any other verdict than agree, or for the failure"),
+    "next_step": Column("", "what to do next; empty where both methods agree"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
     "weight": Column("N", "weight of the free blocks", "number"),
     "free_blocks": Column("", "free blocks of the scene", "count"),
@@ -112,6 +113,7 @@ def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> 
     row = {
         "verdict": summary["verdict"],
         "reason": summary["reason"],
+        "next_step": summary.get("next_step") or "",
         "unit": summary["unit"],
         "weight": summary["weight"],
         "free_blocks": summary["free_blocks"],

@@ -6,7 +6,7 @@ from typing import Any
 from urllib.parse import quote
 
 from comparison.campaign.table import CampaignTable
-from comparison.judge import HISTORY, LEAST_REACTION
+from comparison.judge import FLOOR, LEAST_REACTION
 from comparison.numbers import exists
 
 Row = dict[str, Any]
@@ -59,21 +59,21 @@ def difference(row: Row) -> float | None:
 
 
 def deviation(row: Row) -> float | None:
-    """Return |YADE - prediction| over the tolerance of sliding joints; None where undefined.
+    """Return |YADE - prediction| over its tolerance; None where undefined.
 
-    Tolerance: 1 % of YADE's reaction, at least 1e-4 of the weight, plus the uncertainties that both state.
+    Tolerance: 0.5 % of YADE's reaction, at least 1e-4 of the weight, plus the uncertainties that both state.
     """
     apart, weight = difference(row), row.get("weight")
     if apart is None or not exists(weight):
         return None
     stated = [row.get("yade_uncertainty"), row.get("coulomb_uncertainty") if prediction(row) == "coulomb" else None]
-    allowed = max(HISTORY * abs(row["yade"]), LEAST_REACTION * weight) + sum(value for value in stated if exists(value))
+    allowed = max(FLOOR * abs(row["yade"]), LEAST_REACTION * weight) + sum(value for value in stated if exists(value))
     return abs(apart) / allowed if allowed > 0.0 else None
 
 
 def worst_first(rows: list[Row]) -> list[Row]:
     """Return rows by falling deviation; rows without one come last, by gravity of the verdict; equal rows by name."""
-    gravity = {"disagree": 0, "inconclusive": 1}
+    gravity = {"disagree": 0, "cannot stand": 1, "inconclusive": 1}
 
     def key(row: Row) -> tuple[bool, float, int, str]:
         apart = deviation(row)

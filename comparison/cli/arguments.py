@@ -4,9 +4,11 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
+from comparison.cli.exit_codes import MEANINGS
+from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
 from comparison.run_folder import FIGURE_FORMATS
-from comparison.settings import MOST_WORKERS
+from comparison.settings import HARDER_SECONDS, MOST_WORKERS
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
@@ -17,23 +19,27 @@ COSTS = Path("crosscheck-cost")
 SCENE_HELP = "path of a scene file, or the name of a shipped scene"
 NO_YADE_HELP = "run limit analysis only"
 LIMIT_HELP = "wall time limit of each YADE run in seconds (default: as configured, else the scene's, or 3600)"
+ACCURACY_HELP = "requested accuracy as a share of the answer, such as 1%%: start from the cheapest settings, refine if needed"
 SHELLS = ("bash", "zsh", "fish")
+
+HEAD = ("title", "project", "author", "date")  # words of a report's head, options of `run` and `report`
 
 AddVerb = Callable[[str, str], argparse.ArgumentParser]  # from a verb and its help text to the verb's parser
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> GuessingParser:
     """Return the parser of the command line.
 
     Parsed options hold the `verb`, and in `configured` the names of those options that the settings fill.
     """
-    whole = argparse.ArgumentParser(
+    whole = GuessingParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
-        epilog="exit codes: 0 agree, 1 disagree, 2 usage or scene error, 3 a tool is missing or failed, 4 inconclusive",
+        epilog="begin with: crosscheck tutorial (five tutorials with calculations by hand), or: crosscheck run two_pads. "
+        f"exit codes: {', '.join(f'{code} {meaning}' for code, meaning in MEANINGS.items())}",
     )
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
-    verbs = whole.add_subparsers(required=True, metavar="COMMAND")
+    verbs = whole.add_subparsers(metavar="COMMAND")
 
     def add(verb: str, text: str) -> argparse.ArgumentParser:
         sub = verbs.add_parser(verb, help=text, description=text)
@@ -63,13 +69,15 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _add_scenes(add: AddVerb) -> None:
-    add("scenes", "list the shipped scenes: title, expected value, kind, source")
+    scenes = add("scenes", "list the shipped scenes: title and expected value")
+    scenes.add_argument("--long", action="store_true", help="also the kind and the source of each value")
 
 
 def _add_show(add: AddVerb) -> None:
     show = add("show", "draw a scene: blocks, roles, contact points; counts and weight")
     show.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
+    show.add_argument("--long", action="store_true", help="also what each effect means, and what leaving it out saves")
 
 
 def _add_solve(add: AddVerb) -> None:
@@ -82,6 +90,8 @@ def _add_solve(add: AddVerb) -> None:
     results_help = "folder of `crosscheck run`, where the answer is stored and found again (default: crosscheck-results, or as configured)"
     solve.add_argument("--results", type=Path, metavar="DIR", help=results_help)
     solve.add_argument("-o", "--output", type=figure, metavar="FIG", help="draw the reaction: PNG, SVG or PDF file")
+    solve.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=ACCURACY_HELP)
+    solve.add_argument("--long", action="store_true", help="also residuals, iterations and seconds")
 
 
 def _add_sensitivity(add: AddVerb) -> None:
@@ -103,13 +113,21 @@ def _add_run(add: AddVerb) -> None:
     run.set_defaults(configured=("output", "time_limit"))
     output_help = "folder of the results (default: crosscheck-results, or as configured)"
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help=output_help)
-    accuracy_help = "requested accuracy as a share of the answer, such as 1%%: start from the cheapest settings, refine if needed"
-    run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=accuracy_help)
+    run.add_argument("--accuracy", type=accuracy, metavar="SHARE", help=ACCURACY_HELP)
     run.add_argument(
         "--full", action="store_true", help="model every effect; results go to the folder SCENE_full, beside those of the reduced model"
     )
     run.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     run.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
+    harder_help = (
+        "where the verdict is inconclusive or disagree, run both methods again with finer settings of their own, in the folder SCENE_harder"
+    )
+    run.add_argument("--try-harder", action="store_true", help=harder_help)
+    most = f"wall time that --try-harder may take for each scene, in seconds (default: {HARDER_SECONDS:g}, that is 15 minutes)"
+    run.add_argument("--try-harder-limit", type=seconds, metavar="S", default=HARDER_SECONDS, help=most)
+    run.add_argument("--workers", type=count, metavar="N", default=1, help="number of scenes that run side by side (default: 1)")
+    run.add_argument("--long", action="store_true", help="the whole table, also where it is wider than the terminal")
+    _add_head(run)
 
 
 def _add_campaign(add: AddVerb) -> None:
@@ -136,22 +154,35 @@ def _add_compare(add: AddVerb) -> None:
 
 def _add_report(add: AddVerb) -> None:
     report = add("report", "write the report again from stored results")
-    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of `crosscheck run` or `crosscheck campaign`")
+    folder_help = "folder of `crosscheck run`, or of one of its scenes, or of `crosscheck campaign`"
+    report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help=folder_help)
+    report.add_argument("--pdf", action="store_true", help="also print the report to report.pdf (A4); needs Chromium or Chrome")
+    report.add_argument("--long", action="store_true", help="the whole table, also where it is wider than the terminal")
+    _add_head(report)
+
+
+def _add_head(verb: argparse.ArgumentParser) -> None:
+    """Add the options that fill the head of a report."""
+    for name in HEAD:
+        verb.add_argument(f"--{name}", metavar="TEXT", help=f"{name} in the head of the report (default: the scene's)")
 
 
 def _add_export(add: AddVerb) -> None:
     export = add("export", "write blocks, mechanisms, forces and YADE's states for ParaView (.vtu, .pvd)")
     export.add_argument(
-        "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is solved first"
+        "source", metavar="DIR|SCENE", help="folder of `crosscheck run`, or of one of its scenes, or a scene, which is solved first"
     )
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", required=True, help="folder to write the files to")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder to write the files to (default: SCENE-paraview)")
 
 
 def _add_animate(add: AddVerb) -> None:
     animate = add("animate", "animate the settlement: both mechanisms grow beside the record of the reaction")
     animate.add_argument(
-        "source", metavar="DIR|SCENE", help="a scene's folder in the results of `crosscheck run`, or a scene, which is run first"
+        "source", metavar="DIR|SCENE", help="folder of `crosscheck run`, or of one of its scenes, or a scene, which is run first"
     )
+    animate.set_defaults(configured=("time_limit",))
+    animate.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
+    animate.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
     place = "GIF or MP4 file (default: animation.gif in the scene's folder, from where `crosscheck report` shows it)"
     animate.add_argument("-o", "--output", type=moving_picture, metavar="MOVIE", help=place)
     animate.add_argument("--fps", type=frames_per_second, metavar="N", default=10, help="frames per second (default: 10)")

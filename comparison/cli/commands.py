@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 
 from comparison.cli.arguments import parser
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import code_of
+from comparison.cli.exit_codes import AGREE, code_of
+from comparison.cli.guessing_parser import parse
 from comparison.settings import filled
 
 COMMANDS = {  # by verb: the module whose `execute` runs it, loaded only for that verb
@@ -40,7 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
-    options = parser().parse_args(arguments)
+    options = parse(parser(), arguments)
+    if options is None:
+        return AGREE
     return code_of(lambda: _execute(options))
 
 

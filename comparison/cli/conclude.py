@@ -1,14 +1,17 @@
 """Last step of `crosscheck run` and `crosscheck report`: write the reports, print the verdicts, choose the exit code."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from comparison.cli import tables
+from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
 from comparison.provenance import describe
-from comparison.report import stored_report, write_report
+from comparison.report import stored_report, write_pdf, write_report
+from comparison.verdict import Verdict
 
 
 def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context) -> int:
@@ -19,22 +22,38 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        page = write_report(folder, comparisons, describe())
+        page = write_report(folder, comparisons, describe(), {name: getattr(context.options, name) or "" for name in HEAD})
         stored.append(stored_report(comparisons, describe()))
         if not as_json:
-            out.print(tables.verdict_table(comparisons))
+            for comparison in comparisons:
+                if comparison["verdict"] == Verdict.CANNOT_STAND:
+                    out.print(f"{comparison['scene']} cannot stand. {comparison['reason']}", markup=False)
+            out.print(tables.verdict_table(comparisons, None if context.options.long else out.width))
             if any(comparison.get("accuracy") for comparison in comparisons):
                 out.print(tables.accuracy_table(comparisons))
             for comparison in comparisons:
                 if first := comparison.get("first_prediction"):
                     out.print(f"{comparison['scene']}: {first['sentence']}", markup=False)
-                if comparison["reason"]:
-                    out.print(f"{comparison['scene']}: {comparison['reason']}", markup=False)
+                for words in lines_below(comparison):
+                    out.print(f"{comparison['scene']}: {words}", markup=False)
             out.print(f"report: {os.path.relpath(page)}", markup=False)
-        codes += [_code(comparison) for comparison in comparisons]
+        if getattr(context.options, "pdf", False):
+            context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
+        again = {first["scene"] for comparison in comparisons if (first := comparison.get("first_verdict"))}
+        codes += [_code(comparison) for comparison in comparisons if comparison["scene"] not in again]  # the second attempt decides
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=GRAVITY.index, default=AGREE)
+
+
+def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
+    """Yield what the terminal says under the table of verdicts: the reason or the remarks, then what to do next."""
+    is_said = comparison["verdict"] == Verdict.CANNOT_STAND  # above the table, before anything else
+    yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
+    if first := comparison.get("first_verdict"):
+        yield f"second attempt with finer settings; the first one, {first['scene']}, was {first['verdict']}."
+    if comparison.get("next_step"):
+        yield f"next: {comparison['next_step']}"
 
 
 def _code(comparison: dict[str, Any]) -> int:

@@ -2,12 +2,14 @@
 
 import argparse
 import json
+import os
 from dataclasses import dataclass
 from typing import Any, Self
 
 from rich.console import Console
 
-PIPE_WIDTH = 120  # columns
+PIPE_WIDTH = 120  # columns of a file or a pipe, unless COLUMNS says otherwise
+LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,10 @@ class Context:
 
 
 def _results_console() -> Console:
-    """Return a console as wide as the terminal, or PIPE_WIDTH for a file or pipe; text is never cut or broken."""
-    console = Console(highlight=False, emoji=False, soft_wrap=True)
-    return console if console.is_terminal else Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)
+    """Return a console as wide as COLUMNS says, else as the terminal, else PIPE_WIDTH; only tables are fitted to it."""
+    columns = os.environ.get("COLUMNS", "")
+    asked = max(int(columns), LEAST_WIDTH) if columns.isdecimal() and len(columns) < 5 and int(columns) else None
+    console = Console(highlight=False, emoji=False, soft_wrap=True, width=asked)
+    if asked is None and not console.is_terminal:
+        return Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)
+    return console

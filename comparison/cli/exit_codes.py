@@ -10,10 +10,26 @@ from rich.console import Console
 from comparison.errors import message_of
 from la_core.errors import SceneError, visible
 
-AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE = range(5)
-EXIT_OF_VERDICT = {"agree": AGREE, "disagree": DISAGREE, "inconclusive": INCONCLUSIVE, None: AGREE}
-GRAVITY = (AGREE, INCONCLUSIVE, DISAGREE, TOOL)  # from mild to grave; the gravest of several scenes decides
+AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE, CANNOT_STAND = range(6)
 INTERRUPTED = 130  # as shells define it: 128 + SIGINT
+EXIT_OF_VERDICT = {
+    "agree": AGREE,
+    "expected value met": AGREE,
+    "disagree": DISAGREE,
+    "inconclusive": INCONCLUSIVE,
+    "cannot stand": CANNOT_STAND,
+    None: AGREE,
+}
+GRAVITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, TOOL)  # from mild to grave; the gravest of several scenes decides
+MEANINGS = {  # of every exit code, for the help and the page of the command line
+    AGREE: "agree; where YADE was not asked (`--no-yade`, a live load): the expected value is met, or there is none",
+    DISAGREE: "disagree; of `compare`: something changed",
+    USAGE: "usage or scene error",
+    TOOL: "a tool is missing or failed",
+    INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`",
+    CANNOT_STAND: "the structure cannot stand under its own weight",
+    INTERRUPTED: "interrupted by Ctrl-C",
+}
 
 
 def code_of(command: Callable[[], int]) -> int:

@@ -1,19 +1,26 @@
 """Tables for the terminal (rich); a number that does not exist is a dash."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from rich import box
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from comparison.judge import METHODS as ACCURACY_METHODS
-from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
+from comparison.judge import effects_summary, percent
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, check_words, mark_of, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
 from la_core.scene import Expected, Scene
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
-MARKS = {"agree": "[green]✓ agree[/]", "disagree": "[red]✗ disagree[/]", "inconclusive": "[yellow]? inconclusive[/]", None: "–"}
+COLOURS = {"agree": "green", "disagree": "red", "inconclusive": "yellow", "cannot stand": "red"}
+EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
+LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
+SHORT_VERDICT = ("scene", "Coulomb", "YADE", "verdict")
+SHORT_TITLE = "reaction over the weight W: prediction, YADE's plateau (--long: bounds, times)"
 
 
 def new_table(*headings: str, title: str | None = None) -> Table:
@@ -24,14 +31,22 @@ def new_table(*headings: str, title: str | None = None) -> Table:
     return table
 
 
-def scene_table(scenes: list[Scene]) -> Table:
-    """Return a table of scenes with their expected values."""
-    table = new_table("scene", "title", "expected", "kind", "source")
+def scene_table(scenes: list[Scene], width: int, long: bool = False) -> Table:
+    """Return a table of scenes with their expected values, one row a scene of at most `width` columns; long: also kind and source."""
+    table = new_table("scene", "blocks", "title", "expected", *(("kind", "source") if long else ()))
+    _keep_names_whole(table, [scene.name for scene in scenes])
+    rows = []
     for scene in scenes:
         expected = scene.expected
         value = "–" if expected is None else _expected(expected, scene.live is not None)
-        kind = expected.kind if expected else "–"
-        table.add_row(plain(scene.name), plain(scene.title), value, kind, plain(scene.source))
+        more = (expected.kind if expected else "–", scene.source) if long else ()
+        rows.append([scene.name, str(int(scene.blocks.free.sum())), scene.title, value, *more])
+    taken = sum(max(len(row[k]) for row in [[str(column.header) for column in table.columns], *rows]) for k in (0, 1, 3))
+    room = width - taken - 3 * len(table.columns) - 2
+    for row in rows:
+        if not long and len(row[2]) > room:
+            row[2] = f"{row[2][: room - 1]}…"
+        table.add_row(*map(plain, row))
     return table
 
 
@@ -40,6 +55,11 @@ def _expected(expected: Expected, live: bool) -> str:
     value = expected.multiplier if live else expected.reaction_over_weight
     associated = expected.associated_multiplier if live else expected.associated_reaction_over_weight
     return f"{number_text(associated)} associated" if value is None and associated is not None else number_text(value)
+
+
+def coloured(words: str, verdict: str | None) -> str:
+    """Return words in the colour of a verdict, as markup of the terminal library."""
+    return f"[{COLOURS[verdict]}]{words}[/]" if verdict in COLOURS else words
 
 
 def plain(text: str) -> str:
@@ -69,8 +89,13 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     return table
 
 
-def effects_table(effects: dict[str, Any]) -> Table:
-    """Return a table of effects, one per row: on or off, the model, the reason, and the saving if it is off."""
+def effects_table(effects: dict[str, Any], long: bool = False) -> Table:
+    """Return a table of effects, one per row: on or off and the model; long: also its meaning, the reason, and what it saves."""
+    if not long:
+        short = new_table("effect", "", "modelled")
+        for row in effects["table"]:
+            short.add_row(row["effect"], "on" if row["on"] else "off", row["modelled"])
+        return short
     table = new_table("effect", "what", "", "modelled", "reason", "saves")
     for row in effects["table"]:
         saved = ", ".join(f"{count} {name}" for name, count in row["saved"].items())
@@ -78,21 +103,26 @@ def effects_table(effects: dict[str, Any]) -> Table:
     return table
 
 
-def bounds_table(scene: Scene, answer: dict[str, Any]) -> Table:
-    """Return the bounds of one scene, in their unit and over the weight, with residuals. answer: values as of `solve --json`."""
-    return _answer_table(answer_headings(scene), _rows_of_bounds(scene, answer), plain(scene.title))
+def bounds_table(scene: Scene, answer: dict[str, Any], long: bool = False) -> Table:
+    """Return the bounds of one scene, in their unit and over the weight; long: also residuals. answer: values as of `solve --json`."""
+    return _answer_table(answer_headings(scene), _shown(_rows_of_bounds(scene, answer), long), plain(scene.title))
 
 
-def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check]) -> Table | None:
+def prediction_table(scene: Scene, answer: dict[str, Any], checks: list[Check], long: bool = False) -> Table | None:
     """Return what `bounds_table` leaves out: the prediction, and checks against expected values; None where there is neither."""
     _, unit, share = answer_headings(scene)
-    rows = list(answer_rows(scene, answer))[len(_rows_of_bounds(scene, answer)) :]
+    rows = _shown(list(answer_rows(scene, answer))[len(_rows_of_bounds(scene, answer)) :], long)
     if not rows and not checks:
         return None
     table = _answer_table(("prediction" if rows else "check", unit, share), rows)
     for check in checks:
-        table.add_row(check.name, number_text(check.limit_analysis), MARKS[check.verdict])
+        table.add_row(check.name, number_text(check.limit_analysis), coloured(" ".join(check_words(check.verdict)), check.verdict))
     return table
+
+
+def _shown(rows: list[tuple[str, str, str]], long: bool) -> list[tuple[str, str, str]]:
+    """Return the rows of a short table: without residuals and cost."""
+    return rows if long else [row for row in rows if not row[0].endswith(EVIDENCE)]
 
 
 def _rows_of_bounds(scene: Scene, answer: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -120,13 +150,35 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     return table
 
 
-def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
-    """Return one row per scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method."""
-    table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
+def verdict_table(comparisons: list[dict[str, Any]], width: int | None = None) -> Table:
+    """Return one row per scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method.
+
+    Where that is wider than `width` columns, bounds and times are left out. Names of scenes are never broken.
+    """
+    rows = []
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
-        table.add_row(plain(scene), *values, MARKS[comparison["verdict"]], limit_seconds, yade_seconds)
+        verdict = coloured(mark_of(comparison["verdict"]), comparison["verdict"])
+        rows.append([plain(scene), *values, verdict, limit_seconds, yade_seconds])
+    kept = list(range(len(VERDICT_HEADINGS)))
+    if width is not None and _width(VERDICT_HEADINGS, rows) > width:
+        kept = [k for k in kept if VERDICT_HEADINGS[k] in SHORT_VERDICT]
+    table = new_table(*(VERDICT_HEADINGS[k] for k in kept), title=VERDICT_TITLE if len(kept) > len(SHORT_VERDICT) else SHORT_TITLE)
+    _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
+    for row in rows:
+        table.add_row(*(row[k] for k in kept))
     return table
+
+
+def _keep_names_whole(table: Table, names: Sequence[str]) -> None:
+    """Let the first column of a table never break the names in it, unless they are longer than any table should be wide."""
+    table.columns[0].min_width = min(max(map(len, names), default=0), LONGEST_NAME)
+
+
+def _width(headings: Sequence[str], rows: list[list[str]]) -> int:
+    """Return the columns of a terminal that a table in the program's style needs."""
+    cells = [[Text(heading).cell_len for heading in headings], *([Text.from_markup(cell).cell_len for cell in row] for row in rows)]
+    return sum(max(column) + 3 for column in zip(*cells, strict=True)) + 1
 
 
 def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
@@ -137,7 +189,7 @@ def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:
         accuracy = comparison.get("accuracy") or {}
         for method in (name for name in ACCURACY_METHODS if name in accuracy):
             answer = accuracy[method]
-            error = f"{MARKS['agree' if answer['kept'] else 'inconclusive'].split()[0]}[/] {percent(answer['error'])}"
+            error = f"{coloured(*('✓', 'agree') if answer['kept'] else ('?', 'inconclusive'))} {percent(answer['error'])}"
             cost = [str(len(answer["attempts"])), number_text(answer["seconds"], 2)]
             cells = [percent(accuracy["asked"]), error, answer["chosen"], *cost]
             table.add_row(plain(comparison["scene"]), ACCURACY_METHODS[method], *cells)

@@ -5,7 +5,7 @@ from comparison.figures.animation import Story, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
 from comparison.figures.motion import Motion, Motions, motions
 from comparison.figures.reaction import reaction_figure
-from comparison.figures.run_figures import scene_figures
+from comparison.figures.run_figures import report_figures, scene_figures
 from comparison.figures.save import rendered, save
 from comparison.figures.structure import ROLE_NAME, assembly_figure
 
@@ -25,6 +25,7 @@ __all__ = [
     "motions",
     "reaction_figure",
     "rendered",
+    "report_figures",
     "save",
     "scene_figures",
     "tint",

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
+from comparison.numbers import force_unit
 from la_core.measures import ContactState, MechanismMeasures, mechanism
 from la_core.model import Assembly
 
@@ -74,7 +75,7 @@ def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
     moving = f"{100.0 * measures.moving_mass_share:.3g} % of the mass moves"
     if not measures.dissipated_power > 0.0:
         return f"friction dissipates nothing  ·  {moving}"
-    divisor, unit = _unit(assembly, measures.dissipated_power)
+    divisor, unit = _unit(assembly)
     power = f"friction dissipates {measures.dissipated_power / divisor:.4g} {unit or 'per unit power of the live load'}"
     share = f" = {100.0 * measures.dissipated_share:.3g} % of the settling weight's work" if np.isfinite(measures.dissipated_share) else ""
     count = len(assembly.interfaces)
@@ -82,12 +83,11 @@ def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
     return f"{power}{share}  ·  {moving}\nparticipation index {measures.participation_index:.3g}: {equal}"
 
 
-def _unit(assembly: Assembly, power: float) -> tuple[float, str]:
+def _unit(assembly: Assembly) -> tuple[float, str]:
     """Return divisor and unit of a power per unit motion of the drive; under a live load it has no unit."""
     if assembly.has_live_load:
         return 1.0, ""
-    unit = "N m" if np.any(assembly.support_twist[:, 3:]) else "N"
-    return (1e3, f"k{unit}") if power >= 1e4 else (1.0, unit)
+    return force_unit(assembly.weight, "N m" if np.any(assembly.support_twist[:, 3:]) else "N")
 
 
 def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -> None:
@@ -139,7 +139,7 @@ def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: M
     """Add a colour bar in the unit of the power, where anything dissipates."""
     if not measures.dissipated_power > 0.0:
         return
-    divisor, unit = _unit(assembly, measures.dissipated_power)
+    divisor, unit = _unit(assembly)
     scale = ScalarMappable(Normalize(0.0, float(measures.dissipation_per_interface.max()) / divisor), POWER)
     per = "unit power of the live load" if assembly.has_live_load else "unit motion of the support"
     bar = figure.colorbar(scale, ax=canvas.axes, shrink=0.85, pad=0.02, aspect=28)

@@ -10,7 +10,7 @@ from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
 from la_core.limit import Solution, Status
-from la_core.measures import contact_states, mechanism
+from la_core.measures import contact_states, joint_states, mechanism
 from la_core.model import Assembly
 
 DRAWN = 0.09  # of the structure's size: the largest displacement in a drawn mechanism
@@ -33,8 +33,8 @@ class Motion:
         Contact forces (S, C, 3) on block b, N; a single state (1, C, 3) holds for all; NaN where unknown.
     twists : ndarray
         Mechanism (B, 6) per unit motion of the support; NaN without a mechanism.
-    states : ndarray
-        ContactState (C,) of each contact point in the mechanism.
+    joints : ndarray
+        ContactState (I,) of each interface in the mechanism.
     falling : tuple of str
         Names of the blocks that cannot stand.
     reason : str
@@ -46,7 +46,7 @@ class Motion:
     displacement: np.ndarray
     forces: np.ndarray
     twists: np.ndarray
-    states: np.ndarray
+    joints: np.ndarray
     falling: tuple[str, ...] = ()
     reason: str = ""
 
@@ -84,6 +84,11 @@ def shown_answer(analysis: LimitAnalysis) -> tuple[str, Solution | CoulombSoluti
     if analysis.coulomb is not None and np.isfinite(analysis.coulomb.value):
         return "limit analysis (Coulomb)", analysis.coulomb
     return "limit analysis (associated)", analysis.bounds[analysis.main]
+
+
+def shown_joints(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Return the state (I,) of each interface in a mechanism (B, 6) with contact forces (C, 3), N: figures and view mark the same."""
+    return joint_states(assembly, contact_states(assembly, twists, forces), forces)
 
 
 def drawn_motion(assembly: Assembly, mechanisms: Mapping[str, np.ndarray]) -> float:
@@ -125,10 +130,10 @@ def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | C
     twists, main = answer.twists, analysis.bounds[analysis.main]
     known = bool(np.isfinite(twists).all())
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
-    states = contact_states(analysis.assembly, twists, answer.forces)
+    joints = shown_joints(analysis.assembly, twists, answer.forces)
     falling = tuple(main.falling) if main.status is Status.INFEASIBLE else ()
     reason = "" if known else "cannot stand under its own weight" if falling else str(main.status)
-    return Motion(label, np.array([0.0, end]), displacement, answer.forces[None], twists, states, falling, reason)
+    return Motion(label, np.array([0.0, end]), displacement, answer.forces[None], twists, joints, falling, reason)
 
 
 def _of_run(assembly: Assembly, run: Run) -> Motion:
@@ -136,7 +141,7 @@ def _of_run(assembly: Assembly, run: Run) -> Motion:
     twists = run.mechanism()
     moved = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     kept = [0, 0] if len(moved) == 1 else slice(None)
-    states = contact_states(assembly, twists, run.plateau_forces())
+    joints = shown_joints(assembly, twists, run.plateau_forces())
     reason = "" if run.status == "plateau" else f"{run.status}: {run.result['message']}"
     settlement = run.poses.settlement
-    return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses.forces[kept], twists, states, reason=reason)
+    return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses.forces[kept], twists, joints, reason=reason)

@@ -27,6 +27,7 @@ from comparison.figures.reaction_levels import (
     scales_of,
     whole_limits,
 )
+from comparison.judge import compare_curves
 from comparison.numbers import format_number, several_plateaus, with_uncertainty
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
@@ -42,6 +43,7 @@ ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
 HISTORY = "interval: value depends on friction's history"
 CURVE = "limit analysis, curve of the prediction"
+APART = "largest difference of the curves"
 FITTED = "YADE, fitted plateau"
 
 
@@ -68,6 +70,7 @@ def reaction_figure(results: Results) -> Figure:
         _draw_prediction(axes, analysis, scales, limits, end)
         if run is not None and end > 0.0:
             _draw_run(axes, run, scales, end)
+            _draw_difference(axes, results, scales)
         _finish(axes, scene, scales, end, limits)
         low, high = (limit / scales.reaction for limit in limits)
         written |= write_words(axes, _words(results, scales, end), (low, high), _kept_clear(analysis, scales, end))
@@ -244,6 +247,19 @@ def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:
     axes.fill_between(s / scales.settlement, low, high, color=INK, alpha=BAND, linewidth=0.0, label="its uncertainty", zorder=4.2)
     marker = {"marker": "s", "markersize": 5, "markerfacecolor": YADE, "capsize": 4}
     axes.errorbar([0.0], [reaction], [uncertainty], color=INK, zorder=6, **marker)
+
+
+def _draw_difference(axes: Any, results: Results, scales: Scales) -> None:
+    """Mark where YADE's record and the prediction's curve are farthest apart, with the size of the difference in the legend."""
+    apart, coulomb, run = compare_curves(results), results.analysis.coulomb, results.run
+    if apart is None or coulomb is None or run is None:
+        return
+    at, size = run.settling("settlement"), run.settling("reaction")
+    ends = [np.interp(apart.settlement, at, size), np.interp(apart.settlement, coulomb.path_settlement, coulomb.path_value)]
+    where = f"{format_number(apart.settlement / scales.settlement, 2)} {scales.settlement_unit}"
+    label = f"{APART}: {format_number(apart.largest / scales.reaction, 2)} {scales.reaction_unit} at {where}"
+    style: dict[str, Any] = {"color": INK, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 4.4, "label": label}
+    axes.plot([apart.settlement / scales.settlement] * 2, np.array(ends) / scales.reaction, **style)
 
 
 def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[float, float]) -> None:

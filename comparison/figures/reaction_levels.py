@@ -5,13 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comparison.numbers import POINT
+from comparison.numbers import POINT, force_unit
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Solution
 
 NEAR = 2.5  # times the range of all other values: a greatest reaction or an interval's end beyond is written, not drawn
-PREFIXES = ((1e6, "M"), (1e3, "k"), (1.0, ""))
 PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
 
 
@@ -38,8 +37,8 @@ class Scales:
 
 
 def has_plateau(run: Run | None) -> bool:
-    """Return whether there is a run with a fitted plateau."""
-    return run is not None and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
+    """Return whether there is a run that ended on a plateau."""
+    return run is not None and run.status == "plateau" and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
 
 
 def levels(analysis: LimitAnalysis) -> dict[str, float]:
@@ -85,19 +84,10 @@ def curve_of(analysis: LimitAnalysis, end: float) -> tuple[np.ndarray, np.ndarra
 
 
 def scales_of(results: Results) -> Scales:
-    """Return the units in which the largest value and the largest settlement have few digits."""
-    scene, analysis, run = results.scene, results.analysis, results.run
-    values = [abs(value) for value in levels(analysis).values()]
-    if run is not None:
-        values += list(np.abs(run.settling("reaction")))
-    if analysis.path is not None:
-        values += list(np.abs(analysis.path.value))
-    values += list(np.abs(curve_of(analysis, largest_settlement(results))[1]))
-    largest = max((value for value in values if np.isfinite(value)), default=1.0)
-    divisor, prefix = next(((d, p) for d, p in PREFIXES if largest >= 10.0 * d), (1.0, ""))
-    tiny = largest_settlement(results) < 1e-5
-    length = ("µrad" if tiny else "mrad") if scene.is_rotation else ("µm" if tiny else "mm")
-    return Scales(1e-6 if tiny else 1e-3, length, divisor, f"{prefix}{scene.unit}")
+    """Return the units of a report: kN, or N for a light structure, and mm or mrad."""
+    scene = results.scene
+    divisor, name = force_unit(scene.weight, scene.unit)
+    return Scales(1e-3, scene.settlement_unit, divisor, name)
 
 
 def _padded(low: float, high: float) -> tuple[float, float]:

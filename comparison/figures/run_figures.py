@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 from comparison.figures.dissipation import dissipation_figure
-from comparison.figures.motion import shown_answer
+from comparison.figures.forces import forces_figure
+from comparison.figures.motion import shown_answer, shown_joints
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.structure import assembly_figure, mechanism_figure
 from comparison.yade import Results
@@ -13,22 +14,45 @@ from la_core.measures import measure
 
 
 def scene_figures(results: Results) -> dict[str, Callable[[], Any]]:
-    """Return a function that draws each figure, by the figure's name.
+    """Return a function that draws each figure with its title, by the figure's name.
 
     Limit analysis shows its Coulomb mechanism where it has one.
     """
+    return _drawings(results, results.scene.title)
+
+
+def report_figures(results: Results) -> dict[str, Callable[[], Any]]:
+    """Return the figures that a report shows, without titles: its headings say them.
+
+    The figure of the dissipation is left out where friction dissipates nothing: it would be the mechanism a second time.
+    """
+    drawings = _drawings(results, "")
+    _, best = shown_answer(results.analysis)
+    if not measure(results.analysis.assembly, best.twists, best.forces).dissipated_power > 0.0:
+        del drawings["dissipation"]
+    return drawings
+
+
+def _drawings(results: Results, title: str) -> dict[str, Callable[[], Any]]:
     scene, analysis, run = results.scene, results.analysis, results.run
-    main = analysis.bounds[analysis.main]
+    main, assembly = analysis.bounds[analysis.main], analysis.assembly
     method, best = shown_answer(analysis)
-    mechanisms = {method: best.twists}
+    mechanisms, forces = {method: best.twists}, {method: best.forces}
     reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
     if run is not None:
-        mechanisms["YADE"] = run.mechanism()
+        mechanisms["YADE"], forces["YADE"] = run.mechanism(), run.plateau_forces()
         reasons["YADE"] = f"{run.status}: {run.result['message']}"
-    measures = measure(analysis.assembly, best.twists, best.forces)
+    measures = measure(assembly, best.twists, best.forces)
+
+    def mechanism_drawing() -> Any:
+        joints = {name: shown_joints(assembly, twists, forces[name]) for name, twists in mechanisms.items()}
+        travel = 0.0 if run is None else max(float(run.result.settlement), 0.0)
+        return mechanism_figure(assembly, mechanisms, title, main.falling, reasons, joints, travel)
+
     return {
-        "assembly": lambda: assembly_figure(scene, analysis.assembly),
-        "mechanisms": lambda: mechanism_figure(analysis.assembly, mechanisms, scene.title, main.falling, reasons),
+        "assembly": lambda: assembly_figure(scene, assembly, title),
+        "mechanisms": mechanism_drawing,
         "reaction": lambda: reaction_figure(results),
-        "dissipation": lambda: dissipation_figure(analysis.assembly, best.twists, measures, f"{scene.title}: {method}"),
+        "forces": lambda: forces_figure(assembly, forces, title),
+        "dissipation": lambda: dissipation_figure(assembly, best.twists, measures, f"{title}: {method}" if title else method),
     }

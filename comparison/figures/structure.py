@@ -30,9 +30,10 @@ from comparison.figures.canvas import (
     window,
 )
 from comparison.figures.motion import DRAWN, drawn_motion
+from comparison.numbers import format_number
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
-from la_core.measures import mechanism
+from la_core.measures import ContactState, joint_centres, mechanism
 from la_core.model import Assembly
 from la_core.scene import Scene
 
@@ -42,11 +43,15 @@ TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
 SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
+MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides", SLIDES)}  # joints that are marked in a mechanism
 
 
-def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
-    """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load."""
-    figure = _figure(assembly, 1, scene.title)
+def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) -> Figure:
+    """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load.
+
+    The title is the scene's where none is given.
+    """
+    figure = blank_figure(assembly, 1, scene.title if title is None else title)
     (canvas,) = canvases(figure, assembly, 1)
     blocks, interfaces = assembly.blocks, assembly.interfaces
     canvas.solids(blocks.vertices, *looks(assembly))
@@ -60,7 +65,7 @@ def assembly_figure(scene: Scene, assembly: Assembly) -> Figure:
     canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
-    _legend(figure, [*handles, _mark("contact point", POINT), _arrow_key(driven, INK), _arrow_key("gravity", FAINT)])
+    legend_below(figure, [*handles, _mark("contact point", POINT), _arrow_key(driven, INK), _arrow_key("gravity", FAINT)])
     return figure
 
 
@@ -70,6 +75,8 @@ def mechanism_figure(
     title: str = "",
     falling: Sequence[str] = (),
     reasons: Mapping[str, str] | None = None,
+    joints: Mapping[str, np.ndarray] | None = None,
+    travel: float = 0.0,
 ) -> Figure:
     """Draw mechanisms side by side, for the same motion of the support; displacements are linear in that motion.
 
@@ -86,11 +93,16 @@ def mechanism_figure(
         Names of the blocks that cannot stand; they are marked where a method has no mechanism.
     reasons : mapping of str to str, optional
         Why a method has no mechanism, by the method's label.
+    joints : mapping of str to ndarray, optional
+        States (I,) of the interfaces, by the method's label; see `la_core.measures.joint_states`. Joints that open or slide are
+        marked in their middle.
+    travel : float
+        How far the support has moved, m or rad, so that the heading can say how much the displacements are enlarged; 0 if unknown.
     """
     known = [twists for twists in mechanisms.values() if np.isfinite(twists).all()]
     factor = drawn_motion(assembly, mechanisms)
-    heading = "\n".join(line for line in (wrapped(title), _scale_words(assembly, factor) if known else "") if line)
-    figure = _figure(assembly, len(mechanisms), heading)
+    heading = "\n".join(line for line in (wrapped(title), _scale_words(assembly, factor, travel) if known else "") if line)
+    figure = blank_figure(assembly, len(mechanisms), heading)
     handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
     handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
     for canvas, (label, twists) in zip(canvases(figure, assembly, len(mechanisms)), mechanisms.items(), strict=True):
@@ -98,6 +110,7 @@ def mechanism_figure(
         if np.isfinite(twists).all():
             canvas.axes.set_title(label, parse_math=False, fontsize=10)
             _draw_mechanism(canvas, assembly, twists, factor, colour)
+            _mark_joints(canvas, assembly, factor * twists, (joints or {}).get(label))
             handles.append(_area(f"moves, {label}", colour))
         else:
             reason = textwrap.fill((reasons or {}).get(label, _why_none(falling)), TITLE_WIDTH // 2)
@@ -105,34 +118,31 @@ def mechanism_figure(
             _draw_falling(canvas, assembly, falling, colour)
             handles += [_area(f"falls, {label}", colour, "xx")] if falling else []
     if known:
-        handles += [Line2D([], [], color=FAINT, linewidth=0.8, label="before"), _mark("opens", POINT), _mark("slides", SLIDES)]
-    _legend(figure, handles)
+        handles.append(Line2D([], [], color=FAINT, linewidth=0.8, label="before"))
+    present = set(np.concatenate(list((joints or {"": np.zeros(0)}).values())).tolist())
+    handles += [_mark(f"joint {word}", style) for state, (word, style) in MARKED.items() if state in present]
+    legend_below(figure, handles)
     return figure
 
 
-def contact_motion(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return masks (C,) of the contact points that open, and of those that slide, in a mechanism with twists (B, 6).
-
-    A sliding point of an associated mechanism opens at mu |u_t|; a point that opens faster counts as opening. Points slower than
-    `mechanism.MOVING_SHARE` of the fastest one are in neither mask.
-    """
-    parting, slip = mechanism.contact_speeds(assembly, twists)
-    threshold = mechanism.MOVING_SHARE * float(np.hypot(parting, slip).max())
-    opens = parting > assembly.points.friction * slip + threshold
-    return opens, (slip > threshold) & ~opens
-
-
 def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, factor: float, colour: str) -> None:
-    blocks, points = assembly.blocks, assembly.points
+    blocks = assembly.blocks
     moves = mechanism.moving(blocks, twists)
     vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, _owner(blocks))
     canvas.solids(vertices, *looks(assembly, moves, colour))
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
-    sides = [mechanism.point_velocity(blocks, twists, points.position, side) for side in assembly.contact_blocks]
-    middle = points.position + factor * sum(sides) / 2.0
-    for mask, style in zip(contact_motion(assembly, twists), (POINT, SLIDES), strict=True):
-        marked = np.flatnonzero(mask)
-        marked = marked[canvas.seen(points.position[marked])]
+
+
+def _mark_joints(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, states: np.ndarray | None) -> None:
+    """Mark each joint that opens or slides in the middle of it, halfway between its displaced blocks (B, 6)."""
+    if states is None:
+        return
+    blocks, interfaces, centre = assembly.blocks, assembly.interfaces, joint_centres(assembly)
+    sides = (mechanism.point_velocity(blocks, displacement, centre, side) for side in (interfaces.block_a, interfaces.block_b))
+    middle = centre + sum(sides) / 2.0
+    for state, (_, style) in MARKED.items():
+        marked = np.flatnonzero(states == state)
+        marked = marked[canvas.seen(centre[marked])]
         if len(marked):
             canvas.marks(middle[marked], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
 
@@ -200,18 +210,20 @@ def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
     return "motion of the support"
 
 
-def _figure(assembly: Assembly, count: int, title: str) -> Figure:
+def blank_figure(assembly: Assembly, count: int, title: str) -> Figure:
     """Return a figure for `count` canvases side by side; its height fits the structure."""
     low, high = window(assembly)
     width, height = high - low
     inches = 8.5 if count == 1 else 11.0
     figure = Figure(figsize=(inches, float(np.clip(0.88 * inches / count * height / width, 1.5, 8.0)) + 1.6), layout="compressed")
     FigureCanvasAgg(figure)
-    figure.suptitle(wrapped(title), fontsize=11, parse_math=False)
+    if title:
+        figure.suptitle(wrapped(title), fontsize=11, parse_math=False)
     return figure
 
 
-def _legend(figure: Figure, handles: Sequence[Patch | Line2D]) -> None:
+def legend_below(figure: Figure, handles: Sequence[Patch | Line2D]) -> None:
+    """Add a legend below the canvases."""
     figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6), columnspacing=1.4, fontsize=8, frameon=False)
 
 
@@ -227,13 +239,16 @@ def _arrow_key(label: str, colour: str) -> Line2D:
     return Line2D([], [], linestyle="none", marker=r"$\rightarrow$", markersize=11, color=colour, label=label)
 
 
-def _scale_words(assembly: Assembly, factor: float) -> str:
-    """Return the scale of the drawn displacements as a sentence."""
+def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
+    """Return the scale of the drawn displacements as a sentence; a travel of 0, m or rad, is unknown."""
     if assembly.has_live_load or not np.any(assembly.support_twist):
         return f"largest displacement drawn: {DRAWN * structure_size(assembly.blocks):.3g} m (displacements linear in it)"
-    if np.any(assembly.support_twist[:, 3:]):
-        return f"drawn for a support rotation of {1e3 * factor:.3g} mrad (displacements linear in it)"
-    return f"drawn for a support motion of {1e3 * factor:.3g} mm (displacements linear in it)"
+    turns = bool(np.any(assembly.support_twist[:, 3:]))
+    motion, unit = ("rotation", "mrad") if turns else ("motion", "mm")
+    if travel > 0.0:
+        times = format_number(float(f"{factor / travel:.2g}"))
+        return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"
+    return f"shape of the mechanism: drawn for a support {motion} of {1e3 * factor:.3g} {unit}"
 
 
 def wrapped(title: str) -> str:

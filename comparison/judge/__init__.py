@@ -1,26 +1,25 @@
 """The judge: every check with its tolerance, the verdict, and the summary that is `comparison.json`."""
 
 from comparison.judge import requested_accuracy
-from comparison.judge.check import Check, Verdict, overall
+from comparison.judge.curves import CurveDifference, compare_curves
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import answer_of, answer_of_text
-from comparison.judge.prediction import slides_unforeseen
+from comparison.judge.prediction import FINER_PATHS, slides_unforeseen
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.requested_accuracy import METHODS, check_accuracy, percent
-from comparison.judge.run_checks import check_expected, check_run
+from comparison.judge.run_checks import PLAIN_SCENE, REPAIR_YADE, check_expected, check_run
 from comparison.judge.summary import comparison_summary, limit_analysis_summary, without_run, without_undefined, yade_summary
-from comparison.judge.tolerances import HISTORY, LEAST_REACTION
-from comparison.judge.verdict_table import SYMBOLS, VERDICT_HEADINGS, VERDICT_TITLE, verdict_cells
+from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 
 __all__ = [
-    "HISTORY",
+    "FINER_PATHS",
+    "FLOOR",
     "LEAST_REACTION",
     "METHODS",
-    "SYMBOLS",
-    "VERDICT_HEADINGS",
-    "VERDICT_TITLE",
-    "Check",
-    "Verdict",
+    "PLAIN_SCENE",
+    "REPAIR_YADE",
+    "UNCERTAIN",
+    "CurveDifference",
     "answer_of",
     "answer_of_text",
     "check_accuracy",
@@ -29,14 +28,13 @@ __all__ = [
     "check_plane",
     "check_reach",
     "check_run",
+    "compare_curves",
     "comparison_summary",
     "effects_summary",
     "limit_analysis_summary",
-    "overall",
     "percent",
     "requested_accuracy",
     "slides_unforeseen",
-    "verdict_cells",
     "without_run",
     "without_undefined",
     "yade_summary",

@@ -4,13 +4,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.check import Check, Verdict
 from comparison.judge.tolerances import UNBALANCED
+from comparison.verdict import Check, Verdict
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, reach
 from la_core.geometry import Blocks
 from la_core.limit import Status, residual_in_space
 
+IN_SPACE_STEP = "Set plane = false in the scene's [effects] table."
+ALL_BLOCKS_STEP = "Set reach = false in the scene's [effects] table to model all blocks."
+FINITE_STEP = 'Set displacement = "finite" in the scene\'s [effects] table.'
 IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block's speed: ten times the residual of limit analysis in the plane
 
 
@@ -22,9 +25,8 @@ def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
     worst = residual_in_space(analysis.assembly, least.twists, least.forces)
     holds = worst <= IN_SPACE
     misses = f"In space the plane answer is out of equilibrium or lets blocks penetrate by {worst:.1e} of a block ({IN_SPACE:g} accepted)"
-    reason = "" if holds else f"{misses}. Set plane = false in the scene's [effects] table."
-    verdict = Verdict.AGREE if holds else Verdict.INCONCLUSIVE
-    yield Check("plane answer in space", verdict, worst, None, None, IN_SPACE, "of a block", reason)
+    verdict, reason, step = (Verdict.AGREE, "", "") if holds else (Verdict.INCONCLUSIVE, f"{misses}.", IN_SPACE_STEP)
+    yield Check("plane answer in space", verdict, worst, None, None, IN_SPACE, "of a block", reason, step)
 
 
 def check_reach(results: Results) -> Iterator[Check]:
@@ -37,9 +39,8 @@ def check_reach(results: Results) -> Iterator[Check]:
     if not region.effects.reach:
         return
     obstacle = reach.why_not_valid(analysis.whole, region, run.mechanism(), run.plateau_forces(), UNBALANCED)
-    verdict = Verdict.INCONCLUSIVE if obstacle else Verdict.AGREE
-    reason = f"In YADE {obstacle}. Set reach = false in the scene's [effects] table to model all blocks." if obstacle else ""
-    yield Check("what was set aside stands", verdict, reason=reason)
+    verdict, reason, step = (Verdict.INCONCLUSIVE, f"In YADE {obstacle}.", ALL_BLOCKS_STEP) if obstacle else (Verdict.AGREE, "", "")
+    yield Check("what was set aside stands", verdict, reason=reason, next_step=step)
 
 
 def check_displacement(results: Results) -> Iterator[Check]:
@@ -59,10 +60,9 @@ def check_displacement(results: Results) -> Iterator[Check]:
         return
     reason = (
         f'In YADE block "{blocks.names[most]}" moved {largest:.3g} m, more than half the least gap of {analysis.least_gap:.3g} m '
-        "between blocks without a joint, so contacts may have been missed. "
-        'Set displacement = "finite" in the scene\'s [effects] table.'
+        "between blocks without a joint, so contacts may have been missed."
     )
-    yield Check(name, Verdict.INCONCLUSIVE, 0.0, largest, largest, limit, "m", reason)
+    yield Check(name, Verdict.INCONCLUSIVE, 0.0, largest, largest, limit, "m", reason, FINITE_STEP)
 
 
 def largest_displacements(blocks: Blocks, run: Run) -> np.ndarray:

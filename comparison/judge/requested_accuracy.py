@@ -5,13 +5,16 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from comparison.judge.check import Check, Verdict, finite_or_none
+from comparison.verdict import Check, Verdict, finite_or_none
 from comparison.yade import HISTORY_OF_SPEED, Results, attempt_of
 from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
 
 METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
+
+
+COARSER = "Request a coarser accuracy, or allow more seconds with --time-limit."
 
 
 def percent(share: float | None) -> str:
@@ -62,9 +65,10 @@ def check_accuracy(results: Results) -> Iterator[Check]:
         kept = last.is_within(requested)
         estimate = f"{percent(last.error)} ({error_parts(last)})"
         reason = f"The requested accuracy of {percent(requested)} is not reached: {name} estimates its own error as {estimate}."
-        error = {method: finite_or_none(last.error)}
-        verdict = Verdict.AGREE if kept else Verdict.INCONCLUSIVE
-        yield Check(f"accuracy of {name}", verdict, **error, tolerance=requested, unit="of the answer", reason="" if kept else reason)
+        error = finite_or_none(last.error)
+        errors: tuple[float | None, float | None] = (error, None) if method == "limit_analysis" else (None, error)
+        verdict, reason, step = (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, COARSER)
+        yield Check(f"accuracy of {name}", verdict, *errors, None, requested, "of the answer", reason, step)
 
 
 def error_parts(attempt: Attempt) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from comparison.judge.check import Check, inside, within
 from comparison.judge.tolerances import reaction_tolerance
+from comparison.verdict import Check, inside, within
 from comparison.yade import Results
 from la_core.geometry import plane_axes
 from la_core.limit import Drive, section_forces

@@ -5,14 +5,16 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from comparison.judge.check import Check, overall
+from comparison.judge.curves import curves_summary
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
+from comparison.verdict import Check, conclusion
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
+from la_core.limit import Status
 from la_core.measures import measure
 
 
@@ -80,24 +82,28 @@ def comparison_summary(
     yade : dict or None
         Summary of YADE's run, which says why where there is no run; None where YADE was not requested.
     checks : list of Check
-        Every check that was made; the verdict follows from them.
+        Every check that was made; verdict, reason, next step and remarks follow from them.
     notes : list of str
         Sentences for the reader of the report.
     first : dict or None
         What limit analysis said before YADE ran, see `first_prediction`; None where no effect was restored since.
     """
     analysis, run = results.analysis, results.run
-    verdict, reason = overall(checks)
+    main = analysis.bounds[analysis.main]
+    concluded = conclusion(checks, yade, main.falling if main.status is Status.INFEASIBLE else None)
     summary = limit_analysis_summary(analysis)
     summary |= {
         "mechanism_measures": dict(_measures(results)),
         "first_prediction": first_prediction_summary(first, analysis),
         "yade": yade,
         "accuracy": accuracy_summary(results),
+        "curves": curves_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,
         "checks": [dataclasses.asdict(check) for check in checks],
-        "verdict": verdict.value if verdict else None,
-        "reason": reason,
+        "verdict": concluded.verdict.value if concluded.verdict else None,
+        "reason": concluded.reason,
+        "next_step": concluded.next_step,
+        "remarks": list(concluded.remarks),
         "notes": notes,
         "settings": run.settings if run else None,
     }

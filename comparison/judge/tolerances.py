@@ -1,23 +1,58 @@
-"""Tolerances of the reaction, one of zero included."""
+"""Tolerances of the reaction, one of zero included, and how uncertain a method may be that is judged.
+
+A tolerance is a floor for what neither method states, and the uncertainties that both state. A method that is too uncertain is not
+judged at all: no uncertainty, however large, turns a difference into agreement.
+"""
+
+from dataclasses import dataclass
 
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis
+from la_core.limit import Status
 
-REACTION = 5e-3  # of the reaction: finite stiffness, settlement and speed of a YADE run, measured on cases with exact values
-HISTORY = 1e-2  # of the reaction where joints slide: friction's history in a run of finite speed, beside both stated uncertainties
-REACH = 5e-3  # of the reaction, in addition: effect of friction's history next to blocks set aside (`la_core.analysis.reach`)
-LEAST_REACTION = 1e-4  # of the weight: tolerance of a reaction of zero
+# Of the reaction: what neither method states. YADE's blocks move, by at most 1/400 of a block's size, and the prediction is for the
+# undeformed geometry. That changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
+FLOOR = 5e-3
+UNCERTAIN = 1e-2  # of the reaction: a method that states more cannot be judged; twice the floor, so that the floor still matters
+LEAST_REACTION = 1e-4  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
 UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
-BROAD = 0.05  # of the reaction: an uncertainty above this decides nothing
 
 
-def reaction_tolerance(results: Results, share: float = REACTION) -> float:
-    """Return the tolerance of YADE's reaction, N or N m.
+@dataclass(frozen=True)
+class Unsure:
+    """A method whose stated uncertainty is too large for a verdict.
 
-    It is `share` of the reaction, at least a share of the weight (`least_reaction`), plus YADE's own uncertainty (19 in 20).
+    Attributes
+    ----------
+    method : str
+        "limit analysis" or "YADE".
+    uncertainty : float
+        What it states, N or N m.
+    allowed : float
+        What a verdict allows, N or N m.
+    share : float
+        The uncertainty over the reaction, or over the smallest reaction that is judged by its size.
     """
-    analysis, run = results.analysis, results.recorded
-    return max(share * abs(run.result.reaction), least_reaction(analysis)) + float(run.result.uncertainty)
+
+    method: str
+    uncertainty: float
+    allowed: float
+    share: float
+
+
+def reaction_tolerance(results: Results, stated: float = 0.0) -> float:
+    """Return the tolerance of YADE's reaction, N or N m: the floor, YADE's own uncertainty (19 in 20), and what limit analysis states.
+
+    stated: the uncertainty of the prediction, N or N m; 0 for a bound, which is rigorous.
+    """
+    run = results.recorded
+    return _floor(results) + float(run.result.uncertainty) + stated
+
+
+def _floor(results: Results) -> float:
+    """Return what neither method states, N or N m; either may be off by a requested accuracy."""
+    analysis, reaction = results.analysis, abs(results.recorded.result.reaction)
+    return max(max(FLOOR, 2.0 * accuracy_share(analysis)) * reaction, least_reaction(analysis))
 
 
 def accuracy_share(analysis: LimitAnalysis) -> float:
@@ -26,12 +61,25 @@ def accuracy_share(analysis: LimitAnalysis) -> float:
 
 
 def least_reaction(analysis: LimitAnalysis) -> float:
-    """Return the tolerance of a reaction of zero: N, or N m with the size of a mean block as lever arm."""
+    """Return the floor of a reaction of zero: N, or N m with the size of a mean block as lever arm."""
     scene = analysis.scene
     return LEAST_REACTION * scene.weight * (analysis.assembly.length if scene.is_rotation else 1.0)
 
 
-def is_broad(results: Results) -> bool:
-    """Return whether YADE's own uncertainty is too large for any verdict."""
+def unsure_methods(results: Results, stated: float) -> list[Unsure]:
+    """Return the methods whose stated uncertainty is too large to be judged, limit analysis first: it is the cheaper one to refine.
+
+    stated: the uncertainty of the prediction, N or N m.
+    """
     analysis, run = results.analysis, results.recorded
-    return bool(run.result.uncertainty > BROAD * max(abs(run.result.reaction), least_reaction(analysis)))
+    share = max(UNCERTAIN, accuracy_share(analysis))
+    size = max(abs(run.result.reaction), least_reaction(analysis) / UNCERTAIN)
+    pairs = (("limit analysis", stated), ("YADE", float(run.result.uncertainty)))
+    return [Unsure(method, value, share * size, value / size) for method, value in pairs if value > share * size]
+
+
+def stated_uncertainty(analysis: LimitAnalysis) -> float:
+    """Return the uncertainty that the prediction states, N or N m; 0 where it states none, as a bound or a file of version 0.2.0."""
+    coulomb = analysis.coulomb
+    known = coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE) and coulomb.uncertainty > 0.0
+    return float(coulomb.uncertainty) if coulomb is not None and known else 0.0

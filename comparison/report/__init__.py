@@ -1,17 +1,19 @@
 """What people open: HTML, Markdown and JSON pages, the interactive 3D view, and files for ParaView."""
 
 from comparison.report import viewer
+from comparison.report.facts import structure_facts
 from comparison.report.paraview import export
+from comparison.report.pdf import write_pdf
 from comparison.report.report import stored_report, write_report
-from comparison.report.scene_view import VERDICTS
 from comparison.report.templating import flat, template_environment
 
 __all__ = [
-    "VERDICTS",
     "export",
     "flat",
     "stored_report",
+    "structure_facts",
     "template_environment",
     "viewer",
+    "write_pdf",
     "write_report",
 ]

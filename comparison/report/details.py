@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import percent
-from comparison.numbers import A_POINT, DASH, exists, format_number, plural
+from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, exists, format_number, plural
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
@@ -13,7 +13,7 @@ MEASURES = (
 )  # fmt: skip
 
 
-def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str]) -> Iterator[dict[str, str]]:
+def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterable[str], units: Units) -> Iterator[dict[str, str]]:
     """Yield accuracy, work and seconds of each method's answer, one row a method.
 
     Parameters
@@ -24,6 +24,8 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         Numbers of both methods, as `scene_view` collects them.
     evidence : iterable of str
         Names of the residuals of the associated answer; the row gives the largest.
+    units : Units
+        Units of the report.
     """
     answers = comparison.get("limit_analysis") or {}
     associated, coulomb, path = (answers.get(name) or {} for name in ("associated", "coulomb", "path"))
@@ -57,7 +59,14 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         missed = (path.get("converged") or []).count(False)
         accuracy += f"; {plural(missed, 'increment')} not reached" if missed else ""
         work = f"{format_number(max(len(values) - 1, 0))} increments, {format_number(sum(solves) or None)} Newton iterations"
-        yield row("limit analysis, path", values[-1] if values else None, DASH, accuracy, work, path.get("seconds"))
+        yield row(
+            "limit analysis, path",
+            units.value(values[-1], str(comparison.get("unit", "N"))) if values else None,
+            DASH,
+            accuracy,
+            work,
+            path.get("seconds"),
+        )
     if yade:
         share = results["ratios"]["uncertainty"]
         accuracy = _stated(results["uncertainty"], share, results) if exists(share) else DASH
@@ -72,7 +81,12 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
 
 
 def _stated(uncertainty: Any, share: float, results: dict[str, Any]) -> str:
-    """Return an uncertainty in the unit of the answer, and its share of the weight unless the answer is a multiplier."""
+    """Return an uncertainty in the unit of the answer, and its share of the weight unless the answer is a multiplier.
+
+    One below LEAST_UNCERTAINTY of the weight is round-off.
+    """
+    if share < LEAST_UNCERTAINTY and not results["live"]:
+        return "± round-off"
     stated = f"± {format_number(uncertainty, 2)} {results['unit']}".rstrip()
     return stated if results["live"] else f"{stated}, {format_number(share, 2)} {results['ratio_unit']}"
 
@@ -117,12 +131,13 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
     return [{"name": name, "joule": value, "share": f"{format_number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
 
 
-def measures(comparison: dict[str, Any], live: bool) -> Iterator[dict[str, Any]]:
-    """Yield the measures of each known mechanism; power per unit motion of the support is a force (N).
+def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:
+    """Yield the measures of each known mechanism; power per unit motion of the support is a force, in the report's unit.
 
     Under a live load `dissipated_share` is None: the load does the work there, not the settling weights.
     """
     for method, measured in (comparison.get("mechanism_measures") or {}).items():
         if measured and exists(measured.get("moving_mass_share")):
             row = {name: measured.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
+            row["dissipated_power"] = units.value(row["dissipated_power"], str(comparison.get("unit", "" if live else "N")))
             yield {"method": METHODS.get(method, method), **row}

@@ -1,26 +1,32 @@
 """Results as ParaView files: blocks with their mechanisms, contact forces, and YADE's states over the settlement."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from comparison.figures import canvas
 from comparison.report.vtk_xml import POLYGON, VERTEX, Grid, write_collection, write_grid
 from comparison.yade import Results, Run
 from la_core.geometry import Blocks
-from la_core.measures import mechanism
+from la_core.measures import contact_states, joint_centres, joint_forces, joint_states, mechanism
 from la_core.model import Assembly
 
 
 def export(results: Results, folder: Path) -> list[Path]:
     """Write all results into a folder and return the files to open.
 
-    These are `structure.pvd`, and `yade.pvd` where YADE stored states.
+    These are `structure.pvd`, and `yade.pvd` where YADE stored states. The name of every array says its meaning and its unit.
 
-    - `blocks.vtu` has the faces of the blocks, with the mechanisms as vectors for the unit motion of the support.
-    - `forces.vtu` has the contact points, with the forces on block b (N).
-    - The vectors of both files are named associated, coulomb and yade.
-    - In `yade.pvd` the time is the settlement (m or rad). Its vectors are displacement (m), from the case's geometry, and force (N).
+    - `blocks.vtu` has the faces of the blocks: `mechanism_coulomb (m per m)` and so on, vectors for the unit motion of the support, and
+      for every face the block's number, name, role and density.
+    - `forces.vtu` has the contact points: `force_coulomb (N)` and so on, on block b.
+    - `joints.vtu` has the middle of every joint: `resultant_coulomb (N)`, its normal and shear part, and `state_coulomb`, with the names
+      of both blocks. A state is 0 sticks, 1 carries nothing, 2 slides, 3 opens, -1 unknown.
+    - In `yade.pvd` the time is the settlement in mm (mrad for a rotation). Its vectors are `displacement (m)`, from the case's geometry,
+      and `force_yade (N)`.
+    - The field data of every file hold the title, the weight W, the reaction R of each method, and the size of the structure.
 
     Parameters
     ----------
@@ -33,16 +39,19 @@ def export(results: Results, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     assembly = analysis.assembly
     mechanisms, forces = _mechanisms(results), _forces(results)
-    velocities = {name: _velocities(assembly.blocks, twists) for name, twists in mechanisms.items()}
-    write_grid(folder / "blocks.vtu", _blocks_grid(assembly.blocks, velocities))
-    write_grid(folder / "forces.vtu", _forces_grid(assembly, forces))
-    write_collection(folder / "structure.pvd", [(0.0, ("blocks.vtu", "forces.vtu"))])
+    per = "1" if results.scene.live is not None else "m per rad" if results.scene.is_rotation else "m per m"
+    velocities = {f"mechanism_{name} ({per})": _velocities(assembly.blocks, twists) for name, twists in mechanisms.items()}
+    field = _field_data(results)
+    write_grid(folder / "blocks.vtu", _blocks_grid(assembly.blocks, velocities, field))
+    write_grid(folder / "forces.vtu", _forces_grid(assembly, {f"force_{name} (N)": values for name, values in forces.items()}, field))
+    write_grid(folder / "joints.vtu", _joints_grid(assembly, mechanisms, forces, field))
+    write_collection(folder / "structure.pvd", [(0.0, ("blocks.vtu", "forces.vtu", "joints.vtu"))])
     if run is None or not len(run.poses.settlement):
         return [folder / "structure.pvd"]
-    return [folder / "structure.pvd", _export_states(assembly, run, folder)]
+    return [folder / "structure.pvd", _export_states(assembly, run, folder, field)]
 
 
-def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
+def _export_states(assembly: Assembly, run: Run, folder: Path, field: dict[str, Any]) -> Path:
     """Write YADE's stored states as a series and return its path.
 
     Remaining grids of an earlier, longer series are deleted.
@@ -51,9 +60,9 @@ def _export_states(assembly: Assembly, run: Run, folder: Path) -> Path:
     for number, settlement in enumerate(run.poses.settlement):
         names = (f"yade-blocks-{number:04d}.vtu", f"yade-forces-{number:04d}.vtu")
         moved = _displacements(assembly.blocks, run.poses.displacement[number], run.poses.rotation[number])
-        write_grid(folder / names[0], _blocks_grid(assembly.blocks, {"displacement": moved}))
-        write_grid(folder / names[1], _forces_grid(assembly, {"force": run.poses.forces[number]}))
-        rows.append((float(settlement), names))
+        write_grid(folder / names[0], _blocks_grid(assembly.blocks, {"displacement (m)": moved}, field))
+        write_grid(folder / names[1], _forces_grid(assembly, {"force_yade (N)": run.poses.forces[number]}, field))
+        rows.append((1e3 * float(settlement), names))  # mm or mrad
     written = {name for _, names in rows for name in names}
     for old in folder.glob("yade-*-[0-9][0-9][0-9][0-9].vtu"):
         if old.name not in written:
@@ -106,14 +115,51 @@ def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarra
     return displacement[block] + Rotation.from_rotvec(rotation[block]).apply(arm) - arm
 
 
-def _blocks_grid(blocks: Blocks, vectors: dict[str, np.ndarray]) -> Grid:
+def _field_data(results: Results) -> dict[str, Any]:
+    """Return what holds for the whole structure: its title, weight, reactions by method and size."""
+    scene, analysis, run = results.scene, results.analysis, results.run
+    unit = scene.unit or "1"
+    name = "multiplier" if scene.live is not None else "R"
+    field: dict[str, Any] = {
+        "title": scene.title,
+        "roles": "0 free, 1 fixed, 2 support",
+        "states": "0 sticks, 1 carries nothing, 2 slides, 3 opens, -1 unknown",
+        "W (N)": scene.weight,
+        "size (m)": canvas.structure_size(analysis.assembly.blocks),
+        f"{name}_associated ({unit})": analysis.bounds[analysis.main].value,
+    }
+    if analysis.coulomb is not None:
+        field[f"{name}_coulomb ({unit})"] = analysis.coulomb.value
+    if run is not None:
+        field[f"{name}_yade ({unit})"] = run.reaction
+    return field
+
+
+def _blocks_grid(blocks: Blocks, vectors: dict[str, np.ndarray], field: dict[str, Any]) -> Grid:
     owner = blocks.face_block
-    cells = {"block": owner, "role": blocks.role[owner], "density": blocks.density[owner]}
-    return Grid(blocks.vertices, blocks.face_vertex, blocks.face_start, POLYGON, vectors, cells)
+    names = np.array(blocks.names, dtype=object)[owner]
+    cells = {"block": owner, "name": names, "role": blocks.role[owner], "density (kg/m3)": blocks.density[owner]}
+    return Grid(blocks.vertices, blocks.face_vertex, blocks.face_start, POLYGON, vectors, cells, field)
 
 
-def _forces_grid(assembly: Assembly, forces: dict[str, np.ndarray]) -> Grid:
+def _joints_grid(assembly: Assembly, mechanisms: dict[str, np.ndarray], forces: dict[str, np.ndarray], field: dict[str, Any]) -> Grid:
+    """Return the middle of every joint with its resultant forces and its states, by method."""
+    interfaces, names = assembly.interfaces, np.array(assembly.blocks.names, dtype=object)
+    values: dict[str, np.ndarray] = {
+        "name_a": names[interfaces.block_a], "name_b": names[interfaces.block_b], "normal": interfaces.normal, "area (m2)": interfaces.area,
+    }  # fmt: skip
+    for name, contact_forces in forces.items():
+        joints = joint_forces(assembly, contact_forces)
+        values |= {f"resultant_{name} (N)": joints.force, f"normal_{name} (N)": joints.normal, f"shear_{name} (N)": joints.shear}
+        if name in mechanisms:
+            states = contact_states(assembly, mechanisms[name], contact_forces)
+            values[f"state_{name}"] = joint_states(assembly, states, contact_forces)
+    each = np.arange(len(interfaces) + 1)
+    return Grid(joint_centres(assembly), each[:-1], each, VERTEX, values, {}, field)
+
+
+def _forces_grid(assembly: Assembly, forces: dict[str, np.ndarray], field: dict[str, Any]) -> Grid:
     points, interfaces = assembly.points, assembly.interfaces
     sides = {"block_a": interfaces.block_a[points.interface], "block_b": interfaces.block_b[points.interface]}
     each = np.arange(len(points) + 1)
-    return Grid(points.position, each[:-1], each, VERTEX, {**forces, "normal": interfaces.normal[points.interface], **sides})
+    return Grid(points.position, each[:-1], each, VERTEX, {**forces, "normal": interfaces.normal[points.interface], **sides}, {}, field)

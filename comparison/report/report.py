@@ -1,14 +1,17 @@
 """The report of a run: one self-contained offline HTML page, the same content as Markdown, and as JSON."""
 
+import datetime
 import json
 from pathlib import Path
 from typing import Any
 
 from comparison.judge import without_undefined
-from comparison.report.scene_view import VERDICTS, view_of_scene
+from comparison.numbers import Units, exists
+from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
+from comparison.verdict import VERDICTS
 
 LIMITATIONS = (
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
@@ -34,10 +37,11 @@ LIMITATIONS = (
 )
 
 
-def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> Path:
+def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any], head: dict[str, str] | None = None) -> Path:
     """Write report.html, report.md and report.json into a folder and return the path of the HTML page.
 
-    Figures and interactive views come from `folder/<scene>/`, where they exist. Each file is replaced as a whole or not at all.
+    Figures, interactive views and scene files come from `folder/<scene>/`, where they exist. Each file is replaced as a whole or not
+    at all.
 
     Parameters
     ----------
@@ -47,9 +51,14 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
         The content of each scene's `comparison.json`, in the order of the page.
     provenance : dict
         Versions and machine, shown at the end of the page; may be nested.
+    head : dict of str, optional
+        Words for the head of the report in place of those of the scenes: title, project, author, date.
     """
-    scenes = [view_of_scene(folder, number, comparison) for number, comparison in enumerate(comparisons, 1)]
+    units = Units(max((weight for comparison in comparisons if exists(weight := comparison.get("weight"))), default=None))
+    scenes = [view_of_scene(folder, number, comparison, units) for number, comparison in enumerate(comparisons, 1)]
     page = {
+        "head": report_head(folder, comparisons, head or {}),
+        "force_unit": units.of("N")[1],
         "scenes": scenes,
         "scripts": scripts() if any(scene["view"] for scene in scenes) else None,
         "counts": _counts(comparisons),
@@ -61,6 +70,32 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
     stored = stored_report(comparisons, provenance)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
+
+
+def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[str, str]) -> dict[str, str]:
+    """Return title, project, author and date of a report; "" for what is unknown.
+
+    Chosen words come first, then those on which the scenes agree. The date is else the day of the latest stored result.
+    """
+    facts = [comparison.get("structure") or {} for comparison in comparisons]
+    agreed = {}
+    for name in ("project", "author", "date"):
+        given = {scene.get(name) or "" for scene in facts}
+        agreed[name] = given.pop() if len(given) == 1 else ""
+    titles = [str(comparison.get("title") or comparison.get("scene")) for comparison in comparisons]
+    agreed["title"] = (
+        titles[0] if len(titles) == 1 else chosen.get("project") or agreed["project"] or f"{len(titles)} structures on moving supports"
+    )
+    head = {name: chosen.get(name) or agreed[name] for name in ("title", "project", "author", "date")}
+    head["date"] = head["date"] or _day_of_results(folder, comparisons)
+    return head
+
+
+def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
+    """Return the day of the latest result that a method stored, as an ISO date; "" without any."""
+    paths = [folder / str(comparison.get("scene")) / name for comparison in comparisons for name in ("case.h5", "run.h5")]
+    times = [path.stat().st_mtime for path in paths if path.is_file()]
+    return datetime.date.fromtimestamp(max(times)).isoformat() if times else ""
 
 
 def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """The interactive 3D view of a scene in the report: its data as JSON, and the page's scripts with their digests.
 
-Data are little-endian arrays in base64, read by `web/viewer.js`. Lengths are in m, from the middle of the structure.
+Data are little-endian arrays in base64, read by `web/viewer.js`. Lengths are in m, from the middle of the structure. Forces are the
+resultants of the joints, N, each at its centre of pressure.
 """
 
 import base64
@@ -13,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions
+from comparison.numbers import force_unit
 from comparison.yade import Results
-from la_core.measures import mechanism
+from la_core.geometry import Blocks
+from la_core.measures import joint_centres, joint_forces, mechanism, thrust_line
 from la_core.model import Assembly
 from la_core.scene import Scene
 
@@ -30,6 +33,9 @@ def viewer_text(results: Results) -> str:
     scene, analysis = results.scene, results.analysis
     assembly, moving = analysis.assembly, motions(results)
     _, _, toward = canvas.view_axes(assembly.effects.plane)
+    chain = thrust_line(assembly)
+    parts = [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(moving.methods)]
+    divisor, unit = force_unit(scene.weight, "N")
     content = {
         "title": scene.title,
         "toward": toward.tolist(),
@@ -38,8 +44,14 @@ def viewer_text(results: Results) -> str:
         **_geometry(assembly),
         "palette": [{"name": name, "colour": ROLE_FACE[role]} for role, name in ROLE_NAME.items()]
         + [_key(method) for method in moving.methods],
-        "methods": [_method(assembly, method, len(ROLE_NAME) + k) for k, method in enumerate(moving.methods)],
-        "largest_force": max((float(_lengths(method.forces).max(initial=0.0)) for method in moving.methods), default=0.0),
+        "methods": [part for part, _ in parts],
+        "largest_force": max((largest for _, largest in parts), default=0.0),
+        "force_unit": unit,
+        "force_unit_size": divisor,
+        "thrust": _array(chain, "<u4"),
+        "names": list(assembly.blocks.names),
+        "weights": _array(np.nan_to_num(assembly.blocks.mass) * float(np.linalg.norm(scene.gravity)), "<f4"),
+        "friction": _array(_friction(assembly), "<f4"),
     }
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
@@ -89,9 +101,9 @@ def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
 
 
 def _geometry(assembly: Assembly) -> dict[str, Any]:
-    """Return the blocks as triangles and edges, and the contact points with their blocks a and b."""
+    """Return the blocks as triangles and edges, and the joints with their blocks a and b."""
     blocks = assembly.blocks
-    middle = (blocks.low.min(axis=0) + blocks.high.max(axis=0)) / 2.0
+    middle = _middle(blocks)
     first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
     following = np.arange(1, len(blocks.face_vertex) + 1)
     following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
@@ -105,43 +117,57 @@ def _geometry(assembly: Assembly) -> dict[str, Any]:
         "centroids": _array(blocks.centroid - middle, "<f4"),
         "triangles": _array(blocks.face_vertex[fan], "<u4"),
         "edges": _array(np.unique(np.sort(edges, axis=1), axis=0), "<u4"),
-        "points": _array(assembly.points.position - middle, "<f4"),
-        "sides": _array(np.stack(assembly.contact_blocks, axis=1), "<u4"),
+        "points": _array(joint_centres(assembly) - middle, "<f4"),
+        "sides": _array(np.stack([assembly.interfaces.block_a, assembly.interfaces.block_b], axis=1), "<u4"),
+        "normals": _array(assembly.interfaces.normal, "<f4"),
     }
 
 
-def _method(assembly: Assembly, motion: Motion, colour: int) -> dict[str, Any]:
-    """Return a method's states in at most LARGEST bytes, each block's look and each contact point's state.
+def _method(assembly: Assembly, motion: Motion, colour: int) -> tuple[dict[str, Any], float]:
+    """Return a method's states in at most LARGEST bytes with each block's look and each joint's state, and the largest resultant, N.
 
     `colour` is the place in the palette of the blocks that move.
     """
     blocks = assembly.blocks
     known = bool(np.isfinite(motion.twists).all())
     marked = mechanism.moving(blocks, motion.twists) if known else np.isin(blocks.names, motion.falling)
-    bytes_each = 4 * (motion.displacement[0].size + motion.forces[0].size)
+    bytes_each = 4 * (motion.displacement[0].size + 6 * len(assembly.interfaces))
     count = int(np.clip(LARGEST // bytes_each, 2, MOST_STATES))
     kept = (
         np.unique(np.linspace(0, len(motion.settlement) - 1, count).round().astype(int)) if len(motion.settlement) > count else slice(None)
     )
-    forces = np.nan_to_num(motion.forces if len(motion.forces) == 1 else motion.forces[kept])
+    resultants = [
+        joint_forces(assembly, np.nan_to_num(forces)) for forces in (motion.forces if len(motion.forces) == 1 else motion.forces[kept])
+    ]
+    middle, rest = _middle(blocks), joint_centres(assembly)
+    centres = np.stack([np.where(np.isfinite(joints.centre), joints.centre, rest) for joints in resultants])
+    forces = np.stack([joints.force for joints in resultants])
     return {
         "label": motion.label,
         "note": motion.reason,
         "looks": _array(np.where(marked, colour, canvas.drawn_roles(assembly)), "u1"),
-        "contacts": _array(motion.states, "i1"),
+        "joints": _array(motion.joints, "i1"),
         "settlement": _array(motion.settlement[kept], "<f4"),
         "displacement": _array(motion.displacement[kept], "<f4"),
         "forces": _array(forces, "<f4"),
-    }
+        "centres": _array(centres - middle, "<f4"),
+    }, float(np.linalg.norm(forces, axis=-1).max(initial=0.0))
+
+
+def _middle(blocks: Blocks) -> np.ndarray:
+    return (blocks.low.min(axis=0) + blocks.high.max(axis=0)) / 2.0
+
+
+def _friction(assembly: Assembly) -> np.ndarray:
+    """Return the friction coefficient (I,) of each interface, the least of its contact points."""
+    friction = np.full(len(assembly.interfaces), np.inf)
+    np.minimum.at(friction, assembly.points.interface, assembly.points.friction)
+    return friction
 
 
 def _key(motion: Motion) -> dict[str, str]:
     verb = "falls" if motion.falling else "moves"
     return {"name": f"{verb}, {motion.label}", "colour": canvas.tint(canvas.method_colour(motion.label))}
-
-
-def _lengths(forces: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(np.nan_to_num(forces), axis=-1)
 
 
 def _array(values: np.ndarray, dtype: str) -> str:

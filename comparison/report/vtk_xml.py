@@ -32,7 +32,9 @@ class Grid:
     cell_type : int
         VERTEX or POLYGON, for all cells.
     point_data, cell_data : mapping of str to ndarray
-        Values of every point (N,) or (N, k), and of every cell (M,) or (M, k), by name.
+        Values of every point (N,) or (N, k), and of every cell (M,) or (M, k), by name; texts as arrays of objects.
+    field_data : mapping of str to float or str
+        Values of the whole grid, by name.
     """
 
     points: np.ndarray
@@ -41,6 +43,7 @@ class Grid:
     cell_type: int
     point_data: Mapping[str, np.ndarray] = field(default_factory=dict)
     cell_data: Mapping[str, np.ndarray] = field(default_factory=dict)
+    field_data: Mapping[str, float | str] = field(default_factory=dict)
 
 
 def write_grid(path: Path, grid: Grid) -> None:
@@ -54,7 +57,8 @@ def write_grid(path: Path, grid: Grid) -> None:
         _element("CellData", [_array(name, values) for name, values in grid.cell_data.items()]),
     ]
     piece = _element("Piece", parts, NumberOfPoints=len(grid.points), NumberOfCells=cells)
-    _write(path, "UnstructuredGrid", _element("UnstructuredGrid", [piece]))
+    whole = [_field(name, value) for name, value in grid.field_data.items()]
+    _write(path, "UnstructuredGrid", _element("UnstructuredGrid", [_element("FieldData", whole), piece]))
 
 
 def write_collection(path: Path, rows: Iterable[tuple[float, Sequence[str]]]) -> None:
@@ -78,9 +82,24 @@ def _element(tag: str, content: Sequence[str], **attributes: object) -> str:
     return "\n".join([f"<{opening}>", *content, f"</{tag}>"])
 
 
-def _array(name: str, values: np.ndarray) -> str:
+def _field(name: str, value: float | str) -> str:
+    """Return one value of a whole grid as an array of one entry."""
+    if isinstance(value, str):
+        return _texts(name, [value], NumberOfTuples=1)
+    return _array(name, np.array([float(value)]), NumberOfTuples=1)
+
+
+def _texts(name: str, texts: Iterable[str], **attributes: object) -> str:
+    """Return an array of texts as VTK reads them: the numbers of their bytes, a zero after each text."""
+    codes = " ".join(str(code) for text in texts for code in (*text.encode("utf-8"), 0))
+    return _element("DataArray", [codes], type="String", Name=name, **attributes, format="ascii")
+
+
+def _array(name: str, values: np.ndarray, **attributes: object) -> str:
+    if values.dtype.kind == "O":
+        return _texts(name, values.tolist(), **attributes)
     kind, dtype = TYPES["f" if values.dtype.kind == "f" else "i"]
     data = np.ascontiguousarray(values, dtype=dtype).tobytes()
     text = base64.b64encode(np.array(len(data), dtype="<u8").tobytes() + data).decode("ascii")
     width = values.shape[1] if values.ndim == 2 else 1
-    return _element("DataArray", [text], type=kind, Name=name, NumberOfComponents=width, format="binary")
+    return _element("DataArray", [text], type=kind, Name=name, NumberOfComponents=width, **attributes, format="binary")

@@ -69,6 +69,13 @@ print(f"joints that open: {measures['opening']:.0f}, that slide: {measures['slid
 assert (measures["opening"], measures["sliding"]) == (3, 0)
 result.plot("mechanisms").save("arch-mechanisms.png")
 
+# %% [markdown]
+# The next figure draws the line of thrust itself, through the centres of pressure of all joints. It touches the outer edge at the crown
+# and the inner edge at both haunches: these are the hinges.
+
+# %%
+result.plot("forces").save("arch-thrust.png")
+
 # %%
 result.plot("reaction").save("arch-reaction.png")
 

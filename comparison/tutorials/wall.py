@@ -83,8 +83,9 @@ more = lifted.yade.reaction / result.yade.reaction - 1.0
 print(f"YADE's base carries {100.0 * more:.0f} % more than without the lift")
 
 # %% [markdown]
-# The program does not call this a disagreement: both numbers lie within the interval. It does not call it agreement either. An engineer
-# who does not know the history of a wall should work with the interval.
+# The program does not call this a disagreement: after the lift the two methods came to rest in different states, so they follow different
+# histories of friction. It does not call it agreement either. Both numbers lie within the interval. An engineer who does not know the
+# history of a wall should work with the interval.
 #
 # ## Question
 #

@@ -8,13 +8,24 @@ from pathlib import Path
 from typing import Any
 
 from comparison import provenance
+from comparison.figures import report_figures as figures_of
 from comparison.figures import save
-from comparison.figures import scene_figures as figures_of
-from comparison.judge import Check, Verdict, check_expected, check_run, comparison_summary, requested_accuracy, yade_summary
+from comparison.judge import (
+    FINER_PATHS,
+    PLAIN_SCENE,
+    REPAIR_YADE,
+    check_expected,
+    check_run,
+    comparison_summary,
+    requested_accuracy,
+    without_undefined,
+    yade_summary,
+)
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
 from comparison.numbers import format_number
-from comparison.report import viewer
-from comparison.run_folder import ANIMATION, alone_in, copy_inputs, write_text
+from comparison.report import structure_facts, viewer
+from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, write_text
+from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
     COMPARISON_CODE,
@@ -48,12 +59,15 @@ class SceneOutcome:
         Sentences for the reader of the report.
     inputs : str
         Digest of the inputs of the latest stage.
+    first_verdict : dict or None
+        What an earlier attempt with coarser settings came to; None for a first attempt.
     """
 
     results: Results
     yade: dict[str, Any] | None
     notes: list[str]
     inputs: str
+    first_verdict: dict[str, Any] | None = None
 
 
 def run_scene(
@@ -63,6 +77,7 @@ def run_scene(
     with_yade: bool,
     time_limit: float | None = None,
     figures: Figures | None = None,
+    first_verdict: dict[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Run a scene through both methods and return the content of comparison.json; every file in the folder is whole or absent.
 
@@ -82,12 +97,15 @@ def run_scene(
         Time limit of a YADE run, s of wall time; None for the scene's own, or TIME_LIMIT.
     figures : callable or None
         Returns the drawing functions by figure name; None for all figures.
+    first_verdict : dict or None
+        What an earlier attempt with coarser settings came to; it is stored with the comparison and changes nothing in it.
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     folder.mkdir(parents=True, exist_ok=True)
     with alone_in(folder):
         copy_inputs(model.scene, folder)
-        return _compare(_solved(model, folder, listener, with_yade, time_limit), folder, listener, figures)
+        outcome = _solved(model, folder, listener, with_yade, time_limit)
+        return _compare(dataclasses.replace(outcome, first_verdict=first_verdict), folder, listener, figures)
 
 
 def report_again(folder: Path, listener: Listener, figures: Figures | None = None) -> dict[str, Any]:
@@ -104,7 +122,8 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
         yade = yade_summary(results.run) if results.run else previous.get("yade")
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = previous.get("notes") or _notes(results.analysis)
-        return _compare(SceneOutcome(results, yade, notes, inputs), folder, listener, figures)
+        outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
+        return _compare(outcome, folder, listener, figures)
 
 
 def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> SceneOutcome:
@@ -153,7 +172,8 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     scene, analysis = results.scene, results.analysis
     effects = dataclasses.asdict(analysis.assembly.effects)
     first = first_prediction(analysis, folder)
-    inputs = stage_digest(json.dumps([outcome.inputs, outcome.yade, outcome.notes, effects, first], sort_keys=True), COMPARISON_CODE)
+    made_of = [outcome.inputs, outcome.yade, outcome.notes, effects, first, outcome.first_verdict]
+    inputs = stage_digest(json.dumps(made_of, sort_keys=True), COMPARISON_CODE)
     drawings = {folder / f"{name}.png": draw for name, draw in (figures or figures_of)(results).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE
@@ -165,7 +185,10 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
         (folder / ANIMATION).unlink(missing_ok=True)
     checks = [*check_expected(analysis), *_judge(outcome), *requested_accuracy.check_accuracy(results)]
     summary = comparison_summary(results, outcome.yade, checks, outcome.notes, first)
+    summary |= {"structure": without_undefined(structure_facts(results)), "first_verdict": outcome.first_verdict}
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
+    for name in FIGURES:  # one of an earlier run that these results do not have
+        (folder / name).unlink(missing_ok=True)
     for path, draw in drawings.items():
         save(draw(), path)
     write_text(view, viewer.viewer_text(results))
@@ -181,13 +204,14 @@ def _judge(outcome: SceneOutcome) -> list[Check]:
         return check_run(results)
     if outcome.yade is not None:
         reason = str(outcome.yade["message"]).splitlines()[0]
-        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason)]
+        return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=REPAIR_YADE)]
     associated, coulomb = results.analysis.bounds[results.analysis.main], results.analysis.coulomb
     if associated.status not in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=f"Limit analysis ended as {associated.status}, so it has no answer.")]
+        reason = f"Limit analysis ended as {associated.status}, so it has no answer."
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=PLAIN_SCENE)]
     if coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
         reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, results.scene.unit)}."
-        return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason)]
+        return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=FINER_PATHS)]
     return []
 
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from comparison.judge import Check, Verdict, check_displacement, check_plane, check_reach, slides_unforeseen
+from comparison.judge import check_displacement, check_plane, check_reach, slides_unforeseen
+from comparison.verdict import Check, Verdict
 from comparison.yade import Results
 from la_core.analysis import AnalysisSettings, LimitAnalysis, analyse, structural_model
 from la_core.limit import Status

@@ -22,7 +22,7 @@ COMPARISON_CODE = tuple(  # code that makes comparison.json and the figures; the
     ROOT / "comparison" / name
     for name in (
         *("limit_analysis.py", "numbers.py", "provenance.py", "run_folder.py", "settings.py"),
-        *("yade", "judge", "figures", "report", "workflow"),
+        *("yade", "verdict", "judge", "figures", "report", "workflow"),
     )
 )
 

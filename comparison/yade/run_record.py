@@ -9,6 +9,7 @@ import numpy as np
 
 from la_core import exchange
 from la_core.model import Assembly
+from la_core.text_table import dataframe
 
 STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
@@ -29,9 +30,9 @@ class RunResult(_Named):
     status : str
         One of STATUSES.
     reaction : float
-        Reaction on the plateau, extrapolated to zero settlement, N or N m.
+        Reaction on the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau.
     uncertainty : float
-        Half width of the interval that holds the reaction 19 times in 20, N or N m.
+        Half width of the interval that holds the reaction 19 times in 20, N or N m; NaN without a plateau.
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float
@@ -157,6 +158,11 @@ class Run:
     extra_contacts: np.ndarray
     settings: dict[str, Any]
 
+    def __repr__(self) -> str:
+        """Return one line: the arrays would fill pages."""
+        counts = f"{len(self.record)} samples, {len(self.poses)} stored states"
+        return f"<Run of YADE {self.result.version}: {self.status}, reaction {self.reaction:.6g} ± {self.uncertainty:.2g}, {counts}>"
+
     @property
     def status(self) -> str:
         """End of the run: "plateau", "no plateau", "collapsed", "timeout" or "failed"."""
@@ -171,6 +177,23 @@ class Run:
     def uncertainty(self) -> float:
         """Half width of the 95 % confidence interval of the reaction, N or N m; NaN without a plateau."""
         return self.result.uncertainty
+
+    def to_dataframe(self) -> Any:
+        """Return the record as a table of pandas: one row a sample, with stage, time (s), settlement (m, rad), reaction (N, N m).
+
+        Returns
+        -------
+        pandas.DataFrame
+            Table of the record.
+
+        Raises
+        ------
+        SceneError
+            Pandas is not installed.
+        """
+        names = ("stage", "time", "settlement", "reaction")
+        columns = (getattr(self.record, name).tolist() for name in names)
+        return dataframe([dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)])
 
     def settling(self, series: str) -> np.ndarray:
         """Return one recorded series of the settlement stage.
@@ -259,4 +282,10 @@ def read_run(path: Path, assembly: Assembly) -> Run:
             raise ValueError("settings are missing in settings/json")
         if states == 0 or groups["result"]["status"] not in STATUSES or not np.all((extra >= 0) & (extra < blocks)):
             raise ValueError("no stored state, an unknown status, or a block number out of range")
-    return Run(RunResult(**groups["result"]), RunSeries(**groups["record"]), Poses(**groups["poses"]), extra, settings)
+    result = RunResult(**groups["result"] | _without_plateau(groups["result"]["status"]))
+    return Run(result, RunSeries(**groups["record"]), Poses(**groups["poses"]), extra, settings)
+
+
+def _without_plateau(status: str) -> dict[str, float]:
+    """Return the values that do not exist without a plateau: what a run was on its way to is quoted nowhere."""
+    return {} if status == "plateau" else dict.fromkeys(("reaction", "uncertainty", "slope"), float("nan"))

@@ -48,20 +48,16 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
     return Results(analysis, read_run(path, analysis.assembly) if path.exists() else None)
 
 
-def locate_results(source: str) -> Path | None:
-    """Return the folder of a scene's results: `source`, or the only one inside it; None where `source` names a scene instead.
+def locate_results(source: str) -> list[Path]:
+    """Return the folders of stored results: `source`, or all inside it; empty where `source` names a scene instead.
 
-    Raises SceneError for a folder without results, or with the results of several scenes.
+    Raises SceneError for a folder without results.
     """
     folder = Path(source)
     if not folder.is_dir():
-        return None
+        return []
     runs = [folder] if (folder / "case.h5").is_file() else sorted(path.parent for path in folder.glob("*/case.h5"))
-    if not runs and source in shipped.names():
-        return None
-    if not runs:
-        raise SceneError(source, "holds no results of `crosscheck run`")
-    if len(runs) > 1:
-        names = ", ".join(run.name for run in runs)
-        raise SceneError(source, "holds the results of several scenes", hint=f"name one of its folders: {names}")
-    return runs[0]
+    is_scene = source in shipped.names() or Path(f"{source}.toml").is_file()  # a scene beside a folder of its name
+    if not runs and not is_scene:
+        raise SceneError(source, "holds no results of `crosscheck run`", hint="name a folder of results, or a scene")
+    return runs

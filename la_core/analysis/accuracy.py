@@ -30,6 +30,7 @@ LOOSE = 0.02
 ATTEMPTS = ((10.0, 0.5, 1.0), (1.0, 1.0, 1.0), (0.1, 4.0, 3.0), (0.01, 16.0, 10.0))
 # Of the sag over the travel: the most by which joints four times softer or stiffer change an answer that has no history.
 ELASTIC_SHARE = 0.03
+HIGH = 2  # attempt of a scene that asks for a high effort
 LEAST_SCALE = 0.01  # of the weight, or a multiplier: errors of smaller answers are relative to this
 
 
@@ -57,7 +58,7 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
     """
     accuracy = model.scene.accuracy
     assert accuracy is not None
-    tried, level = model, 0 if accuracy >= LOOSE else 1
+    tried, level = model, HIGH if model.scene.effort == "high" else 0 if accuracy >= LOOSE else 1
     attempts: list[tuple[Attempt, LimitAnalysis]] = []
     while True:
         start = time.perf_counter()
@@ -72,6 +73,11 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
     attempts.sort(key=lambda pair: -pair[0].error if math.isfinite(pair[0].error) else -math.inf)  # the best one is the answer
     record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
     return replace(attempts[-1][1], scene=model.scene, accuracy=record)
+
+
+def finer_paths() -> PredictionSettings:
+    """Return the paths of a scene that asks for a high effort: one attempt finer than the default."""
+    return _paths(HIGH)
 
 
 def _paths(level: int) -> PredictionSettings:

@@ -1,17 +1,21 @@
 """Limit analysis from Python: solve a scene, read its values by name, show them as a table."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from la_core.analysis.result import LimitAnalysis
+import numpy as np
+
+from la_core.analysis.result import LimitAnalysis, answer_values
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.analysis.stage import analyse
+from la_core.coulomb import CoulombSolution
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
+from la_core.measures import joint_rows
 from la_core.scene import Scene
-from la_core.text_table import Tabled, number_text, over_weight
+from la_core.text_table import Tabled, dataframe, number_text, over_weight
 
 NAN = float("nan")
 
@@ -21,7 +25,8 @@ class Answer(Tabled):
     """Results of limit analysis for one scene.
 
     Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
-    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve`, and so does a notebook.
+    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve
+    --long`, and so does a notebook.
 
     Attributes
     ----------
@@ -112,6 +117,49 @@ class Answer(Tabled):
         return NAN if coulomb is None else coulomb.value
 
     @property
+    def mechanism(self) -> np.ndarray:
+        """Twists (B, 6) of all blocks per unit motion of the support, in the order of `scene.blocks.names`; NaN without any.
+
+        A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's.
+        """
+        return self._shown.twists
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Contact forces (C, 3) on the second block of each contact point, N, global axes; NaN without any."""
+        return self._shown.forces
+
+    @property
+    def joints(self) -> list[dict[str, Any]]:
+        """Every joint: names of its blocks, state in the mechanism, normal and shear force (N), centre of pressure (m)."""
+        return joint_rows(self.analysis.assembly, self.mechanism, self.forces)
+
+    @property
+    def path(self) -> tuple[np.ndarray, np.ndarray]:
+        """Curve of the prediction from rest: settlement (m or rad) and value (N, N m, multiplier); empty without a path."""
+        coulomb = self.analysis.coulomb
+        return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement, coulomb.path_value)
+
+    def to_dataframe(self) -> Any:
+        """Return the joints as a table of pandas, one row a joint with the columns of `joints`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Table of the joints.
+
+        Raises
+        ------
+        SceneError
+            Pandas is not installed.
+        """
+        return dataframe(self.joints)
+
+    @property
+    def _shown(self) -> Solution | CoulombSolution:
+        return self.analysis.coulomb or self.analysis.bounds[self.analysis.main]
+
+    @property
     def values(self) -> dict[str, Any]:
         """All printed and stored values: "associated", "coulomb" and "path", as in `crosscheck solve --json`."""
         return answer_values(self.analysis)
@@ -163,90 +211,6 @@ def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener:
     if path and bounds_only:
         raise SceneError("bounds_only", "a path is no bound", value=True, hint="leave out `path` or `bounds_only`")
     return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path, bounds_only=bounds_only), listener))
-
-
-def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None if undefined."""
-    return {
-        "associated": associated_values(analysis),
-        "coulomb": coulomb_values(analysis),
-        "path": path_values(analysis),
-    }
-
-
-COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "sliding_residual", "equilibrium_residual", "cone_violation")
-EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
-
-
-def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
-    """Return the values of the associated problem by their JSON keys.
-
-    They hold at the scene's inset, those with `_sharp` for sharp arrises. "shared_inset" holds the values at the inset of
-    both methods where the scene's inset is 0. Residuals are relative to the mean block weight, see `Solution`.
-    """
-    scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds
-    solution = printed[main]
-    values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
-    if main is Drive.YIELDING:
-        values["reaction_max"] = printed[Drive.PUSHING].value
-        values["reaction_max_status"] = printed[Drive.PUSHING].status.value
-        values["reaction_max_sharp"] = analysis.sharp.bounds[Drive.PUSHING].value
-    values[f"{scene.quantity}_sharp"] = analysis.sharp.bounds[main].value
-    values["inset"] = analysis.assembly.inset if scene.inset else 0.0
-    if analysis.assembly.inset != values["inset"]:
-        bounds = {drive.key: bound.value for drive, bound in analysis.bounds.items()}
-        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds}
-    values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
-    values["iterations"] = solution.iterations
-    values["seconds"] = sum(s.seconds for s in _distinct(analysis))
-    if solution.status is Status.INFEASIBLE:
-        values["falling"] = list(solution.falling)
-    return values
-
-
-def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """Return the prediction's values by their JSON keys, insets as in `associated_values`; None without a prediction."""
-    scene, name = analysis.scene, analysis.scene.quantity
-    rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
-    if rounded is None or printed is None:
-        return None
-    values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
-    values |= {"uncertainty": printed.uncertainty, "plateaus": printed.plateaus.tolist()}
-    values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
-    values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
-    if scene.inset == 0.0 and analysis.assembly.inset:
-        shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
-        values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
-    values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
-    return values | {
-        "iterations": printed.iterations,
-        "steps": printed.steps,
-        "travel": printed.travel,
-        "viscosities": printed.viscosities.tolist(),
-        "curve": {"settlement": printed.path_settlement.tolist(), name: printed.path_value.tolist()},
-        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp) if s is not None}.values()),
-    }
-
-
-def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
-    """Return the curve from rest to the plateau as lists by their JSON keys; None without a path."""
-    path = analysis.path
-    if path is None:
-        return None
-    keys = {"settlement": "settlement", "value": analysis.scene.quantity, "strain_residual": "strain_residual", "converged": "converged"}
-    values = {key: getattr(path, name).tolist() for name, key in keys.items()}
-    values["converged"] = [bool(converged) for converged in values["converged"]]
-    return values | {"solves": path.solves.tolist(), "seconds": path.seconds}
-
-
-def _worst(residuals: Iterable[float]) -> float:
-    """Return the largest finite residual; NaN without a finite one."""
-    return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
-
-
-def _distinct(analysis: LimitAnalysis) -> list[Solution]:
-    """Return every computed solution once: equal insets and unstable structures share solutions."""
-    return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())
 
 
 def answer_headings(scene: Scene) -> tuple[str, str, str]:

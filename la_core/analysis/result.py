@@ -1,10 +1,13 @@
 """Results of limit analysis for one scene."""
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from la_core.analysis.accuracy_record import AccuracyRecord
 from la_core.coulomb import CoulombSolution, EquilibriumPath
-from la_core.limit import Drive, Solution
+from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness
 from la_core.scene import Scene
 
@@ -76,6 +79,12 @@ class LimitAnalysis:
     path: EquilibriumPath | None = None
     accuracy: AccuracyRecord | None = None
 
+    def __repr__(self) -> str:
+        """Return one line: the arrays would fill pages."""
+        bounds = self.bounds[self.main]
+        predicted = "" if self.coulomb is None else f", prediction {self.coulomb.value:.6g}"
+        return f"<LimitAnalysis of {self.scene.name}: {bounds.status}, bound {bounds.value:.6g}{predicted} {self.scene.unit}>"
+
     @property
     def main(self) -> Drive:
         """Drive of the scene: the live load, or the settlement of the support."""
@@ -106,3 +115,87 @@ class LimitAnalysis:
     def printed(self) -> Answers:
         """Answers at the scene's own inset; tables and JSON show these."""
         return self.sharp if self.scene.inset == 0.0 else self.at_inset
+
+
+def answer_values(analysis: LimitAnalysis) -> dict[str, Any]:
+    """Return all printed and stored values with the keys of `crosscheck solve --json`; NaN or None if undefined."""
+    return {
+        "associated": associated_values(analysis),
+        "coulomb": coulomb_values(analysis),
+        "path": path_values(analysis),
+    }
+
+
+COULOMB_EVIDENCE = ("drift", "dilatancy_residual", "strain_residual", "sliding_residual", "equilibrium_residual", "cone_violation")
+EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap")
+
+
+def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
+    """Return the values of the associated problem by their JSON keys.
+
+    They hold at the scene's inset, those with `_sharp` for sharp arrises. "shared_inset" holds the values at the inset of
+    both methods where the scene's inset is 0. Residuals are relative to the mean block weight, see `Solution`.
+    """
+    scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds
+    solution = printed[main]
+    values: dict[str, Any] = {"status": solution.status.value, scene.quantity: solution.value}
+    if main is Drive.YIELDING:
+        values["reaction_max"] = printed[Drive.PUSHING].value
+        values["reaction_max_status"] = printed[Drive.PUSHING].status.value
+        values["reaction_max_sharp"] = analysis.sharp.bounds[Drive.PUSHING].value
+    values[f"{scene.quantity}_sharp"] = analysis.sharp.bounds[main].value
+    values["inset"] = analysis.assembly.inset if scene.inset else 0.0
+    if analysis.assembly.inset != values["inset"]:
+        bounds = {drive.key: bound.value for drive, bound in analysis.bounds.items()}
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds}
+    values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
+    values["iterations"] = solution.iterations
+    values["seconds"] = sum(s.seconds for s in _distinct(analysis))
+    if solution.status is Status.INFEASIBLE:
+        values["falling"] = list(solution.falling)
+    return values
+
+
+def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """Return the prediction's values by their JSON keys, insets as in `associated_values`; None without a prediction."""
+    scene, name = analysis.scene, analysis.scene.quantity
+    rounded, sharp, printed = analysis.at_inset.coulomb, analysis.sharp.coulomb, analysis.printed.coulomb
+    if rounded is None or printed is None:
+        return None
+    values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
+    values |= {"uncertainty": printed.uncertainty, "plateaus": printed.plateaus.tolist()}
+    values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
+    values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
+    if scene.inset == 0.0 and analysis.assembly.inset:
+        shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+        values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
+    values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
+    return values | {
+        "iterations": printed.iterations,
+        "steps": printed.steps,
+        "travel": printed.travel,
+        "viscosities": printed.viscosities.tolist(),
+        "curve": {"settlement": printed.path_settlement.tolist(), name: printed.path_value.tolist()},
+        "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp) if s is not None}.values()),
+    }
+
+
+def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
+    """Return the curve from rest to the plateau as lists by their JSON keys; None without a path."""
+    path = analysis.path
+    if path is None:
+        return None
+    keys = {"settlement": "settlement", "value": analysis.scene.quantity, "strain_residual": "strain_residual", "converged": "converged"}
+    values = {key: getattr(path, name).tolist() for name, key in keys.items()}
+    values["converged"] = [bool(converged) for converged in values["converged"]]
+    return values | {"solves": path.solves.tolist(), "seconds": path.seconds}
+
+
+def _worst(residuals: Iterable[float]) -> float:
+    """Return the largest finite residual; NaN without a finite one."""
+    return max((residual for residual in residuals if math.isfinite(residual)), default=math.nan)
+
+
+def _distinct(analysis: LimitAnalysis) -> list[Solution]:
+    """Return every computed solution once: equal insets and unstable structures share solutions."""
+    return list({id(s): s for s in (*analysis.bounds.values(), *analysis.sharp.bounds.values())}.values())

@@ -1,6 +1,8 @@
 """Entry of the limit-analysis stage: from a scene, or its model, to its complete results."""
 
-from la_core.analysis.accuracy import analyse_to_accuracy
+from dataclasses import replace
+
+from la_core.analysis.accuracy import analyse_to_accuracy, finer_paths
 from la_core.analysis.modelling import StructuralModel, structural_model
 from la_core.analysis.one_pass import analyse_once
 from la_core.analysis.result import LimitAnalysis
@@ -34,5 +36,7 @@ def analyse(
     """
     model = scene if isinstance(scene, StructuralModel) else structural_model(scene)
     settings = settings or AnalysisSettings()
+    if model.scene.effort == "high":
+        settings = replace(settings, prediction=finer_paths())
     analyse_model = analyse_once if model.scene.accuracy is None or settings.bounds_only else analyse_to_accuracy
     return analyse_model(model, settings, listener or Silent())

@@ -92,6 +92,10 @@ class Blocks:
     def __len__(self) -> int:
         return len(self.names)
 
+    def __repr__(self) -> str:
+        """Return one line: the arrays would fill pages."""
+        return f"<Blocks: {int(self.free.sum())} free of {len(self)}, {len(self.vertices)} vertices, {len(self.face_block)} faces>"
+
     @property
     def free(self) -> np.ndarray:
         """Mask (B,) of the free blocks."""

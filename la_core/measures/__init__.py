@@ -2,16 +2,23 @@
 
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
+from la_core.measures.joint_measures import JointForces, joint_centres, joint_forces, joint_rows, joint_states, thrust_line
 from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds
 
 __all__ = [
     "MOVING_SHARE",
     "ContactState",
+    "JointForces",
     "MechanismMeasures",
     "block_speeds",
     "contact_speeds",
     "contact_states",
+    "joint_centres",
+    "joint_forces",
+    "joint_rows",
+    "joint_states",
     "measure",
     "mechanism",
     "residuals",
+    "thrust_line",
 ]

@@ -5,7 +5,7 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.model import Assembly
 
-MOVING_SHARE = 0.05  # of the fastest block's speed: blocks below this stand still; elastic strain is far below it
+MOVING_SHARE = 0.05  # of the fastest body's speed: blocks below this stand still; elastic strain is far below it
 
 
 def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
@@ -39,8 +39,11 @@ def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
 
 
 def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
-    """Mask (B,) of the free blocks that move in a mechanism with twists (B, 6)."""
-    speed = np.where(blocks.free, block_speeds(blocks, twists), 0.0)
+    """Mask (B,) of the free blocks that move in a mechanism with twists (B, 6).
+
+    The support's motion counts among the speeds: where the support moves away alone, the rest is noise, and no block moves.
+    """
+    speed = block_speeds(blocks, twists)
     return blocks.free & (speed > MOVING_SHARE * speed.max())
 
 

@@ -1,6 +1,7 @@
 """What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
 
 from la_core.scene import key_paths, shipped
+from la_core.scene.given_keys import GivenKey, given_keys
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
@@ -15,6 +16,7 @@ __all__ = [
     "LEAST_ACCURACY",
     "MOST_ACCURACY",
     "Expected",
+    "GivenKey",
     "Name",
     "Positive",
     "RequestedPath",
@@ -25,6 +27,7 @@ __all__ = [
     "build",
     "described",
     "full_model",
+    "given_keys",
     "key_paths",
     "load",
     "load_scene",

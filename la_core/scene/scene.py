@@ -66,6 +66,14 @@ class Scene(Tabled):
         Files of the [[mesh]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
+    effort : str
+        "normal", or "high" for finer and longer paths of the prediction.
+    project : str
+        Project that the report belongs to, "" where the file names none.
+    author : str
+        Who answers for the report, "" where the file names nobody.
+    date : str
+        Date in the head of the report, "" where the file has none.
     """
 
     name: str
@@ -85,6 +93,10 @@ class Scene(Tabled):
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
+    effort: str = "normal"
+    project: str = ""
+    author: str = ""
+    date: str = ""
 
     @property
     def weight(self) -> float:
@@ -187,6 +199,10 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         yade=file.yade,
         meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
         accuracy=file.accuracy,
+        effort=file.effort,
+        project=file.project,
+        author=file.author,
+        date=file.date,
     )
 
 

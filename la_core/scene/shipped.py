@@ -27,14 +27,17 @@ def names() -> list[str]:
 
 
 def find(scene: str) -> Path:
-    """Path of a scene given by path or by a shipped scene's name; raises SceneError when there is neither."""
+    """Path of a scene given by path, with or without `.toml`, or by a shipped scene's name; raises SceneError when there is neither."""
     path = Path(scene)
     if path.suffix == ".toml" or path.is_file():
         return path
     if scene not in names():
+        if (complete := path.with_name(f"{path.name}.toml") if path.name else path).is_file():
+            return complete
         if path.is_dir():
             raise SceneError(scene, "is a folder, not a scene file")
-        raise SceneError(scene, "neither a file nor a shipped scene", hint=nearest(scene, names()) + "; `crosscheck scenes` lists them")
+        hint = f"{nearest(scene, names(), 'scenes')}; `crosscheck scenes` lists them"
+        raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
     return FOLDER / f"{scene}.toml"
 
 

@@ -75,13 +75,13 @@ def _valid_keys(model: type[pydantic.BaseModel], parents: list[Any]) -> list[str
         if isinstance(step, int):
             continue
         field = next(f for name, f in model.model_fields.items() if step in (name, f.alias))
-        model = _table_of(field.annotation)
+        model = table_of(field.annotation)
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
-def _table_of(annotation: Any) -> Any:
+def table_of(annotation: Any) -> Any:
     """The table class inside an annotation such as `tuple[Block, ...]` or `Stone | None`."""
     if isinstance(annotation, type) and issubclass(annotation, pydantic.BaseModel):
         return annotation
     members = (member for member in annotation.__args__ if member is not type(None))
-    return next(table for member in members if (table := _table_of(member)))
+    return next(table for member in members if (table := table_of(member)))

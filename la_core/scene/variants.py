@@ -21,7 +21,7 @@ from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
 from la_core.scene.validation import as_scene_error
 
-KEEP_EXPECTED = ("title", "source", "accuracy", "yade", "expected")  # may change without a new expected value
+KEEP_EXPECTED = ("title", "source", "accuracy", "effort", "yade", "expected")  # may change without a new expected value
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 LONGEST_TITLE = 120  # characters of a title made so
 EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}
@@ -86,8 +86,8 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
 
     Notes
     -----
-    The title gets the changes appended, unless `changes` has a title. The [expected] table is deleted where the
-    structure changes, unless `changes` has expected values: they hold for the original structure only.
+    The title gets the changes appended, unless `changes` has a title. Where the structure changes, `source` and
+    [expected] are deleted unless `changes` has new ones: they speak of the original structure only.
 
     Examples
     --------
@@ -126,8 +126,7 @@ def full_model(scene: Scene) -> Scene:
 def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    The expected value does not hold for another structure: [expected] is removed where the structure changes, unless
-    it changes too.
+    Source and expected value speak of one structure: each is removed where the structure changes, unless it changes too.
 
     Parameters
     ----------
@@ -143,9 +142,10 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> 
         key_paths.put(tables, key, copy.deepcopy(value))
     whole = _whole(tables, path)
     is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
-    if is_another and whole["expected"] == before["expected"] is not None:
-        del tables["expected"]
-        whole["expected"] = None
+    for key, none in (("expected", None), ("source", "")):
+        if is_another and whole[key] == before[key] != none:
+            del tables[key]
+            whole[key] = none
     return whole
 
 

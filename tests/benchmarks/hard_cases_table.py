@@ -22,7 +22,7 @@ from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.workflow import one_scene
-from la_core.analysis.answer import EVIDENCE
+from la_core.analysis.result import EVIDENCE
 from la_core.errors import SceneError
 from la_core.model.assembly import assemble
 from la_core.text_table import number_text, over_weight

@@ -424,7 +424,7 @@ def test_the_command_prints_its_table_or_one_json_object_and_nothing_else(
     assert said.err == "" and [row["case"] for row in found["rows"]] == sorted(begun(tmp_path / "out"))
     assert main(command) == 0
     said = capsys.readouterr()
-    assert "4 of them finished before" in said.err and "4 cases: 3 not compared, 1 agree" in said.out and "0.36765" in said.out
+    assert "4 of them finished before" in said.err and "4 cases: 3 not compared, 1 expected value met" in said.out and "0.36765" in said.out
 
 
 def test_a_case_s_folder_is_one_of_crosscheck_run(tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:

@@ -64,7 +64,7 @@ def test_a_scene_is_a_shipped_one_or_a_file_or_on_the_way_to_one(offered) -> Non
 
 
 def test_options_folders_figures_and_shells_are_offered_where_they_belong(offered) -> None:
-    assert offered("run", "--ti") == ["--time-limit"]
+    assert offered("run", "--tim") == ["--time-limit"]
     assert offered("run", "two_pads", "-o", "") == ["results"]
     assert offered("solve", "--b") == ["--bounds"] and offered("solve", "--r") == ["--results"]
     assert offered("solve", "two_pads", "--results", "") == ["results"]

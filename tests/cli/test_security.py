@@ -17,6 +17,7 @@ import scenes
 from processes import listening, tree
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import AGREE, CANNOT_STAND
 from la_core import exchange
 from la_core.errors import SceneError, visible
 from la_core.exchange import checksummed_file
@@ -120,11 +121,11 @@ def test_markup_in_titles_and_names_stays_text_wherever_it_is_shown(
         assert old in text
         text = text.replace(old, new)
     path.write_text(text.replace('title   = "', f'title   = "{MARKUP} ', 1))
-    for command in (["solve", str(path)], ["show", str(path), "-o", str(tmp_path / "f.png")]):
-        assert main(command) == 0
+    for command, code in ((["solve", str(path)], CANNOT_STAND), (["show", str(path), "-o", str(tmp_path / "f.png")], AGREE)):
+        assert main(command) == code
         assert shown in " ".join(capsys.readouterr().out.split())
     out = tmp_path / "out"
-    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == CANNOT_STAND
     captured = capsys.readouterr()
     assert "[red]x[bold]" in captured.out and "[red]x[bold]" in captured.err
     page = Page((out / "report.html").read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ from rich.console import Console
 
 from comparison import progress
 from comparison.cli.commands import main
-from comparison.cli.exit_codes import AGREE, INCONCLUSIVE, INTERRUPTED, USAGE
+from comparison.cli.exit_codes import AGREE, CANNOT_STAND, INCONCLUSIVE, INTERRUPTED, USAGE
 from comparison.progress import LINE_EVERY, Narration
 from la_core.analysis import analyse, one_pass
 from la_core.coulomb import PathProgress
@@ -99,8 +99,9 @@ def test_a_structure_that_cannot_stand_has_bounds_and_no_path(tmp_path: Path, ca
     path = tmp_path / "overhang.toml"
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
     path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
-    assert main(["solve", str(path), "-q"]) == AGREE
+    assert main(["solve", str(path), "-q"]) == CANNOT_STAND
     printed = capsys.readouterr().out
+    assert printed.startswith("overhang cannot stand.") and '"block" would fall' in printed.splitlines()[0]
     assert names_in(printed).index("blocks that fall") < names_in(printed).index("Coulomb: status") and printed.count("infeasible") == 2
 
 

@@ -39,9 +39,9 @@ def test_the_report_says_of_them_what_it_said(stored: Path, plain_figures: None)
         then, today = (summary["limit_analysis"][law] for summary in (before, now))
         assert {key: today[key] for key in then} == then
     assert now["limit_analysis"]["coulomb"]["uncertainty"] is None
-    assert [(check["name"], check["verdict"]) for check in now["checks"]] == [
-        (check["name"], check["verdict"]) for check in before["checks"]
-    ]
+    for then, today in zip(before["checks"], now["checks"], strict=True):  # an expected value is met by one method: it agrees with nobody
+        said = "expected value met" if then["name"].startswith("expected") else then["verdict"]
+        assert (today["name"], today["verdict"]) == (then["name"], said)
 
 
 def test_a_new_run_makes_them_again_and_says_so(stored: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:

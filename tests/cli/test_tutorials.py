@@ -50,13 +50,27 @@ def test_a_notebook_has_the_scripts_cells_and_the_formats_form(name: str) -> Non
     nbformat.validate(made)
     script = (tutorial.SCRIPTS / f"{name}.py").read_text(encoding="utf-8")
     code = [line for line in script.splitlines() if not line.startswith("#") and line.strip()]
-    text = [line[2:] for line in script.splitlines() if line.startswith("# ") and not line.startswith("# %%") and line[2:].strip()]
+    text = [
+        line[2:].replace("**Answer.** ", "")
+        for line in script.splitlines()
+        if line.startswith("# ") and not line.startswith("# %%") and line[2:].strip()
+    ]
 
     def lines(kind: str) -> list[str]:
         sources = ["".join(cell.source) for cell in made.cells if cell.cell_type == kind]
-        return [line for source in sources for line in source.splitlines() if line.strip()]
+        return [
+            line for source in sources for line in source.splitlines() if line.strip() and not line.startswith(("<details>", "</details>"))
+        ]
 
     assert (lines("code"), lines("markdown")) == (code, text)
+
+
+@every_tutorial
+def test_the_answer_is_folded_in_a_notebook(name: str) -> None:
+    (question,) = (cell for cell in tutorial.notebook(name)["cells"] if any("## Question" in line for line in cell["source"]))
+    text = "".join(question["source"])
+    assert text.count("<details><summary>Answer</summary>") == text.count("</details>") == 1 and text.endswith("</details>")
+    assert text.index("## Question") < text.index("<details>")
 
 
 @every_tutorial

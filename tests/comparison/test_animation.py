@@ -150,8 +150,8 @@ def test_results_of_several_scenes_and_of_what_cannot_move_are_refused(
 ) -> None:
     for name in ("a", "b"):
         shutil.copytree(animated, tmp_path / "several" / name)
-    assert main(["animate", str(tmp_path / "several"), "-q"]) == 2
-    assert "name one of its folders: a, b" in capsys.readouterr().err
+    assert main(["animate", str(tmp_path / "several"), "-o", str(tmp_path / "x.gif"), "-q"]) == 2
+    assert "name one of the folders: a, b" in capsys.readouterr().err
     text = two_pads.replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]").replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
     (tmp_path / "falls.toml").write_text(text.split("[expected]", maxsplit=1)[0])
     assert main(["run", str(tmp_path / "falls.toml"), "-o", str(tmp_path / "one"), "--no-yade", "-q"]) == 0

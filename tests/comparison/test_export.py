@@ -38,8 +38,15 @@ def read(path: Path) -> tuple[Any, dict[str, np.ndarray], dict[str, np.ndarray]]
     grid = reader.GetOutput()
     tables = []
     for data in (grid.GetPointData(), grid.GetCellData()):
-        tables.append({data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())})
+        tables.append({data.GetArrayName(k): values_of(data.GetAbstractArray(k)) for k in range(data.GetNumberOfArrays())})
     return grid, tables[0], tables[1]
+
+
+def values_of(array: Any) -> Any:
+    """Numbers of an array of VTK, or the list of its texts."""
+    if array.IsA("vtkStringArray"):
+        return [array.GetValue(k) for k in range(array.GetNumberOfValues())]
+    return vtk_to_numpy(array)
 
 
 def points(grid: Any) -> np.ndarray:
@@ -81,8 +88,9 @@ def test_blocks_come_back_as_they_were(trilith: tuple[LimitAnalysis, Path]) -> N
     assert np.concatenate(own).tolist() == blocks.face_vertex.tolist()
     assert volume(grid) == pytest.approx(blocks.volume.sum())
     assert cells["block"].tolist() == blocks.face_block.tolist()
+    assert cells["name"] == [blocks.names[k] for k in blocks.face_block]
     assert cells["role"].tolist() == blocks.role[blocks.face_block].tolist()
-    assert cells["density"] == pytest.approx(blocks.density[blocks.face_block], nan_ok=True)
+    assert cells["density (kg/m3)"] == pytest.approx(blocks.density[blocks.face_block], nan_ok=True)
 
 
 @pytest.mark.parametrize("method", ["associated", "coulomb"])
@@ -95,7 +103,7 @@ def test_forces_hold_every_free_block(method: str, trilith: tuple[LimitAnalysis,
     total = np.zeros(3)
     for block in np.flatnonzero(role == FREE):
         on_block = (vectors["block_b"] == block) * 1.0 - (vectors["block_a"] == block) * 1.0
-        force, moment = on_block @ vectors[method], on_block @ np.cross(points(grid), vectors[method])
+        force, moment = on_block @ vectors[f"force_{method} (N)"], on_block @ np.cross(points(grid), vectors[f"force_{method} (N)"])
         own, arm = analysis.assembly.dead_load[block, :3], analysis.assembly.blocks.centroid[block]
         assert force == pytest.approx(-own, abs=BALANCED * weight)
         assert moment == pytest.approx(-np.cross(arm, own), abs=BALANCED * weight)
@@ -110,13 +118,13 @@ def test_vectors_of_a_mechanism_are_rigid_motions_and_the_support_moves_by_one(t
     for method in ("associated", "coulomb"):
         for k in range(len(blocks)):
             own = slice(blocks.vertex_start[k], blocks.vertex_start[k + 1])
-            place, speed = points(grid)[own], vectors[method][own]
+            place, speed = points(grid)[own], vectors[f"mechanism_{method} (m per m)"][own]
             difference, apart = speed[:, None] - speed, place[:, None] - place
             assert np.sum(difference * apart, axis=2) == pytest.approx(0.0, abs=SMALL)
             if blocks.role[k] != FREE:
                 assert np.ptp(speed, axis=0) == pytest.approx(0.0, abs=SMALL)
         (support,) = np.flatnonzero(blocks.role == 2)
-        assert vectors[method][blocks.vertex_start[support]] == pytest.approx([0.0, 0.0, -1.0])
+        assert vectors[f"mechanism_{method} (m per m)"][blocks.vertex_start[support]] == pytest.approx([0.0, 0.0, -1.0])
 
 
 def test_without_a_mechanism_there_are_no_vectors(tmp_path: Path) -> None:
@@ -153,13 +161,13 @@ def test_states_of_yade_are_a_series_over_the_settlement_with_finite_rotations(t
     blocks, angles = analysis.assembly.blocks, [0.0, np.pi / 2.0, np.pi]
     assert export(Results(analysis, turning_run(analysis, angles)), tmp_path)[1] == tmp_path / "yade.pvd"
     rows = collection(tmp_path / "yade.pvd")
-    assert [(time, part) for time, part, _ in rows] == [(0.5 * k, part) for k in range(3) for part in (0, 1)]
+    assert [(time, part) for time, part, _ in rows] == [(500.0 * k, part) for k in range(3) for part in (0, 1)]
     arm = blocks.vertices - np.repeat(blocks.centroid, np.diff(blocks.vertex_start), axis=0)
     for k, angle in enumerate(angles):
         grid, vectors, _ = read(tmp_path / rows[2 * k][2])
         turned = arm @ scenes.rotation((0.0, 0.0, 1.0), angle).T
-        assert points(grid) + vectors["displacement"] == pytest.approx(blocks.vertices - arm + turned + [0.0, 0.0, -0.25])
-        assert np.all(read(tmp_path / rows[2 * k + 1][2])[1]["force"] == k)
+        assert points(grid) + vectors["displacement (m)"] == pytest.approx(blocks.vertices - arm + turned + [0.0, 0.0, -0.25])
+        assert np.all(read(tmp_path / rows[2 * k + 1][2])[1]["force_yade (N)"] == k)
 
 
 def test_a_shorter_series_leaves_nothing_of_a_longer_one(tmp_path: Path) -> None:
@@ -173,8 +181,26 @@ def test_a_shorter_series_leaves_nothing_of_a_longer_one(tmp_path: Path) -> None
 def test_every_file_of_a_collection_exists(trilith: tuple[LimitAnalysis, Path]) -> None:
     _, folder = trilith
     files = [name for _, _, name in collection(folder / "structure.pvd")]
-    assert files == ["blocks.vtu", "forces.vtu"]
+    assert files == ["blocks.vtu", "forces.vtu", "joints.vtu"]
     assert all((folder / name).is_file() for name in files)
+
+
+def test_joints_have_their_resultants_states_and_names_and_files_say_what_they_are_of(trilith: tuple[LimitAnalysis, Path]) -> None:
+    analysis, folder = trilith
+    interfaces, names = analysis.assembly.interfaces, analysis.assembly.blocks.names
+    grid, values, _ = read(folder / "joints.vtu")
+    assert grid.GetNumberOfCells() == len(interfaces)
+    assert values["name_a"] == [names[k] for k in interfaces.block_a]
+    _, contacts, _ = read(folder / "forces.vtu")
+    assert values["resultant_coulomb (N)"].sum(axis=0) == pytest.approx(contacts["force_coulomb (N)"].sum(axis=0))
+    size = np.hypot(values["normal_coulomb (N)"], values["shear_coulomb (N)"])
+    assert size == pytest.approx(np.linalg.norm(values["resultant_coulomb (N)"], axis=1))
+    assert set(values["state_coulomb"].tolist()) <= {0, 1, 2, 3} and 3 in values["state_coulomb"]
+    for name in ("blocks.vtu", "forces.vtu", "joints.vtu"):
+        data = read(folder / name)[0].GetFieldData()
+        field = {data.GetArrayName(k): values_of(data.GetAbstractArray(k))[0] for k in range(data.GetNumberOfArrays())}
+        assert field["title"] == analysis.scene.title and field["W (N)"] == pytest.approx(analysis.scene.weight)
+        assert analysis.coulomb is not None and field["R_coulomb (N)"] == pytest.approx(analysis.coulomb.value)
 
 
 def test_numbers_survive_whatever_their_type(tmp_path: Path) -> None:
@@ -196,8 +222,9 @@ def test_the_command_exports_stored_results_or_a_scene(tmp_path: Path, capsys: p
         assert json.loads(capsys.readouterr().out) == {"files": [str(tmp_path / folder / "structure.pvd")]}
     assert (tmp_path / "a" / "blocks.vtu").read_bytes() == (tmp_path / "b" / "blocks.vtu").read_bytes()
     copytree(out / "two_pads", out / "other")
-    assert main(["export", str(out), "-o", str(tmp_path / "c")]) == 2
-    assert "name one of its folders: other, two_pads" in capsys.readouterr().err
+    assert main(["export", str(out), "-o", str(tmp_path / "c"), "--json"]) == 0
+    files = [str(tmp_path / "c" / name / "structure.pvd") for name in ("other", "two_pads")]
+    assert json.loads(capsys.readouterr().out) == {"files": files}
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "c")]) == 2
 
 
@@ -212,6 +239,6 @@ def test_a_real_run_of_yade_is_exported_with_forces_that_carry_the_weight(
     for _, part, name in rows:
         vectors = read(tmp_path / name)[1]
         if part == 1:
-            lifting = np.where(blocks.role[vectors["block_b"]] == FREE, 1.0, -1.0) @ vectors["force"]
+            lifting = np.where(blocks.role[vectors["block_b"]] == FREE, 1.0, -1.0) @ vectors["force_yade (N)"]
             assert lifting[2] == pytest.approx(found.scene.weight, rel=1e-2)
-    assert {"associated", "coulomb", "yade"} <= set(read(tmp_path / "blocks.vtu")[1])
+    assert {f"mechanism_{name} (m per m)" for name in ("associated", "coulomb", "yade")} == set(read(tmp_path / "blocks.vtu")[1])

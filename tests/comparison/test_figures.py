@@ -8,21 +8,25 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from runs import made_up_run
+from scenes import shipped
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
-from comparison.figures import reaction_figure, save, structure
+from comparison.figures import reaction_figure, report_figures, save, scene_figures, structure
+from comparison.figures.forces import forces_figure
 from comparison.figures.line_labels import ROW, Word, write_words
+from comparison.figures.motion import drawn_motion, motions, shown_joints
 from comparison.yade import Results
 from comparison.yade.run_record import Run
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
+from la_core.measures import ContactState, joint_forces, thrust_line
 from la_core.scene.scene import Scene, load_scene
 
 HEAD = """
@@ -143,19 +147,54 @@ def test_largest_drawn_displacement_is_a_fixed_share_of_the_structure(tmp_path: 
     assert drawn == [pytest.approx(1e3 * structure.DRAWN * drawing.structure_size(scene.blocks) * 0.6 / np.hypot(0.6, 0.5), rel=0.01)]
 
 
-def test_contacts_open_slide_or_rest(tmp_path: Path) -> None:
+def test_joints_open_or_slide_and_figure_and_view_mark_the_same(tmp_path: Path) -> None:
     analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
-    assembly = analysis.assembly
-    opens, slides = structure.contact_motion(assembly, analysis.bounds[Drive.YIELDING].twists)
-    # The block turns about the fixed pad's right end and stays on the settling pad at its right end: the other two points open.
-    where = assembly.points.position[:, 0]
-    assert [round(float(x), 1) for x in np.sort(where[opens])] == [0.0, 0.5]
-    assert not slides[opens].any()
+    assembly, solution = analysis.assembly, analysis.bounds[Drive.YIELDING]
+    # The block turns about the fixed pad's right end and stays on the settling pad at its right end: both joints open.
+    assert shown_joints(assembly, solution.twists, solution.forces).tolist() == [ContactState.OPENING] * 2
     shear = np.zeros((len(assembly.blocks), 6))
     shear[assembly.blocks.free, 0] = 1.0
-    opens, slides = structure.contact_motion(assembly, shear)
-    assert slides.all()
-    assert not opens.any()
+    assert shown_joints(assembly, shear, solution.forces).tolist() == [ContactState.SLIDING] * 2
+    assert shown_joints(assembly, np.full_like(shear, np.nan), solution.forces).tolist() == [ContactState.UNKNOWN] * 2
+    joints = {"one": shown_joints(assembly, solution.twists, solution.forces)}
+    figure = structure.mechanism_figure(assembly, {"one": solution.twists}, joints=joints)
+    (marks,) = (line for line in figure.axes[0].lines if line.get_marker() == "o")
+    # One mark a joint, in its middle: the left joint of 0.4 m turns with half the block's rotation about x = 0.4, the pad stays.
+    turned = drawn_motion(assembly, {"one": solution.twists}) * solution.twists[2, 4]
+    assert marks.get_ydata()[0] == pytest.approx(0.5 * turned * 0.2, rel=0.02)
+    assert len(marks.get_ydata()) == 2
+    view = motions(Results(analysis)).methods[0]
+    assert view.joints.tolist() == shown_joints(assembly, view.twists, view.forces[0]).tolist()
+
+
+def test_resultants_balance_the_weight_and_cross_their_joints(tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    assembly, forces = analysis.assembly, analysis.bounds[Drive.YIELDING].forces
+    joints = joint_forces(assembly, forces)
+    assert joints.force.sum(axis=0) == pytest.approx([0.0, 0.0, assembly.weight], abs=1e-6 * assembly.weight)
+    # By moments about the right end of the fixed pad, without the inset: R = W / 6, at the right end of the settling pad.
+    assert joints.normal == pytest.approx([5.0 / 6.0 * assembly.weight, assembly.weight / 6.0], rel=0.02)
+    assert joints.centre[:, 0] == pytest.approx([0.4, 1.0], abs=2.0 * analysis.assembly.inset)
+    figure = forces_figure(assembly, {"one": forces, "unknown": np.full_like(forces, np.nan)})
+    first, second = figure.axes
+    (lines,) = (shapes for shapes in first.collections if isinstance(shapes, LineCollection) and len(shapes.get_segments()) == 2)
+    lengths = [np.linalg.norm(segment[1] - segment[0]) for segment in lines.get_segments()]
+    assert lengths[0] / lengths[1] == pytest.approx(joints.normal[0] / joints.normal[1], rel=1e-3)
+    (scale,) = (text.get_text() for text in first.texts)
+    assert scale == "1 kN" and "no forces are known" in second.get_title()
+
+
+def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path: Path) -> None:
+    arch, wall = (analyse(shipped(name)).assembly for name in ("arch_spreading", "two_blocks"))
+    pairs = thrust_line(arch)
+    assert len(pairs) == 11 and set(pairs.ravel().tolist()) == set(range(12))  # every voussoir, from springer to springer
+    assert len(thrust_line(wall)) == 0
+
+
+def test_friction_that_dissipates_nothing_has_no_figure(tmp_path: Path) -> None:
+    results = Results(analyse(scene_of(tmp_path, SCENES["plane"])))
+    assert "dissipation" in scene_figures(results) and "dissipation" not in report_figures(results)
+    assert all(figure().get_suptitle() == "" for name, figure in report_figures(results).items() if name in ("assembly", "forces"))
 
 
 def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
@@ -203,11 +242,11 @@ def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) ->
     scene = scene_of(tmp_path, SCENES["plane"])
     analysis = analyse(scene)
     whole, close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes
-    greatest, least = (analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))
+    greatest, least = (1e-3 * analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))  # kN
     assert close.get_ylim()[1] < greatest
     assert "lies above" in close.get_title(loc="right")
     assert close.get_ylim()[0] < least < close.get_ylim()[1]
-    assert whole.get_ylim()[1] > least + 0.4 * scene.weight
+    assert whole.get_ylim()[1] > least + 0.4e-3 * scene.weight
 
 
 def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
@@ -250,7 +289,7 @@ def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[floa
     analysis = frictional(analyse(scene), share)
     figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
     save(figure, tmp_path / "reaction.png")
-    least = analysis.bounds[Drive.YIELDING].value
+    least = 1e-3 * analysis.bounds[Drive.YIELDING].value  # kN
     for axes in figure.axes:
         band = labels_of(axes).get(plot_reaction.HISTORY)
         assert (band is not None) == drawn
@@ -267,12 +306,12 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     beside = {
-        plot_reaction.LEAST: "$R_{\\min}$, associated: 330.27 N",
-        plot_reaction.COULOMB: "Coulomb prediction: 363.30 N",
+        plot_reaction.LEAST: "$R_{\\min}$, associated: 0.33027 kN",
+        plot_reaction.COULOMB: "Coulomb prediction: 0.36330 kN",
         plot_reaction.HISTORY: "value depends on friction's history",
-        plot_reaction.FITTED: "YADE's plateau: 350 ± 2 N",
-        plot_reaction.GREATEST: "$R_{\\max}$, associated: 1958.1 N",
-        r"$R_{\min}$ of sharp arrises": "sharp arrises: 327.00 N",  # W / 6
+        plot_reaction.FITTED: "YADE's plateau: 0.350 ± 0.002 kN",
+        plot_reaction.GREATEST: "$R_{\\max}$, associated: 1.9581 kN",
+        r"$R_{\min}$ of sharp arrises": "sharp arrises: 0.32700 kN",  # W / 6
         plot_reaction.ADMISSIBLE: "admissible",
     }
     for label in {label for axes in figure.axes for label in labels_of(axes)}:
@@ -329,7 +368,7 @@ def test_the_curve_of_the_prediction_is_drawn_as_far_as_yade_went_or_over_its_fi
     run = synthetic_run(analysis) if with_run else None
     figure = reaction_figure(Results(analysis, run))
     save(figure, tmp_path / "reaction.png")
-    travel, value = 1e3 * analysis.stiffness.travel, analysis.coulomb.value
+    travel, value = 1e3 * analysis.stiffness.travel, 1e-3 * analysis.coulomb.value
     end = 1e3 * run.settling("settlement").max() if run is not None else travel
     assert len(figure.axes) == 2
     for axes in figure.axes:
@@ -343,7 +382,7 @@ def test_the_curve_of_the_prediction_is_drawn_as_far_as_yade_went_or_over_its_fi
 def test_the_prediction_s_label_says_its_uncertainty_and_every_plateau(tmp_path: Path) -> None:
     analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
     words = "".join(text.get_text() for axes in reaction_figure(Results(analysis)).axes for text in axes.texts)
-    assert "Coulomb prediction: 363 ± 3 N\nseveral plateaus: 363.3, 726.6 N" in words
+    assert "Coulomb prediction: 0.363 ± 0.003 kN\nseveral plateaus: 0.3633, 0.7266 kN" in words
 
 
 def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 from comparison.cli.commands import main
 from comparison.judge.effects_table import EFFECTS
 from comparison.judge.first_prediction import WHY, WITHOUT, answer_of, first_prediction_summary
+from comparison.numbers import Units
 from comparison.workflow import restored_effects, stages
 from comparison.workflow.one_scene import report_again, run_scene
 from comparison.yade import Results, accuracy_settings
@@ -265,10 +266,12 @@ def test_the_report_and_the_command_line_show_both_answers(
 ) -> None:
     made_up_yade(sliding)
     main(["run", "two_pads", "-o", str(tmp_path)])
-    sentence = json.loads((tmp_path / "two_pads" / "comparison.json").read_text(encoding="utf-8"))["first_prediction"]["sentence"]
+    summary = json.loads((tmp_path / "two_pads" / "comparison.json").read_text(encoding="utf-8"))
+    sentence = summary["first_prediction"]["sentence"]
+    shown = Units(summary["weight"]).words(sentence)  # a page has one unit of force
     assert f"two_pads: {sentence}" in capsys.readouterr().out.replace("\n", " ")
     for page in ("report.html", "report.md"):
-        assert sentence in (tmp_path / page).read_text(encoding="utf-8").replace("\\", "")
+        assert shown in (tmp_path / page).read_text(encoding="utf-8").replace("\\", "")
     (tmp_path / "two_pads" / "comparison.json").unlink()
     main(["report", str(tmp_path)])
-    assert sentence in capsys.readouterr().out.replace("\n", " ") and sentence in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert sentence in capsys.readouterr().out.replace("\n", " ") and shown in (tmp_path / "report.html").read_text(encoding="utf-8")

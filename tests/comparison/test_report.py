@@ -1,7 +1,10 @@
 """Laws of the report: its numbers, honest about what is missing, harmless to open, the same twice."""
 
+import html
 import json
 import re
+import tomllib
+from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -9,9 +12,11 @@ from typing import Any
 import pytest
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.judge.verdict_table import verdict_cells
-from comparison.numbers import format_number, with_uncertainty
-from comparison.report import report, scene_view
+from comparison.numbers import Units, format_number, with_uncertainty
+from comparison.report import report, structure_facts, values
+from comparison.report.plain_words import plain_words
+from comparison.verdict.verdict_table import verdict_cells
+from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -102,6 +107,12 @@ class Page(HTMLParser):
         self.ids += [value or "" for name, value in attrs if name == "id"]
 
 
+def values_part(page: str) -> str:
+    """The table of both methods' values of the first scene."""
+    part = page[page.index('id="scene-1-values"') :]
+    return part[: part.index("</table>")]
+
+
 def test_the_page_loads_nothing_and_escapes_everything(tmp_path: Path) -> None:
     (tmp_path / "two pads").mkdir()
     (tmp_path / "two pads" / "assembly.png").write_bytes(b"not looked into")
@@ -130,7 +141,7 @@ def test_every_markdown_table_keeps_its_columns(tmp_path: Path) -> None:
 def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
     bare = {"scene": "bare", "verdict": None}
     page = report.write_report(tmp_path, [bare], {}).read_text(encoding="utf-8")
-    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
+    row = values_part(page)
     assert "–" in row
     assert not re.search(r">\s*0", row)
     assert "Nothing was compared" in page
@@ -144,7 +155,7 @@ def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
         "34233 steps",
         "7 iterations",
         "8.1",
-        "changes the associated reaction from 359.70 N",
+        "changes the associated reaction from 0.35970 kN",
         "+1.0 %",
     ):
         assert words in page
@@ -157,8 +168,8 @@ def test_the_inset_of_yade_is_what_it_is_judged_by(tmp_path: Path) -> None:
         "shared_inset": {"inset": 0.001, "reaction": 364.0, "reaction_max": 2150.0},
     }
     page = report.write_report(tmp_path, [comparison], {}).read_text(encoding="utf-8")
-    assert "364 to 2150 N" in page
-    assert "−0.500 N" in page
+    assert ">0.36400 kN<" in page and ">2.1500 kN<" in page
+    assert "−5e-4 kN" in page
 
 
 def test_json_is_strict_and_all_three_files_are_the_same_twice(tmp_path: Path) -> None:
@@ -202,14 +213,14 @@ def page_and_markdown(folder: Path, comparison: dict[str, Any]) -> tuple[str, st
 
 def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_it(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
-    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
-    for words in ("366 ± 0.75 N", "363.30 to 371.30 N", "−2.50 N"):
+    row = values_part(page)
+    for words in ("0.3660 ± 0.0008 kN", "0.36330 to 0.37130 kN", "−0.00250 kN (−0.68 %)"):
         assert words in row
     assert "several plateaus:" not in row
     assert "less R_min" not in row
     (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
-    assert "| 366 ± 0.75 | 363.30 to 371.30 N |" in top
-    assert top.endswith("| −2.50 |")
+    assert "| 0.36600 ± 7.5e-4 | 0.36330 to 0.37130 kN |" in top
+    assert top.endswith("| −0.00250 |")
 
 
 def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_plateaus() -> None:
@@ -222,22 +233,22 @@ def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_pla
 
 def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, comparison_of())
-    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
-    assert "0.200 N" in row
-    assert "less R_min" in row
-    assert "| 0.200 (less R\\_min) |" in markdown
+    row = values_part(page)
+    assert "2e-4 kN" in row
+    assert "YADE less R_min" in row
+    assert "| 2e-4 (less R\\_min) |" in markdown
 
 
 def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     for text in (page, markdown):
         for words in (
-            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 0.75 N", "half-width 4 N",
+            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 7.5e-4 kN", "half-width 0.0040 kN",
             "2 increments, 43 Newton iterations", "largest share of drag 4.5e-4", "1 increment not reached", "34233 steps",
         ):  # fmt: skip
             assert words in text
     for seconds in ("0.010", "0.23", "0.57", "8.1"):
-        assert f'<td class="number">{seconds}</td>' in page
+        assert f'data-label="time, s">{seconds}</td>' in page
     assert "Coulomb: power of the normal forces at parting joints, over the power put in" in page
 
 
@@ -246,14 +257,14 @@ def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_unce
     coulomb = comparison["limit_analysis"]["coulomb"]
     coulomb["plateaus"] = [366.0, 402.5]
     for text in page_and_markdown(tmp_path, comparison):
-        assert "several plateaus: 366, 402.5 N" in text
+        assert "several plateaus: 0.3660, 0.4025 kN" in text
     for name in ("uncertainty", "plateaus", "viscosities", "steps", "travel"):
         del coulomb[name]
     page, markdown = page_and_markdown(tmp_path, comparison)
-    assert "| 366 | 363.30 to 371.30 N |" in markdown
+    assert "| 0.36600 | 0.36330 to 0.37130 kN |" in markdown
     assert "several plateaus:" not in page
-    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
-    assert row.count("±") == 2  # YADE's, and over the weight
+    row = values_part(page)
+    assert row.count("±") == 1  # YADE's
 
 
 def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
@@ -264,9 +275,9 @@ def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: P
         "associated",
         "Coulomb",
     ]
-    for words in ("51.25 N", "0.138", "0.912", "0.0815", "0.250"):
+    for words in ("0.05125 kN", "0.138", "0.912", "0.0815", "0.250"):
         assert words in table
-        assert words.removesuffix(" N") in markdown
+        assert words.removesuffix(" kN") in markdown
     assert "(Σp)²/(J Σp²)" in page
 
 
@@ -274,10 +285,10 @@ def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) ->
     comparison = frictional_comparison()
     comparison["limit_analysis"]["coulomb"]["shared_inset"] = {"inset": 0.001, "reaction": 364.5, "reaction_interval": [363.5, 363.51]}
     page, _ = page_and_markdown(tmp_path, comparison)
-    row = page[page.index('href="#scene-1"') : page.index("</tbody>")]
-    assert "364.50 N" in row
+    row = values_part(page)
+    assert ">0.36450 kN<" in row
     assert "a point" in row
-    assert "−1 N" in row
+    assert "−0.00100 kN" in row
 
 
 def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
@@ -320,7 +331,7 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 
 def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
     scene = load_scene(find("two_blocks"))
-    rows = {row["name"]: row for row in scene_view._expected(limit_analysis_summary(analyse(scene)))}
+    rows = {row["name"]: row for row in values.expected_rows(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
 
@@ -330,3 +341,79 @@ def test_the_report_says_what_was_left_out_why_and_what_that_saves(tmp_path: Pat
     for name in ("report.html", "report.md"):
         page = (tmp_path / name).read_text(encoding="utf-8")
         assert "saves 3 unknowns" in page and "took 0.25 s" in page
+
+
+def leaves(data: Any) -> Iterator[Any]:
+    """Every value in a scene's data that is no table and no array."""
+    if isinstance(data, dict):
+        for value in data.values():
+            yield from leaves(value)
+    elif isinstance(data, list):
+        for value in data:
+            yield from leaves(value)
+    else:
+        yield data
+
+
+def test_every_input_of_the_facade_is_in_its_report_with_units_and_the_scene_file(tmp_path: Path) -> None:
+    results = Results(analyse(load_scene(find("facade"))))
+    summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "verdict": None}
+    (tmp_path / "facade").mkdir()
+    text = find("facade").read_text(encoding="utf-8")
+    (tmp_path / "facade" / "scene.toml").write_text(text, encoding="utf-8")
+    page = report.write_report(tmp_path, [summary], {}).read_text(encoding="utf-8")
+    (enclosed,) = re.findall(r"<pre>(.*?)</pre>", page, re.DOTALL)
+    assert html.unescape(enclosed).strip() == text.strip()
+    shown = html.unescape(re.sub(r"<[^>]*>", " ", page.replace(enclosed, "")))
+    given = list(leaves(tomllib.loads(text)))
+    assert len(given) > 60
+    assert [value for value in given if str(value) not in shown] == []
+    inputs = html.unescape(re.sub(r"<[^>]*>", " ", page[page.index('id="scene-1-inputs"') :]))
+    for words in (
+        "170 free, 1 fixed (ground), 1 on the moving support", "7200 × 400 × 5400 mm", "300 to 1800 × 400 × 300 mm", "1400 kg/m3",
+        "9.81 m/s2 downwards", "0.6 (31.0°)", "1 mm", "settling foundation: x 5.4 to 7.2 m", "(0, 0, −1)", "kN/mm", "154.26 kN",
+    ):  # fmt: skip
+        assert words in inputs, words
+
+
+def test_the_head_has_the_words_of_the_command_else_those_of_the_scenes(tmp_path: Path) -> None:
+    facts = {"project": "Town hall", "author": "A. Mason", "date": "2026-03-01"}
+    scenes = [comparison_of(scene=name, title=name, structure=None) for name in ("one", "two")]
+    for scene, own in zip(scenes, (facts, {**facts, "author": "B. Smith"}), strict=True):
+        scene["structure"] = own
+    assert report.report_head(tmp_path, scenes, {}) == {
+        "title": "Town hall", "project": "Town hall", "author": "", "date": "2026-03-01",
+    }  # fmt: skip
+    head = report.report_head(tmp_path, scenes[:1], {"title": "Crack", "author": "C. Wright"})
+    assert head == {"title": "Crack", "project": "Town hall", "author": "C. Wright", "date": "2026-03-01"}
+
+
+def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() -> None:
+    results = Results(analyse(load_scene(find("two_blocks"))))
+    summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
+    told = " ".join(plain_words(summary, Units(summary["weight"])))
+    for words in (
+        "settles, 1 of the 2 blocks (50 % of the weight) moves.",
+        "It then still carries",
+        "50",
+        "YADE was not run",
+        "friction coefficient",
+    ):
+        assert words in told, told
+    falls = {"limit_analysis": {"associated": {"status": "infeasible", "falling": ["a", "b"]}}}
+    told = ["The structure cannot stand under its own weight: 2 blocks fall (a, b).", "No forces between the blocks can hold it"]
+    assert [sentence.split(", so")[0] for sentence in plain_words(falls, Units(None))] == told
+    assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict names the blocks
+
+
+def test_words_and_numbers_of_a_report_have_one_unit() -> None:
+    heavy, light = Units(5e4), Units(50.0)
+    assert heavy.text(1986.65, "N") == "1.987 kN" and light.text(12.5, "N") == "12.50 N"
+    assert heavy.text(3.4e-4, "m", 3) == "0.340 mm" and heavy.text(2e9, "N/m") == "2000 kN/mm"
+    assert heavy.words("Range: 2552.39 to 3340.92 N.") == "Range: 2.55239 to 3.34092 kN."
+    assert heavy.words("moved 4e-05 m in 12 s, 5 N/m, 3 mm") == "moved 0.04 mm in 12 s, 5 N/m, 3 mm"
+    assert (
+        heavy.words("said 363.3 ± 0.1 N; 1300.40 N (plateaus: 363.3, 402 N)")
+        == "said 0.3633 ± 0.0001 kN; 1.30040 kN (plateaus: 0.3633, 0.402 kN)"
+    )
+    assert heavy.words("off by −4e-12 m") == "off by −4e-9 mm" and light.words("363.3 ± 0.1 N") == "363.3 ± 0.1 N"

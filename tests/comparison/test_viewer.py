@@ -20,6 +20,7 @@ from comparison.report import viewer
 from comparison.report.report import write_report
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
+from la_core.measures import joint_forces
 
 SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
 HOSTILE = "</script><script>alert(1)</script><!-- <b> ]]> {{ 7 * 7 }} \u2028"
@@ -57,7 +58,9 @@ def test_yade_moves_as_it_recorded_from_rest_and_limit_analysis_by_its_mechanism
     poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     assert moved == pytest.approx(poses - poses[0], rel=SINGLE, abs=SINGLE * np.abs(poses).max())
     assert array(yade["settlement"], "<f4", -1) == pytest.approx(run.poses.settlement, rel=SINGLE)
-    assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(run.poses.forces, rel=SINGLE, abs=1e-3)
+    resultants = np.stack([joint_forces(found.analysis.assembly, forces).force for forces in run.poses.forces])
+    assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(resultants, rel=SINGLE, abs=1e-3)
+    assert data["names"] == list(found.analysis.assembly.blocks.names) and data["force_unit"] == "kN"
     assert found.analysis.coulomb is not None
     last = array(limit_analysis["displacement"], "<f4", 2, blocks, 6)[1]
     assert last == pytest.approx(data["end"] * found.analysis.coulomb.twists, rel=SINGLE, abs=1e-12)
@@ -95,7 +98,7 @@ def test_large_states_are_fewer_and_the_first_and_last_are_kept(
 ) -> None:
     found = cross_checked("two_pads")
     assembly = found.analysis.assembly
-    each = 4 * (6 * len(assembly.blocks) + 3 * len(assembly.points))
+    each = 4 * (6 * len(assembly.blocks) + 6 * len(assembly.interfaces))
     for count in (2, 5):
         monkeypatch.setattr(viewer, "LARGEST", count * each)
         settlement = array(data_of(found)["methods"][1]["settlement"], "<f4", -1)
@@ -112,7 +115,7 @@ def test_what_cannot_stand_is_shown_at_rest_with_its_reason(two_pads: str) -> No
     assert (data["start"], data["end"], method["note"]) == (0.0, 0.0, "cannot stand under its own weight")
     assert not np.any(array(method["displacement"], "<f4", -1)) and not np.any(array(method["forces"], "<f4", -1))
     assert data["palette"][array(method["looks"], "u1", -1)[2]]["name"].startswith("falls")
-    assert np.all(array(method["contacts"], "i1", -1) == -1)
+    assert np.all(array(method["joints"], "i1", -1) == -1)
 
 
 def page_of(folder: Path, *texts: str) -> str:

@@ -162,8 +162,8 @@ def test_forces_points_and_stone_are_shown_on_request(view: Browser) -> None:
 
 
 def test_every_colour_has_its_words(view: Browser) -> None:
-    words = view.value(f"[...document.querySelectorAll('{VIEW}[open] .legend span')].map((key) => key.textContent)")
-    for name in ("fixed (ground)", "support", "moves, limit analysis (Coulomb)", "moves, YADE", "before", "opens", "sticks"):
+    words = view.value(f"[...document.querySelectorAll('{VIEW}[open] .legend > span')].map((key) => key.textContent)")
+    for name in ("fixed (ground)", "support", "moves, limit analysis (Coulomb)", "moves, YADE", "before", "joint opens"):
         assert name in words
     assert len(words) == len(set(words))
 

@@ -12,7 +12,7 @@ from runs import made_up_run
 
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
-from comparison.judge.check import Verdict
+from comparison.verdict.check import Verdict
 from comparison.workflow import one_scene, stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run

@@ -8,9 +8,9 @@ import scenes
 from conftest import Silent, every_shipped_scene
 
 from comparison.judge import prediction
-from comparison.judge.check import Check, Verdict
 from comparison.judge.effects_table import EFFECTS, effects_summary
 from comparison.judge.reduced_model import check_plane
+from comparison.verdict.check import Check, Verdict
 from comparison.workflow import one_scene, restored_effects
 from comparison.yade import Results
 from la_core.analysis.case_file import read_case, write_case
@@ -264,7 +264,7 @@ def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
     bounds = Answers(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)})
     analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, flat.inset, scene.yade))
     (check,) = check_plane(analysis)
-    assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.reason
+    assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.next_step
 
 
 def forced_flat(scene: Scene) -> Assembly:

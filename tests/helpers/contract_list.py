@@ -19,7 +19,7 @@ from comparison.campaign.columns import COSTS, result_columns
 from comparison.campaign.definition import CampaignFile
 from comparison.cli.arguments import parser
 from comparison.cli.commands import main
-from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
+from comparison.cli.exit_codes import AGREE, CANNOT_STAND, DISAGREE, INCONCLUSIVE, INTERRUPTED, TOOL, USAGE
 from comparison.run_folder import WRITTEN
 from comparison.settings import Settings
 from la_core import exchange
@@ -38,6 +38,7 @@ def contract() -> dict[str, Any]:
         "verbs": {name: sorted(words(sub)) for name, sub in commands.choices.items()},
         "exit codes": {
             "agree": AGREE, "disagree": DISAGREE, "usage": USAGE, "tool": TOOL, "inconclusive": INCONCLUSIVE, "interrupted": INTERRUPTED,
+            "cannot stand": CANNOT_STAND,
         },
         "settings": sorted(Settings.model_fields),
         "scene keys": sorted(schema_keys(SceneFile.model_json_schema())),

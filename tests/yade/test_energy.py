@@ -9,9 +9,9 @@ import scenes
 from conftest import CrossChecked
 from runs import made_up_run
 
-from comparison.judge.check import Verdict
 from comparison.judge.energy import DRIFT, audit, check_energy
 from comparison.report.details import energies
+from comparison.verdict.check import Verdict
 from comparison.yade.run_record import Poses, Run
 from la_core.exchange.fields import SUPPORT
 from la_core.model.assembly import Assembly, assemble

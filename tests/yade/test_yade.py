@@ -103,8 +103,9 @@ def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path)
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
     path = tmp_path / "overhang.toml"
     path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
-    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 5
     summary = json.loads((tmp_path / "out" / "overhang" / "comparison.json").read_text())
+    assert summary["verdict"] == "cannot stand" and "collapsed in YADE, too" in summary["reason"]
     assert summary["yade"]["status"] == "collapsed" and summary["yade"]["reaction"] is None
     assert summary["limit_analysis"]["associated"]["falling"] == ["block"]
 

@@ -12,9 +12,9 @@ import scenes
 from conftest import Silent
 from runs import made_up_run
 
-from comparison.judge.check import Check, Verdict
 from comparison.judge.reduced_model import check_displacement, largest_displacements
 from comparison.judge.run_checks import check_run
+from comparison.verdict.check import Check, Verdict
 from comparison.workflow.one_scene import TIME_LIMIT, run_scene
 from comparison.yade import Results, process
 from comparison.yade.run_record import Run, read_run

@@ -14,7 +14,7 @@ from comparison.campaign.figures.shared_axes import MARKERS, NARROW
 from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_values import Row, bounds, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
-from comparison.judge import HISTORY
+from comparison.judge import FLOOR
 from comparison.numbers import exists
 from la_core.limit import Drive
 
@@ -27,7 +27,7 @@ SIZE, SMALL = 6.5, 4.0  # pt
 LINEAR = 1.0  # per cent: the scale of differences is linear up to here, logarithmic beyond
 LEVELS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)  # per cent
 PALE = tint(tint(tint(LIMIT_ANALYSIS)))  # bars that cover each other stay as pale as one
-VERDICT_FACE = {"agree": INK, "inconclusive": "white", "disagree": "#d62728"}
+VERDICT_FACE = {"agree": INK, "inconclusive": "white", "disagree": "#d62728", "cannot stand": "#d62728"}
 
 
 def prediction_figure(rows: Sequence[Row], unit: str) -> Figure | None:
@@ -88,13 +88,13 @@ def _draw_difference(axes: Any, row: Row, style: dict[str, Any]) -> None:
 
 
 def _finish(left: Any, right: Any, rows: list[Row], words: str) -> None:
-    """Set the axes, and draw the lines of agreement and the tolerance of sliding joints."""
+    """Set the axes, and draw the lines of agreement and the tolerance without stated uncertainties."""
     low, high = _range(rows)
     room = 0.06 * (high - low)
     left.plot([low - room, high + room], [low - room, high + room], color=INK, linewidth=0.8, linestyle="--", zorder=2)
     left.set(xlim=(low - room, high + room), ylim=(low - room, high + room), aspect="equal")
     left.set_ylabel(f"YADE: {words}", fontsize=9)
-    right.axhspan(-100.0 * HISTORY, 100.0 * HISTORY, color=FAINT, alpha=0.25, linewidth=0.0, zorder=0)
+    right.axhspan(-100.0 * FLOOR, 100.0 * FLOOR, color=FAINT, alpha=0.25, linewidth=0.0, zorder=0)
     right.axhline(0.0, color=INK, linewidth=0.8, linestyle="--", zorder=2)
     right.set_xlim(left.get_xlim())
     right.set_yscale("symlog", linthresh=LINEAR)
@@ -142,4 +142,4 @@ def _bar_handles(rows: list[Row]) -> list[Any]:
     ]
     if len(rows) <= BOUNDED:
         handles.append(Line2D([], [], color=PALE, linewidth=3.5, label=f"{Drive.YIELDING.symbol} to {Drive.PUSHING.symbol}"))
-    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {HISTORY:.0%}: tolerance of sliding joints")]
+    return [*handles, Patch(facecolor=FAINT, alpha=0.25, label=f"± {FLOOR:.1%}: tolerance without uncertainties")]

@@ -9,7 +9,7 @@ from typing import Any
 from comparison.campaign.report.verdict_matrix import verdict_symbol
 from comparison.campaign.row_values import METHODS, Row, mechanism_name, runs_of
 from comparison.campaign.table import CampaignTable
-from comparison.judge import HISTORY
+from comparison.judge import UNCERTAIN
 from comparison.numbers import exists
 from comparison.report import flat
 
@@ -179,8 +179,8 @@ def _reactions(before: Row, after: Row) -> Iterator[Change]:
 def _allowed(name: str, row: Row) -> float:
     """Return the error that a reaction may have: the uncertainty that its method states, and the error of the solver.
 
-    A prediction that states none may move within the interval that the history of friction leaves open, at most by the tolerance of
-    sliding joints.
+    A prediction that states none may move within the interval that the history of friction leaves open, at most by the
+    uncertainty that a verdict allows.
     """
     value, weight, uncertainty = (_or_zero(row.get(key)) for key in (name, "weight", "yade_uncertainty"))
     solver = SOLVER * (weight if row.get("unit") else abs(value))
@@ -193,7 +193,7 @@ def _allowed(name: str, row: Row) -> float:
             return solver + row["coulomb_uncertainty"]
         low, high = row.get("coulomb_low"), row.get("coulomb_high")
         open_width = (high - low) / 2.0 if exists(low) and exists(high) else 0.0
-        return solver + max(UNSTATED * abs(value), min(open_width, HISTORY * abs(value))) / 2.0
+        return solver + max(UNSTATED * abs(value), min(open_width, UNCERTAIN * abs(value))) / 2.0
     return solver
 
 

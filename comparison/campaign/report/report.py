@@ -19,7 +19,7 @@ from comparison.run_folder import write_text
 
 LIMITATIONS = (
     "A campaign has the limitations of its cases: each case's own report lists those of its comparison.",
-    "The deviation orders the cases. It is the difference over the tolerance of sliding joints: 1 % of YADE's reaction, at least 1e-4 of "
+    "The deviation orders the cases. It is the difference over its tolerance: 0.5 % of YADE's reaction, at least 1e-4 of "
     "the weight, plus the uncertainties that both methods state. The verdict comes from the case's own checks, which judge more than "
     "the reaction.",
     "A mechanism's label is the set of blocks that move. A block that barely moves may or may not be counted: two different "

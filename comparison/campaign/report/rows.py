@@ -25,7 +25,7 @@ from comparison.campaign.row_values import (
 from comparison.campaign.table import CampaignTable
 from comparison.judge import LEAST_REACTION
 from comparison.numbers import DASH, exists, format_number, interval_words, signed
-from comparison.report import VERDICTS
+from comparison.verdict import VERDICTS
 
 PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")

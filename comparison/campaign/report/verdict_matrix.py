@@ -9,7 +9,7 @@ from comparison.campaign.row_groups import SweepRows, key, longest, ordered, sli
 from comparison.campaign.row_values import Row, deviation, failed, link
 from comparison.campaign.table import CampaignTable
 from comparison.numbers import exists, format_number
-from comparison.report import VERDICTS
+from comparison.verdict import VERDICTS
 
 FAILURE = ("!", "failed")
 MOST_COLUMNS = 24  # that fit side by side; a parameter with more values goes downwards
@@ -82,7 +82,7 @@ def cell(folder: Path, row: Row) -> MatrixCell:
     """Return the cell of a case; folder: of the campaign."""
     apart = deviation(row)
     words = f"{row.get('case')}: {verdict_symbol(row)[1]}"
-    words += f", deviation {format_number(apart, 2)} of the tolerance of sliding joints" if exists(apart) else ""
+    words += f", deviation {format_number(apart, 2)} of its tolerance" if exists(apart) else ""
     return MatrixCell(str(row.get("case")), *verdict_symbol(row), link(folder, row), words)
 
 

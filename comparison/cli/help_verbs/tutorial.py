@@ -20,6 +20,7 @@ from la_core.errors import SceneError, nearest
 
 SCRIPTS = Path(__file__).parents[2] / "tutorials"
 NAMES = ("pads", "friction", "arch", "wall", "disagreement")  # in the order of reading
+ANSWER = "**Answer.**"  # begins the answer to a tutorial's question, the last part of its cell
 WIDTH = 100  # columns of text
 _CELL = re.compile(r"^# %%(.*)$", re.MULTILINE)
 
@@ -94,10 +95,17 @@ def notebook(name: str) -> dict[str, Any]:
     for number, cell in enumerate(cells(name), 1):
         code: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
         kind = {"cell_type": "markdown"} if cell.is_text else code
-        notebook_cells.append(kind | {"id": f"{name}-{number}", "metadata": {}, "source": cell.source.splitlines(keepends=True)})
+        source = folded(cell.source) if cell.is_text else cell.source
+        notebook_cells.append(kind | {"id": f"{name}-{number}", "metadata": {}, "source": source.splitlines(keepends=True)})
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     metadata = {"kernelspec": kernel, "language_info": {"name": "python"}}
     return {"cells": notebook_cells, "metadata": metadata, "nbformat": 4, "nbformat_minor": 5}
+
+
+def folded(text: str) -> str:
+    """Return a cell's text with the answer to its question folded, so that a reader can think first."""
+    question, mark, answer = text.partition(ANSWER)
+    return f"{question}<details><summary>Answer</summary>\n\n{answer.strip()}\n\n</details>" if mark else text
 
 
 def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:

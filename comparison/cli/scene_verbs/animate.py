@@ -1,6 +1,7 @@
 """`crosscheck animate`: animate the results of a run. By default the file lies in the run's folder, where the report finds it."""
 
 from pathlib import Path
+from typing import Any
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, TOOL
@@ -10,6 +11,7 @@ from comparison.run_folder import ANIMATION, refuse_name
 from comparison.settings import load_settings
 from comparison.workflow import run_scene
 from comparison.yade import locate_results, read_results
+from la_core.errors import SceneError
 from la_core.scene import load_scene, shipped
 
 
@@ -18,30 +20,38 @@ def execute(context: Context) -> int:
 
     Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
-    options, code = context.options, AGREE
+    options, code, made = context.options, AGREE, []
     with Narration(context.narrator) as narration:
-        folder = locate_results(options.source)
-        if folder is None:
-            folder, code = _run(options.source, narration)
-        results = read_results(folder)
-        scene = results.scene
-        path = options.output or folder / ANIMATION
-        story = Story(results)
-        frames = write_animation(
-            story, path, options.fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}")
-        )
+        folders = locate_results(options.source)
+        if not folders:
+            folder, code = _run(context, narration)
+            folders = [folder]
+        if options.output is not None and len(folders) > 1:
+            names = ", ".join(folder.name for folder in folders)
+            raise SceneError("-o", "one file cannot hold several animations", hint=f"leave it out, or name one of the folders: {names}")
+        for folder in folders:
+            made.append(_animated(folder, options.output or folder / ANIMATION, options.fps, narration))
     if options.json:
-        context.print_json({"scene": scene.name, "file": str(path), "frames": frames, "bytes": path.stat().st_size})
+        context.print_json(made[0] if len(made) == 1 else {"animations": made})
     else:
-        context.out.print(str(path), markup=False)
+        context.out.print("\n".join(str(one["file"]) for one in made), markup=False)
     return code
 
 
-def _run(source: str, narration: Narration) -> tuple[Path, int]:
+def _animated(folder: Path, path: Path, fps: int, narration: Narration) -> dict[str, Any]:
+    """Animate the stored results of one scene, and return what was written."""
+    results = read_results(folder)
+    scene = results.scene
+    frames = write_animation(Story(results), path, fps, lambda done, of: narration.fraction(scene.name, done / of, f"frame {done} of {of}"))
+    return {"scene": scene.name, "file": str(path), "frames": frames, "bytes": path.stat().st_size}
+
+
+def _run(context: Context, narration: Narration) -> tuple[Path, int]:
     """Run a scene as `crosscheck run` does; returns the folder of its results and the exit code."""
-    scene, settings = load_scene(shipped.find(source)), load_settings().settings
+    options = context.options
+    scene, settings = load_scene(shipped.find(options.source)), load_settings().settings
     refuse_name(scene)
     folder = settings.output / scene.name
-    summary = run_scene(scene, folder, narration, with_yade=True, time_limit=settings.time_limit)
+    summary = run_scene(scene, folder, narration, with_yade=not options.no_yade, time_limit=options.time_limit)
     failed = summary["yade"] is not None and summary["yade"]["status"] in ("missing", "failed")
     return folder, TOOL if failed else AGREE

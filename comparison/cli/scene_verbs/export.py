@@ -1,5 +1,7 @@
 """`crosscheck export`: write stored results, or limit analysis of a scene, as files for ParaView."""
 
+from pathlib import Path
+
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.report import export
@@ -11,7 +13,8 @@ from la_core.scene import load_scene, shipped
 def execute(context: Context) -> int:
     """Write the files and print their paths; raises SceneError, or exchange.ExchangeError for damaged results."""
     options = context.options
-    files = [str(path) for path in export(results_of(options.source), options.output)]
+    stored = locate_results(options.source)
+    files = _export_stored(stored, options.output) if stored else _export_solved(options.source, options.output)
     if options.json:
         context.print_json({"files": files})
     else:
@@ -19,12 +22,16 @@ def execute(context: Context) -> int:
     return AGREE
 
 
-def results_of(source: str) -> Results:
-    """Return the stored results of a scene's folder, or the limit analysis of a scene given by its path or shipped name.
+def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
+    """Export the stored results of scenes, those of several into folders of their names; return the files to open."""
+    files: list[str] = []
+    for folder in folders:
+        place = Path(f"{folder.name}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
+        files += map(str, export(read_results(folder), place))
+    return files
 
-    Raises SceneError, or exchange.ExchangeError for damaged results.
-    """
-    folder = locate_results(source)
-    if folder is None:
-        return Results(analyse(load_scene(shipped.find(source))))
-    return read_results(folder)
+
+def _export_solved(source: str, output: Path | None) -> list[str]:
+    """Export the limit analysis of a scene given by its path or shipped name; return the files to open. Raises SceneError."""
+    scene = load_scene(shipped.find(source))
+    return list(map(str, export(Results(analyse(scene)), output or Path(f"{scene.name}-paraview"))))

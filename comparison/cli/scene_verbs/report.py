@@ -20,7 +20,10 @@ def execute(context: Context) -> int:
     A scene whose results cannot be read gets an error message; the other scenes are still reported. Raises SceneError for a folder
     without results.
     """
-    folders = context.options.folders
+    folders = []
+    for named in context.options.folders:
+        if (folder := _run_folder(named)) == named or folder not in folders:  # scenes of one run have one report
+            folders.append(folder)
     if any(map(is_campaign, folders)):
         return report_campaigns(context)
     reports: list[tuple[Path, list[dict[str, Any]]]] = []
@@ -29,7 +32,7 @@ def execute(context: Context) -> int:
         for folder in folders:
             cases = sorted(path.parent for path in folder.glob("*/case.h5"))
             if not cases:
-                raise SceneError(str(folder), "holds no results of `crosscheck run`")
+                raise SceneError(str(folder), "holds no results of `crosscheck run`", hint="`crosscheck run SCENE` makes some")
             comparisons = []
             for case in cases:
                 try:
@@ -38,3 +41,10 @@ def execute(context: Context) -> int:
                     broken = complain(str(error), TOOL)
             reports.append((folder, comparisons))
     return max(broken, conclude(reports, context), key=GRAVITY.index)
+
+
+def _run_folder(folder: Path) -> Path:
+    """Return the folder of a run, which holds its report; a scene's folder lies in it."""
+    if not (folder / "case.h5").is_file():
+        return folder
+    return folder.resolve().parent if folder.name in ("", ".", "..") else folder.parent

@@ -1,17 +1,25 @@
 """`crosscheck run`: solve scenes by both methods, compare the answers and write the report."""
 
 import argparse
+import multiprocessing
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from typing import Any
+
+from rich.console import Console
 
 from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
-from comparison.workflow import run_scene
+from comparison.workflow import run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
 from la_core.scene import full_model, load_scene, shipped
+
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
 def execute(context: Context) -> int:
@@ -19,16 +27,59 @@ def execute(context: Context) -> int:
     options = context.options
     models = _models(options)
     comparisons: list[dict[str, Any]] = []
+    made = _side_by_side(models, context) if min(options.workers, len(models)) > 1 else _in_turn(models, context)
     try:
-        with Narration(context.narrator) as narration:
-            for model in models:
-                folder = options.output / model.scene.name
-                comparisons.append(run_scene(model, folder, narration, not options.no_yade, options.time_limit))
+        for comparison in made:
+            comparisons.append(comparison)
     except (SceneError, FolderInUseError):  # an error found only during the run: earlier scenes keep their report
         if comparisons:
             conclude([(options.output, comparisons)], context)
         raise
     return conclude([(options.output, comparisons)], context)
+
+
+def _in_turn(models: list[StructuralModel], context: Context) -> Iterator[dict[str, Any]]:
+    """Yield the comparisons of each model, one model after the other."""
+    with Narration(context.narrator) as narration:
+        for model in models:
+            yield from _run_one(model, context.options, narration)
+
+
+def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[dict[str, Any]]:
+    """Yield the comparisons in the order of the models, made by several processes of one thread each.
+
+    Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold.
+    """
+    threads = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
+    spawn = multiprocessing.get_context("spawn")
+    try:
+        with ProcessPoolExecutor(min(context.options.workers, len(models)), mp_context=spawn) as pool:
+            for waiting in [pool.submit(_run_quietly, model, context.options) for model in models]:
+                yield from waiting.result()
+    finally:
+        for name, value in threads.items():
+            if value is None:
+                os.environ.pop(name)
+            else:
+                os.environ[name] = value
+
+
+def _run_quietly(model: StructuralModel, options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Run one model in a process of its own, which prints lines and no bars."""
+    console = Console(stderr=True, quiet=options.quiet, highlight=False, emoji=False, soft_wrap=True, force_terminal=False)
+    with Narration(console) as narration:
+        return list(_run_one(model, options, narration))
+
+
+def _run_one(model: StructuralModel, options: argparse.Namespace, narration: Narration) -> Iterator[dict[str, Any]]:
+    """Yield the comparison of a model, then that of its second attempt, where one is requested and called for."""
+    with_yade = not options.no_yade
+    first = run_scene(model, options.output / model.scene.name, narration, with_yade, options.time_limit)
+    yield first
+    if options.try_harder:
+        again = try_harder(first, model.scene, options.output, narration, with_yade, options.try_harder_limit)
+        yield from [again] if again is not None else []
 
 
 def _models(options: argparse.Namespace) -> list[StructuralModel]:

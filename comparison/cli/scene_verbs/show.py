@@ -22,6 +22,6 @@ def execute(context: Context) -> int:
         context.print_json(facts | {"figure": str(figure)})
     else:
         context.out.print(tables.facts_table(scene.title, facts))
-        context.out.print(tables.effects_table(facts["effects"]))
+        context.out.print(tables.effects_table(facts["effects"], options.long))
         context.narrator.print(f"drawn in {figure}", markup=False)
     return AGREE

@@ -6,12 +6,13 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
-from comparison.judge import Check, check_accuracy, check_expected, limit_analysis_summary, overall
+from comparison.judge import check_accuracy, check_expected, limit_analysis_summary
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
+from comparison.verdict import Check, Conclusion, Verdict, conclusion
 from comparison.yade import Results
-from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model
+from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
 from la_core.limit import Status
 from la_core.scene import Scene, load_scene, shipped
 
@@ -28,7 +29,11 @@ class _BoundsFirst(Narration):
         if self._context.options.json or (analysis.scene.accuracy is not None and not self._context.options.bounds):
             super().tell_bounds(analysis)
             return
-        self._context.out.print(tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}))
+        if (concluded := _concluded(analysis, [])).verdict is Verdict.CANNOT_STAND:
+            self._context.out.print(f"{analysis.scene.name} cannot stand. {concluded.reason}", markup=False)
+        self._context.out.print(
+            tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}, self._context.options.long)
+        )
         self.has_printed_bounds = True
 
 
@@ -39,6 +44,8 @@ def execute(context: Context) -> int:
     """
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
+    if options.accuracy is not None:
+        scene = with_accuracy(scene, options.accuracy)
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)
@@ -51,12 +58,20 @@ def execute(context: Context) -> int:
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
-    verdict, reason = overall(checks)
-    if reason:
-        narrator.print(reason, markup=False)
+    concluded = _concluded(analysis, checks)
+    if concluded.next_step:  # one method alone has nothing more to say about its own answer
+        is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
+        words = "" if is_said else f"{concluded.reason}\n"
+        narrator.print(f"{words}next: {concluded.next_step}", markup=False)
     if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
-        return max(INCONCLUSIVE, EXIT_OF_VERDICT[verdict], key=GRAVITY.index)
-    return EXIT_OF_VERDICT[verdict]
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[concluded.verdict], key=GRAVITY.index)
+    return EXIT_OF_VERDICT[concluded.verdict]
+
+
+def _concluded(analysis: LimitAnalysis, checks: list[Check]) -> Conclusion:
+    """Return the conclusion of limit analysis alone."""
+    main = analysis.bounds[analysis.main]
+    return conclusion(checks, None, main.falling if main.status is Status.INFEASIBLE else None)
 
 
 def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:
@@ -71,8 +86,8 @@ def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnal
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
     """Print the tables of an answer, without that of the bounds where it was printed already."""
     if not has_printed_bounds:
-        context.out.print(tables.bounds_table(scene, answer))
-    if (rest := tables.prediction_table(scene, answer, checks)) is not None:
+        context.out.print(tables.bounds_table(scene, answer, context.options.long))
+    if (rest := tables.prediction_table(scene, answer, checks, context.options.long)) is not None:
         context.out.print(rest)
     if answer["path"] is not None:
         context.out.print(tables.path_table(scene, answer["path"]))

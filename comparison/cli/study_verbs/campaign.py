@@ -26,9 +26,10 @@ from comparison.campaign import (
     write_campaign_report,
 )
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, DISAGREE, INCONCLUSIVE, TOOL
-from comparison.numbers import DASH, plural
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
+from comparison.numbers import plural
 from comparison.progress import CampaignNarration
+from comparison.verdict import mark_of
 from la_core.errors import SceneError, nearest
 from la_core.text_table import number_text
 
@@ -63,6 +64,8 @@ def find_campaign(path_or_name: Path) -> Path:
     if path_or_name.suffix == ".toml" or path_or_name.exists():
         return path_or_name
     name = str(path_or_name)
+    if name not in known and (complete := path_or_name.with_name(f"{path_or_name.name}.toml")).is_file():
+        return complete
     if name not in known:
         raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
     return known[name]
@@ -95,8 +98,7 @@ def exit_code(table: CampaignTable) -> int:
     """Return the exit code of the gravest case; a failed case is graver than a disagreement, and that than an inconclusive case."""
     if table.failures:
         return TOOL
-    verdicts = {row["verdict"] for row in table.rows}
-    return DISAGREE if "disagree" in verdicts else INCONCLUSIVE if "inconclusive" in verdicts else AGREE
+    return max((EXIT_OF_VERDICT[row["verdict"] or None] for row in table.rows), key=GRAVITY.index, default=AGREE)
 
 
 def show(table: CampaignTable, out: Console) -> None:
@@ -108,7 +110,7 @@ def show(table: CampaignTable, out: Console) -> None:
         divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
         reactions = [row[name] for name in ("least", "coulomb", "greatest", "yade")]
         values = [number_text(None if reaction is None else reaction / divisor, 5) for reaction in reactions]
-        verdict = row["verdict"] or ("failed" if row["state"] == "failed" else DASH)
+        verdict = "failed" if row["state"] == "failed" else mark_of(row["verdict"])
         terminal_table.add_row(row["case"].replace("[", r"\["), *values, verdict)
     out.print(terminal_table)
     if len(table.rows) > MOST_SHOWN:
@@ -116,6 +118,8 @@ def show(table: CampaignTable, out: Console) -> None:
     for row in table.rows:
         if row["reason"]:
             out.print(f"{row['case']}: {row['reason']}", markup=False)
+        if row.get("next_step"):
+            out.print(f"{row['case']}: next: {row['next_step']}", markup=False)
     counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in table.rows)
     out.print(f"{plural(len(table.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
     out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)

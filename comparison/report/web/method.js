@@ -1,11 +1,11 @@
 "use strict";
 // One method in the interactive view; `viewer.js` follows in the same script.
 
-const INK = "#222222", FAINT = "#9a9a9a", FORCE = "#a3181f"; // the first two as in the figures
+const INK = "#222222", FAINT = "#9a9a9a", FORCE = "#a3181f", THRUST = "#0b6e4f", PICKED = "#b8860b"; // as in the figures
 const LONGEST = 0.25; // of the structure's size: the largest contact force
 const LEAST = 0.005; // of the largest contact force: smaller ones are left out
-const MARKS = { // by la_core.measures.ContactState: label, colour, edge
-  0: ["sticks", INK, "#ffffff"], 1: ["carries nothing", FAINT, "#ffffff"], 2: ["slides", "#c2185b", "#ffffff"], 3: ["opens", "#ffffff", "#00695c"],
+const MARKS = { // of a joint, by la_core.measures.ContactState: label, colour, edge; those that move as in the figures
+  0: ["sticks", INK, "#ffffff"], 1: ["carries nothing", FAINT, "#ffffff"], 2: ["slides", INK, "#ffffff"], 3: ["opens", "#ffffff", INK],
 };
 
 const make = (tag, properties, ...children) => {
@@ -22,7 +22,7 @@ function library() {
   return window.THREE;
 }
 
-// Mark of a contact point for the picture and its legend; states differ in shape and colour.
+// Mark of a joint for the picture and its legend; states differ in shape and colour.
 function mark(state) {
   const [, fill, edge] = MARKS[state], canvas = make("canvas", { width: 32, height: 32 }), pen = canvas.getContext("2d");
   const shape = new Path2D(state === "2" ? "M7 7L25 25M25 7L7 25" : "");
@@ -35,7 +35,7 @@ function mark(state) {
   return canvas;
 }
 
-// One method's blocks, contact points and forces in a separate scene; `show` moves them.
+// One method's blocks, joints and their resultant forces in a separate scene; `show` moves them.
 class Method {
   constructor(three, data, geometry, method, place) {
     Object.assign(this, { three, data, geometry, label: method.label, note: method.note, scene: new three.Scene() });
@@ -44,7 +44,8 @@ class Method {
     this.displacement = decode(method.displacement, Float32Array);
     this.forces = decode(method.forces, Float32Array);
     this.looks = decode(method.looks, Uint8Array);
-    this.states = decode(method.contacts, Int8Array);
+    this.centres = decode(method.centres, Float32Array);
+    this.states = decode(method.joints, Int8Array);
     this.position = new three.BufferAttribute(geometry.vertices.slice(), 3);
     this.scene.add(new three.HemisphereLight("#ffffff", "#c8c8c8", 2.4));
     const sun = new three.DirectionalLight("#ffffff", 1.6);
@@ -86,7 +87,7 @@ class Method {
       const index = Uint32Array.from(this.states.keys()).filter((point) => this.states[point] === Number(state));
       const map = new this.three.CanvasTexture(mark(state));
       map.colorSpace = "srgb";
-      const style = { map, size: share * (state > 1 ? 12 : 9), sizeAttenuation: false, transparent: true, alphaTest: 0.2 };
+      const style = { map, size: share * (state > 1 ? 12 : 6), sizeAttenuation: false, transparent: true, alphaTest: 0.2 };
       return this.part("Points", this.middle, index, new this.three.PointsMaterial(style));
     });
   }
@@ -96,6 +97,17 @@ class Method {
     this.needles = new three.InstancedMesh(new three.OctahedronGeometry(0.5), paint, this.states.length);
     this.needles.frustumCulled = false;
     this.scene.add(this.needles);
+    this.pressure = new three.BufferAttribute(this.centres.slice(0, 3 * this.states.length), 3);
+    this.thrust = this.part("LineSegments", this.pressure, this.geometry.thrust, new three.LineBasicMaterial({ color: THRUST }));
+  }
+
+  // The outline of a picked block, drawn over everything; nothing for null.
+  outline(block) {
+    if (this.frame) { this.scene.remove(this.frame); this.frame.geometry.dispose(); this.frame = undefined; }
+    if (block === null) return;
+    const { owner, edges } = this.geometry, own = edges.filter((vertex) => owner[vertex] === block);
+    this.frame = this.part("LineSegments", this.position, own, new this.three.LineBasicMaterial({ color: PICKED, depthTest: false }));
+    this.frame.renderOrder = 3;
   }
 
   // Displacements and forces at a settlement, linear between the stored states.
@@ -109,8 +121,11 @@ class Method {
   }
 
   show(settlement, magnification) {
-    const { geometry } = this, { centroids } = geometry, into = this.position.array;
-    const moved = this.at(this.displacement, 6 * this.looks.length, settlement);
+    const { geometry } = this, { centroids } = geometry, into = this.position.array, count = this.states.length;
+    this.settled = settlement;
+    this.moved = this.at(this.displacement, 6 * this.looks.length, settlement);
+    this.loaded = this.at(this.forces, 3 * count, settlement);
+    const { moved } = this;
     const displace = (from, place, block, share, target) => {
       const c = 3 * block, d = 6 * block, k = share * magnification;
       const x = from[place] - centroids[c], y = from[place + 1] - centroids[c + 1], z = from[place + 2] - centroids[c + 2];
@@ -118,33 +133,37 @@ class Method {
       target[place + 1] += k * (moved[d + 1] + moved[d + 5] * x - moved[d + 3] * z);
       target[place + 2] += k * (moved[d + 2] + moved[d + 3] * y - moved[d + 4] * x);
     };
+    const halfway = (from, target) => geometry.sides.forEach((block, side) => displace(from, 3 * (side >> 1), block, 0.5, target));
     into.set(geometry.vertices);
     geometry.owner.forEach((block, vertex) => displace(geometry.vertices, 3 * vertex, block, 1, into));
     this.middle.array.set(geometry.points);
-    geometry.sides.forEach((block, side) => displace(geometry.points, 3 * (side >> 1), block, 0.5, this.middle.array));
-    this.position.needsUpdate = this.middle.needsUpdate = true;
-    if (this.needles.visible) this.turnNeedles(this.at(this.forces, 3 * this.states.length, settlement));
+    halfway(geometry.points, this.middle.array);
+    const centres = this.at(this.centres, 3 * count, settlement);
+    this.pressure.array.set(centres);
+    halfway(centres, this.pressure.array);
+    this.position.needsUpdate = this.middle.needsUpdate = this.pressure.needsUpdate = true;
+    if (this.needles.visible) this.turnNeedles(this.loaded);
   }
 
   turnNeedles(forces) {
     const { three, data } = this, along = new three.Vector3(), middle = new three.Vector3(), scale = new three.Vector3();
     const turn = new three.Quaternion(), up = new three.Vector3(0, 1, 0), matrix = new three.Matrix4();
-    for (let point = 0; point < this.states.length; point++) {
-      const force = along.fromArray(forces, 3 * point).length() / (data.largest_force || 1);
+    for (let joint = 0; joint < this.states.length; joint++) {
+      const force = along.fromArray(forces, 3 * joint).length() / (data.largest_force || 1);
       const width = force > LEAST ? 0.009 * data.size : 0;
       turn.setFromUnitVectors(up, along.normalize());
-      matrix.compose(middle.fromArray(this.middle.array, 3 * point), turn, scale.set(width, width && LONGEST * data.size * force, width));
-      this.needles.setMatrixAt(point, matrix);
+      matrix.compose(middle.fromArray(this.pressure.array, 3 * joint), turn, scale.set(width, width && LONGEST * data.size * force, width));
+      this.needles.setMatrixAt(joint, matrix);
     }
     this.needles.instanceMatrix.needsUpdate = true;
   }
 
   dress({ points, forces, through }) {
     Object.assign(this.blocks.material, { transparent: through, opacity: through ? 0.4 : 1, depthWrite: !through, needsUpdate: true });
-    for (const object of [...this.points, this.needles]) {
-      object.visible = object === this.needles ? forces : points;
+    for (const object of [...this.points, this.needles, this.thrust]) {
+      object.visible = object === this.needles || object === this.thrust ? forces : points;
       object.material.depthTest = !through;
-      object.renderOrder = object === this.needles ? 1 : 2;
+      object.renderOrder = object === this.needles || object === this.thrust ? 1 : 2;
     }
   }
 }

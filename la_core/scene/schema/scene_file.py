@@ -10,6 +10,7 @@ from la_core.scene.schema.mesh import Mesh
 from la_core.scene.schema.types import (
     LARGEST,
     Count,
+    DateText,
     Direction,
     Gravity,
     Name,
@@ -175,8 +176,15 @@ class SceneFile(Table):
 
     title: Text = described("heading of tables and reports", default="")
     source: Text = described("where the expected value, or the structure, comes from", default="")
+    project: Text = described("project that the report belongs to, shown in its head", default="")
+    author: Text = described("who answers for the report, shown in its head", default="")
+    date: DateText = described("date in the report's head; the day of the calculation where none is given", default="")
     accuracy: Accuracy | None = described(
         "requested accuracy of both methods, as a share of the answer; as `crosscheck run --accuracy`", default=None
+    )
+    effort: Literal["normal", "high"] = described(
+        "high: the prediction follows finer and longer paths, at several times the cost; `crosscheck run --try-harder` sets it",
+        default="normal",
     )
     gravity: Gravity = described("acceleration of gravity, z is up", "m/s2", default=(0.0, 0.0, -9.81))
     stone: Stone | None = described("material of blocks without their own density", default=None)

@@ -1,8 +1,9 @@
 """Types of the entries of a scene file: numbers within limits, vectors, names, and tables that refuse unknown keys."""
 
+import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict
 
 from la_core.errors import CONTROL
 
@@ -30,6 +31,13 @@ def _is_harmless(text: str) -> str:
 
 
 Text = Annotated[str, Strict(), Field(max_length=10_000), AfterValidator(_is_harmless)]
+
+
+def _date_as_text(value: object) -> object:
+    return value.isoformat() if isinstance(value, datetime.date) else value
+
+
+DateText = Annotated[Text, BeforeValidator(_date_as_text)]  # a date of TOML, or text
 LONGEST_NAME = 200  # characters
 Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
 MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long

@@ -2,12 +2,29 @@
 
 from typing import Any
 
-from comparison.numbers import several_plateaus, with_uncertainty
+from comparison.numbers import DASH, several_plateaus, with_uncertainty
 from la_core.text_table import number_text, over_weight
 
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
 VERDICT_TITLE = "reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau"
-SYMBOLS = {"agree": "✓ agree", "disagree": "✗ disagree", "inconclusive": "? inconclusive", None: "–"}
+VERDICTS = {  # sign and words of a comparison's verdict
+    "agree": ("✓", "agree"),
+    "disagree": ("✗", "disagree"),
+    "inconclusive": ("?", "inconclusive"),
+    "expected value met": ("○", "expected value met (YADE not run)"),
+    "cannot stand": ("↓", "cannot stand"),
+    None: (DASH, "not compared"),
+}
+
+
+def mark_of(verdict: str | None) -> str:
+    """Return the sign and the words of a comparison's verdict."""
+    return " ".join(VERDICTS.get(verdict, VERDICTS[None]))
+
+
+def check_words(verdict: str | None) -> tuple[str, str]:
+    """Return the sign and the words of a check's verdict; an expected value is met, whoever runs beside."""
+    return ("✓", "met") if verdict == "expected value met" else VERDICTS.get(verdict, VERDICTS[None])
 
 
 def verdict_cells(comparison: dict[str, Any]) -> list[str]:

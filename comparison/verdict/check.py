@@ -1,8 +1,10 @@
-"""A check: one comparison of the two methods, with its numbers, tolerance, verdict and reason."""
+"""A check: one comparison of the two methods, with its numbers, tolerance, verdict, reason and next step."""
 
 import enum
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 
 class Verdict(enum.StrEnum):
@@ -16,11 +18,17 @@ class Verdict(enum.StrEnum):
         They differ by more than the tolerance.
     INCONCLUSIVE
         A number does not exist, or it is too uncertain for a verdict.
+    EXPECTED_MET
+        Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
+    CANNOT_STAND
+        The structure has no equilibrium under its own weight, and YADE does not contradict this.
     """
 
     AGREE = "agree"
     DISAGREE = "disagree"
     INCONCLUSIVE = "inconclusive"
+    EXPECTED_MET = "expected value met"
+    CANNOT_STAND = "cannot stand"
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,12 @@ class Check:
     unit : str
         Unit of the numbers, such as "N" or "of the mass".
     reason : str
-        Reason in sentences; "" only for AGREE.
+        Reason in sentences; for AGREE a remark, or "".
+    next_step : str
+        What a user can do about it, in sentences; "" for AGREE, and where the verdict's own next step is the one to take.
+    range : tuple of float or None, or None
+        Ends of the range in which YADE's value must lie, in `unit`, None for no end; None for a check that is no range check. The
+        difference is then the distance beyond the range, 0 inside it.
     """
 
     name: str
@@ -55,6 +68,8 @@ class Check:
     tolerance: float | None = None
     unit: str = ""
     reason: str = ""
+    next_step: str = ""
+    range: tuple[float | None, float | None] | None = None
 
 
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
@@ -66,7 +81,7 @@ def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
     return (Verdict.AGREE, "") if checks else (None, "")
 
 
-def within(name: str, expected: float, observed: float, tolerance: float, unit: str, reason: str) -> Check:
+def within(name: str, expected: float, observed: float, tolerance: float, unit: str, reason: str, next_step: str = "") -> Check:
     """Compare two numbers; an undefined one makes the check inconclusive, never agree.
 
     Parameters
@@ -81,17 +96,21 @@ def within(name: str, expected: float, observed: float, tolerance: float, unit: 
         Unit of the three numbers.
     reason : str
         Sentence for the check where the numbers differ by more than the tolerance.
+    next_step : str
+        What a user can do then.
     """
     difference = observed - expected
     if not (math.isfinite(difference) and math.isfinite(tolerance)):
         missing = f'The check "{name}" could not be made, because one of its values is undefined.'
-        return Check(name, Verdict.INCONCLUSIVE, finite_or_none(expected), finite_or_none(observed), None, tolerance, unit, missing)
-    verdict = Verdict.AGREE if abs(difference) <= tolerance else Verdict.DISAGREE
-    return Check(name, verdict, expected, observed, difference, tolerance, unit, "" if verdict is Verdict.AGREE else reason)
+        numbers = finite_or_none(expected), finite_or_none(observed), None, finite_or_none(tolerance)
+        return Check(name, Verdict.INCONCLUSIVE, *numbers, unit, missing, next_step)
+    if abs(difference) <= tolerance:
+        return Check(name, Verdict.AGREE, expected, observed, difference, tolerance, unit)
+    return Check(name, Verdict.DISAGREE, expected, observed, difference, tolerance, unit, reason, next_step)
 
 
-def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: float, unit: str, reason: str) -> Check:
-    """Compare a number with a range: the check shows the nearer bound, and its reason names the range.
+def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: float, unit: str, reason: str, next_step: str = "") -> Check:
+    """Compare a number with a range: the check shows the range, the nearer bound, and the distance beyond the range.
 
     Parameters
     ----------
@@ -107,16 +126,24 @@ def inside(name: str, bounds: tuple[float, float], observed: float, tolerance: f
         Unit of all numbers.
     reason : str
         Sentence for the check where the number lies outside.
+    next_step : str
+        What a user can do then.
     """
     low, high = bounds
     if any(math.isnan(bound) for bound in (low, high, tolerance)) or not math.isfinite(observed):
-        return within(name, math.nan, observed, tolerance, unit, reason)
-    fits = low - tolerance <= observed <= high + tolerance
+        return within(name, math.nan, observed, tolerance, unit, reason, next_step)
     nearer = low if observed - low <= high - observed else high
-    span = f"Range: {low:.6g} to {high:.6g} {unit}." if math.isfinite(high) else f"Range: {low:.6g} {unit} and more."
-    message = span if fits else f"{reason} {span}"
-    verdict = Verdict.AGREE if fits else Verdict.DISAGREE
-    return Check(name, verdict, finite_or_none(nearer), observed, finite_or_none(observed - nearer), tolerance, unit, message)
+    beyond = min(observed - low, 0.0) + max(observed - high, 0.0)
+    span = (finite_or_none(low), finite_or_none(high))
+    if abs(beyond) <= tolerance:
+        return Check(name, Verdict.AGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, range=span)
+    return Check(name, Verdict.DISAGREE, finite_or_none(nearer), observed, beyond, tolerance, unit, reason, next_step, span)
+
+
+def stored_check(stored: Mapping[str, Any]) -> Check:
+    """Return a check from its object in comparison.json."""
+    ends = stored.get("range")
+    return Check(**{**stored, "verdict": Verdict(stored["verdict"]), "range": tuple(ends) if ends else None})
 
 
 def finite_or_none(value: float) -> float | None:

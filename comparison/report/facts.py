@@ -1,0 +1,80 @@
+"""Facts of a structure and its mechanisms that a report states: they go into `comparison.json` beside the results, in SI units."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from comparison.figures import motions
+from comparison.yade import Results
+from la_core.exchange import FIXED, FREE, SUPPORT
+from la_core.geometry import Blocks
+from la_core.measures import ContactState, mechanism, thrust_line
+
+MOST_NAMES = 12  # blocks or joints that a report names
+
+
+def structure_facts(results: Results) -> dict[str, Any]:
+    """Return the inputs and the mechanisms of a scene as a JSON object; lengths in m, forces in N.
+
+    `size` and `block_size` are extents along x, y and z: of all free blocks together, and the least and the greatest of one.
+    `moving_blocks` counts the blocks that move, by method. `joints_of_one_method` names the joints that open or slide in one
+    method only.
+    """
+    scene, analysis = results.scene, results.analysis
+    blocks = scene.blocks
+    extent = (blocks.high - blocks.low)[blocks.free]
+    low, high = blocks.low[blocks.free].min(axis=0), blocks.high[blocks.free].max(axis=0)
+    roles = {name: int((blocks.role == role).sum()) for name, role in (("free", FREE), ("fixed", FIXED), ("support", SUPPORT))}
+    facts: dict[str, Any] = {
+        "project": scene.project,
+        "author": scene.author,
+        "date": scene.date,
+        "gravity": scene.gravity.tolist(),
+        "friction": np.unique(analysis.whole.points.friction).tolist(),
+        "inset": scene.inset,
+        "inset_of_both": analysis.assembly.inset,
+        "densities": list(_densities(blocks)),
+        "blocks": roles,
+        "size": (high - low).tolist(),
+        "block_size": {"least": extent.min(axis=0).tolist(), "greatest": extent.max(axis=0).tolist()},
+        "motion": scene.support_twist.tolist() if scene.support_twist is not None else None,
+        "live": scene.live.tolist() if scene.live is not None else None,
+        "support": _support(blocks),
+        "accuracy": scene.accuracy,
+        "has_thrust_line": bool(len(thrust_line(analysis.assembly))),
+    }
+    return facts | _mechanism_facts(results)
+
+
+def _densities(blocks: Blocks) -> Iterator[dict[str, Any]]:
+    """Yield each density of free blocks, kg/m3, with the number of blocks that have it, the most frequent first."""
+    values, counts = np.unique(np.round(blocks.density[blocks.free], 9), return_counts=True)
+    for k in np.argsort(-counts, kind="stable"):
+        yield {"density": float(values[k]), "blocks": int(counts[k])}
+
+
+def _support(blocks: Blocks) -> dict[str, Any] | None:
+    """Return names and extent of the moving supports; None without any."""
+    moved = np.flatnonzero(blocks.role == SUPPORT)
+    if not len(moved):
+        return None
+    names = [blocks.names[k] for k in moved[:MOST_NAMES]]
+    return {"names": names, "low": blocks.low[moved].min(axis=0).tolist(), "high": blocks.high[moved].max(axis=0).tolist()}
+
+
+def _mechanism_facts(results: Results) -> dict[str, Any]:
+    """Return how many blocks move by each method, and joints in which the methods differ, where both have a mechanism."""
+    assembly = results.analysis.assembly
+    shown = {"yade" if method.label == "YADE" else "limit_analysis": method for method in motions(results).methods}
+    known = {name: method for name, method in shown.items() if np.isfinite(method.twists).all()}
+    moving = {name: int(mechanism.moving(assembly.blocks, method.twists).sum()) for name, method in known.items()}
+    facts: dict[str, Any] = {"moving_blocks": moving, "joints_of_one_method": {}}
+    if len(known) == 2:
+        gives = [np.isin(method.joints, (ContactState.OPENING, ContactState.SLIDING)) for method in known.values()]
+        interfaces, names = assembly.interfaces, assembly.blocks.names
+        for name, own, other in zip(known, gives, reversed(gives), strict=True):
+            alone = np.flatnonzero(own & ~other)
+            pairs = [f"{names[interfaces.block_a[k]]} and {names[interfaces.block_b[k]]}" for k in alone[:MOST_NAMES]]
+            facts["joints_of_one_method"][name] = {"count": len(alone), "names": pairs}
+    return facts

@@ -1,0 +1,116 @@
+"""Inputs of a scene: everything that a reader without the program needs to know about what was calculated."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from comparison.numbers import Units, exists, format_number, plural
+from la_core.scene import given_keys
+
+Rows = list[tuple[str, str]]
+
+
+def input_rows(comparison: dict[str, Any], units: Units) -> Rows:
+    """Return the inputs of a scene as pairs of name and text."""
+    facts = comparison.get("structure") or {}
+    return [*_structure(comparison, facts, units), *_materials(facts), *_motion(comparison, facts, units), *_methods(comparison)]
+
+
+def scene_file(folder: Path) -> str:
+    """Return the text of the scene in a folder of results; "" where it is missing."""
+    try:
+        return (folder / "scene.toml").read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        return ""
+
+
+def key_rows(text: str) -> list[tuple[str, str, str]]:
+    """Return key, value with unit, and meaning of every key that a scene's text gives; empty for a text that cannot be read."""
+    try:
+        return [(given.key, f"{given.value} {given.unit}".rstrip(), given.meaning) for given in given_keys(text)]
+    except (ValueError, KeyError, TypeError, AttributeError, StopIteration):
+        return []
+
+
+def _structure(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
+    blocks = facts.get("blocks")
+    if blocks:
+        yield "blocks", f"{blocks['free']} free, {blocks['fixed']} fixed (ground), {blocks['support']} on the moving support"
+        yield "dimensions of the free blocks together (x, y, z)", _extent(facts["size"])
+        least, greatest = facts["block_size"]["least"], facts["block_size"]["greatest"]
+        yield "one free block, least to greatest (x, y, z)", _extent_range(least, greatest)
+    else:
+        yield "free blocks", format_number(comparison.get("free_blocks"))
+    yield "weight of the free blocks, W", units.text(comparison.get("weight"), "N", 5)
+    yield (
+        "interfaces and contact points",
+        f"{format_number(comparison.get('interfaces'))} and {format_number(comparison.get('contact_points'))}",
+    )
+
+
+def _materials(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    if not facts:
+        return
+    densities = facts["densities"]
+    each = (f"{_given(row['density'])} kg/m3" + (f" ({plural(row['blocks'], 'block')})" if len(densities) > 1 else "") for row in densities)
+    yield "density", ", ".join(each)
+    gravity = np.array(facts["gravity"])
+    down = "downwards (−z)" if gravity[2] < 0.0 and not np.any(gravity[:2]) else f"along ({', '.join(_given(g) for g in gravity)})"
+    yield "gravity", f"{_given(float(np.linalg.norm(gravity)))} m/s2 {down}"
+    angles = (f"{_given(mu)} ({format_number(math.degrees(math.atan(mu)), 3)}°)" for mu in facts["friction"])
+    yield "friction coefficient mu (angle of friction)", ", ".join(angles)
+    yield "mortar, cohesion, tension, crushing", "none"
+    inset = f"{_given(1e3 * facts['inset'])} mm"
+    both = facts.get("inset_of_both")
+    shared = f"; both methods are compared at {_given(1e3 * both)} mm" if exists(both) and both != facts["inset"] else ""
+    yield "inset of the contact points (rounded edges)", f"{inset}{shared}"
+
+
+def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
+    joints, yade = comparison.get("joints") or {}, comparison.get("yade") or {}
+    unit = "rad" if "m" in str(comparison.get("unit", "")) else "m"
+    if facts.get("live"):
+        yield "live load, in proportion to weight", f"along ({', '.join(_given(value) for value in facts['live'])})"
+    if facts.get("motion"):
+        motion = [*map(float, facts["motion"])]
+        turn = f", angular ({', '.join(_given(value) for value in motion[3:])}) per unit" if any(motion[3:]) else ""
+        yield "motion of the support, unit vector (x, y, z)", f"({', '.join(_given(value) for value in motion[:3])}){turn}"
+        support = facts.get("support") or {}
+        if support:
+            places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))
+            yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
+    if exists(yade.get("settlement")):
+        yield "settlement imposed in YADE", units.text(yade["settlement"], unit, 4)
+    if joints:
+        for name in ("normal", "shear"):
+            yield f"{name} stiffness of a contact point, both methods", units.text(joints.get(name), "N/m", 4)
+        yield "largest motion of the support (travel)", units.text(joints.get("travel"), unit, 4)
+    if exists(facts.get("accuracy")):
+        yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
+
+
+def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    provenance, yade = comparison.get("provenance") or {}, comparison.get("yade") or {}
+    if provenance.get("crosscheck"):
+        yield "limit analysis", f"Crosscheck {provenance['crosscheck']}, solver Clarabel {provenance.get('clarabel', '–')}"
+    if yade.get("version"):
+        yield "discrete elements", f"YADE {yade['version']}"
+
+
+def _given(value: float) -> str:
+    """Return a number that was given, without the digits that calculations add."""
+    return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
+
+
+def _extent(size: list[float]) -> str:
+    return f"{' × '.join(_given(round(1e3 * length, 1)) for length in size)} mm"
+
+
+def _extent_range(least: list[float], greatest: list[float]) -> str:
+    """Return the extents of one block along each axis, from the least to the greatest of all blocks."""
+    ends = [[_given(round(1e3 * length, 1)) for length in size] for size in (least, greatest)]
+    each = (low if low == high else f"{low} to {high}" for low, high in zip(*ends, strict=True))
+    return f"{' × '.join(each)} mm"

@@ -1,0 +1,130 @@
+"""The plain conclusion of a scene: what moves, what the support still carries, by which method, under which assumptions."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from comparison.numbers import Units, exists, format_number
+from comparison.verdict import Verdict
+
+STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
+
+
+def plain_words(comparison: dict[str, Any], units: Units) -> list[str]:
+    """Return the conclusion as sentences for a reader who does not know the program; empty where nothing is known.
+
+    comparison: content of the scene's `comparison.json`. units: those of the report.
+    """
+    return [sentence for sentence in _sentences(comparison, units) if sentence]
+
+
+def _sentences(comparison: dict[str, Any], units: Units) -> Iterator[str]:
+    associated = (comparison.get("limit_analysis") or {}).get("associated") or {}
+    facts = comparison.get("structure") or {}
+    if associated.get("status") == "infeasible":
+        if comparison.get("verdict") != Verdict.CANNOT_STAND:  # else the verdict itself names the blocks that fall
+            yield _falls(associated.get("falling") or [])
+        yield "No forces between the blocks can hold it, so there is no reaction."
+    elif "multiplier" in associated:
+        yield from _under_load(comparison, facts, units)
+    else:
+        yield from _on_support(comparison, facts, units)
+    if facts:
+        yield _assumed(facts)
+
+
+def _falls(names: list[str]) -> str:
+    listed = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+    falling = f": {len(names)} block{' falls' if len(names) == 1 else 's fall'} ({listed})" if names else ""
+    return f"The structure cannot stand under its own weight{falling}."
+
+
+def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
+    """Yield what a moving support sets in motion and what it still carries."""
+    predicted, yade = predicted_value(comparison), comparison.get("yade") or {}
+    moves = _motion_words(facts)
+    if moves:
+        yield f"When {_support_words(facts)} {moves}, {_moving_words(comparison, facts)}."
+    weight, unit = comparison.get("weight"), comparison.get("unit", "N")
+    if exists(predicted) and exists(weight) and weight:
+        share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
+        carries = "It then still carries" if "settles" in moves or not moves else "The force on it along its motion is then"
+        yield f"{carries if unit == 'N' else 'The moment on it is then'} {units.text(predicted, unit, 4)}{share}, by limit analysis."
+    if exists(yade.get("reaction")) and yade.get("status") == "plateau":
+        yield f"YADE gives {units.text(yade['reaction'], unit, 4)}."
+    elif not yade:
+        yield "YADE was not run: this is the answer of one method."
+    else:
+        yield f"YADE gives no steady value ({yade.get('status')})."
+
+
+def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
+    predicted = predicted_value(comparison)
+    direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
+    if exists(predicted):
+        yield (
+            f"Pushed{direction} by a share of every block's weight, the structure fails at {format_number(predicted, 3)} times its weight, "
+            f"W = {units.text(comparison.get('weight'), 'N', 4)}."
+        )
+        yield f"Then {_moving_words(comparison, facts)}."
+    yield "Only limit analysis treats such a load: this is the answer of one method."
+
+
+def predicted_value(comparison: dict[str, Any]) -> Any:
+    """Return the value that limit analysis predicts at the inset of both methods: Coulomb's, else the associated one; SI units."""
+    answers = comparison.get("limit_analysis") or {}
+    for name in ("coulomb", "associated"):
+        answer = answers.get(name) or {}
+        shared = answer.get("shared_inset") or answer
+        value = shared.get("multiplier" if "multiplier" in answer else "reaction")
+        if exists(value):
+            return value
+    return None
+
+
+def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
+    """Return how many blocks move, and their share of the weight, as the rest of a sentence."""
+    count, total = (facts.get("moving_blocks") or {}).get("limit_analysis"), (facts.get("blocks") or {}).get("free")
+    measures = comparison.get("mechanism_measures") or {}
+    share = ((measures.get("coulomb") or measures.get("associated")) or {}).get("moving_mass_share")
+    if not count:
+        return "no block moves with it"
+    weight = f" ({format_number(100.0 * share, 2)} % of the weight)" if exists(share) else ""
+    which = "the only block" if count == total == 1 else f"{count} of the {total} blocks"
+    return f"{which}{weight} move{'s' if count == 1 else ''}"
+
+
+def _support_words(facts: dict[str, Any]) -> str:
+    support = facts.get("support") or {}
+    names = support.get("names") or []
+    if not names:
+        return "the support"
+    (low, *_), (high, *_) = support["low"], support["high"]
+    named = f'"{names[0]}"' if len(names) == 1 else f"{len(names)} blocks or more" if len(names) >= 12 else f"{len(names)} blocks"
+    return f"the support ({named}, x = {format_number(low, 3)} to {format_number(high, 3)} m)"
+
+
+def _motion_words(facts: dict[str, Any]) -> str:
+    """Return the motion of the support as a verb; "" where it is unknown."""
+    if not facts.get("motion"):
+        return ""
+    motion, gravity = np.array(facts["motion"]), np.array(facts.get("gravity") or (0.0, 0.0, -9.81))
+    if np.any(motion[3:]):
+        return f"turns about {_vector(motion[3:])}"
+    down = float(motion[:3] @ gravity / np.linalg.norm(gravity))
+    return "settles" if down > STEEP else "is lifted" if down < -STEEP else f"moves along {_vector(motion[:3])}"
+
+
+def _vector(entries: Any) -> str:
+    """Return a direction: the name of an axis, or its components."""
+    values = np.asarray(entries, dtype=float)
+    axes = np.flatnonzero(np.abs(values) > 1e-9)
+    if len(axes) == 1:
+        return f"{'−' if values[axes[0]] < 0.0 else ''}{'xyz'[axes[0]]}"
+    return f"({', '.join(format_number(value, 3) for value in values)})"
+
+
+def _assumed(facts: dict[str, Any]) -> str:
+    friction = " to ".join(f"{value:.4g}" for value in dict.fromkeys((facts["friction"][0], facts["friction"][-1]))) or "–"
+    return f"Assumed: friction coefficient {friction}, dry joints without mortar, cohesion or tension, rigid blocks that do not crush."

@@ -1,0 +1,158 @@
+"""Values of one scene for the report: bounds, prediction, YADE's reaction, expected values, influence of the inset."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from comparison.numbers import (
+    DASH,
+    Units,
+    exists,
+    format_number,
+    half_width,
+    interval_words,
+    several_plateaus,
+    signed,
+    value_range,
+    with_uncertainty,
+)
+
+NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
+
+
+def associated_of(comparison: dict[str, Any]) -> dict[str, Any]:
+    """Return the associated answer in the content of `comparison.json`; empty where it is missing."""
+    return (comparison.get("limit_analysis") or {}).get("associated") or {}
+
+
+def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
+    """Return both methods' numbers at the shared inset in the report's units: bounds, YADE's reaction, difference, seconds.
+
+    Undefined numbers are None. YADE's reaction exists only on a plateau.
+    """
+    associated, yade = associated_of(comparison), comparison.get("yade") or {}
+    shared = associated.get("shared_inset") or associated
+    live = "multiplier" in associated
+    coulomb = (comparison.get("limit_analysis") or {}).get("coulomb") or {}
+    quantity = "multiplier" if live else "reaction"
+    shared_coulomb = coulomb.get("shared_inset") or coulomb
+    base = comparison.get("unit", "" if live else "N")
+    _, unit = units.of(base)
+
+    def shown(value: Any) -> float | None:
+        return units.value(value, base)
+
+    predicted = shown(shared_coulomb.get(quantity))
+    low, high = (shown(end) for end in shared_coulomb.get(f"{quantity}_interval") or (None, None))
+    steady = yade.get("status", "plateau") == "plateau"
+    least, recorded = shown(shared.get("reaction")), shown(yade.get("reaction")) if steady else None
+    nearest = predicted if exists(predicted) else least
+    reactions = {
+        "least": least,
+        "greatest": shown(shared.get("reaction_max")),
+        "yade": recorded,
+        "uncertainty": shown(yade.get("uncertainty")) if steady else None,
+        "coulomb": predicted,
+        "coulomb_uncertainty": shown(shared_coulomb.get("uncertainty")),
+        "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
+    }
+    weight = shown(comparison.get("weight"))
+    ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
+    unbounded = associated.get("reaction_max_status") == "unbounded"
+    return reactions | {
+        "ratios": ratios,
+        "unit": unit,
+        "ratio_unit": "of W" if base == "N" else "m, over W",
+        "greatest_status": "no upper limit" if unbounded else "",
+        "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
+        "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
+        "interval": interval_words(low, high, unit),
+        "plateaus": several_plateaus([shown(value) for value in shared_coulomb.get("plateaus") or []], unit),
+        "half_width": half_width(low, high),
+        "less": "Coulomb" if exists(predicted) else "R_min",
+        "coulomb_status": coulomb.get("status") or DASH,
+        "live": live,
+        "difference_words": _share_of(reactions["difference"], nearest),
+        "multiplier": associated.get("multiplier"),
+        "status": associated.get("status") or DASH,
+        "yade_status": yade.get("status") or "not run",
+        "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
+        "yade_seconds": yade.get("seconds"),
+    }
+
+
+def _share_of(difference: Any, value: Any) -> str:
+    """Return a difference in per cent of a value, with its sign."""
+    return f"{signed(100.0 * difference / abs(value), 2)} %" if exists(difference) and exists(value) and value else DASH
+
+
+def _sum(*values: Any) -> float | None:
+    defined = [value for value in values if exists(value)]
+    return sum(defined) if defined else None
+
+
+def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield the values of both methods: what, value with its unit, share of the weight."""
+    r, ratios, unit = results, results["ratios"], results["unit"]
+    share = "" if r["live"] else f" {r['ratio_unit']}"
+
+    def row(name: str, value: Any, uncertainty: Any = None, ratio: Any = None, more: str = "") -> tuple[str, str, str]:
+        text = f"{with_uncertainty(value, uncertainty)} {unit}".rstrip() + (f", {more}" if more else "") if exists(value) else more or DASH
+        return name, text, f"{format_number(ratio)}{share}" if exists(ratio) and not r["live"] else ""
+
+    status = "" if r["status"] == "solved" else r["status"]
+    if r["live"]:
+        yield row("limit analysis: multiplier, associated", r["multiplier"], more=status)
+    else:
+        yield row("limit analysis: least reaction, R_min", r["least"], None, ratios["least"], status)
+        yield row("limit analysis: greatest reaction, R_max", r["greatest"], None, ratios["greatest"], r["greatest_status"])
+    if exists(r["coulomb"]) or r["coulomb_status"] != DASH:
+        status = ", ".join(part for part in ("" if r["coulomb_status"] == "solved" else r["coulomb_status"], r["plateaus"]) if part)
+        yield row("limit analysis: Coulomb prediction", r["coulomb"], r["coulomb_uncertainty"], ratios["coulomb"], status)
+        yield "limit analysis: interval of the prediction's mechanism", r["interval"], ""
+    state = "" if r["yade_status"] == "plateau" else r["yade_status"]
+    yield row("YADE: plateau", r["yade"], r["uncertainty"], ratios["yade"], state)
+    if exists(r["difference"]):
+        _, _, over = row("", r["difference"], None, ratios["difference"])
+        yield f"YADE less {r['less']}", f"{format_number(r['difference'], 3)} {unit} ({r['difference_words']})", over
+
+
+def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield each expected value beside limit analysis' value for sharp arrises, or for the scene's where only that is known."""
+    expected, associated = comparison.get("expected") or {}, associated_of(comparison)
+    prediction = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
+    weight = comparison.get("weight")
+
+    def over(value: Any) -> float | None:
+        return value / weight if exists(value) and weight else None
+
+    def sharpest(quantity: str) -> Any:
+        sharp = prediction.get(f"{quantity}_sharp")
+        return sharp if exists(sharp) else prediction.get(quantity)
+
+    answers = {
+        "reaction_over_weight": ("R / W", over(sharpest("reaction"))),
+        "associated_reaction_over_weight": ("R_min / W, associated", over(associated.get("reaction_sharp"))),
+        "reaction_max_over_weight": ("R_max / W, associated", over(associated.get("reaction_max_sharp"))),
+        "multiplier": ("multiplier", sharpest("multiplier")),
+        "associated_multiplier": ("multiplier, associated", associated.get("multiplier_sharp")),
+    }
+    for key, (name, value) in answers.items():
+        if exists(expected.get(key)):
+            yield {"name": name, "expected": expected[key], "found": value} | {k: expected.get(k) for k in ("tolerance", "kind")}
+
+
+def rounding_words(comparison: dict[str, Any], units: Units) -> str:
+    """Return the influence of the inset on the associated answer as a sentence; "" where the inset is 0 or unknown."""
+    associated, live = associated_of(comparison), "multiplier" in associated_of(comparison)
+    shared = associated.get("shared_inset") or associated
+    quantity, base = ("multiplier", "") if live else ("reaction", comparison.get("unit", "N"))
+    sharp, rounded, inset = associated.get(f"{quantity}_sharp"), shared.get(quantity), shared.get("inset")
+    if not (exists(sharp) and exists(rounded) and exists(inset)) or inset == 0.0:
+        return ""
+    given = f"The inset of {units.text(inset, 'm', 3)}"
+    change = rounded - sharp
+    if abs(change) <= NO_CHANGE * abs(sharp):
+        return f"{given} does not change the associated {quantity}, {units.text(sharp, base, 5)}."
+    share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
+    before, after = units.text(sharp, base, 5), units.text(rounded, base, 5)
+    return f"{given} changes the associated {quantity} from {before} for sharp arrises to {after}{share}."

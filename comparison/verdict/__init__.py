@@ -1,0 +1,23 @@
+"""The words of a verdict: checks, marks, the conclusion with its next step, and the row of a scene in the table of results."""
+
+from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
+from comparison.verdict.conclusion import Conclusion, conclusion
+from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICT_TITLE, VERDICTS, check_words, mark_of, verdict_cells
+
+__all__ = [
+    "VERDICTS",
+    "VERDICT_HEADINGS",
+    "VERDICT_TITLE",
+    "Check",
+    "Conclusion",
+    "Verdict",
+    "check_words",
+    "conclusion",
+    "finite_or_none",
+    "inside",
+    "mark_of",
+    "overall",
+    "stored_check",
+    "verdict_cells",
+    "within",
+]

@@ -1,0 +1,77 @@
+"""The conclusion of a comparison: one verdict from all checks, its reason, what to do next, and remarks."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from comparison.verdict.check import Check, Verdict, overall
+
+MOST_NAMES = 5  # blocks that a reason names
+FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
+LOOK = f"Look at both mechanisms and both curves of the reaction in the report, then: {FINER}"
+SUPPORT_IT = (
+    "Look for a gap, a missing support or a joint without contact where these blocks rest (`crosscheck show` draws the joints). "
+    "If the drawing is right, the structure needs support before anything else can be asked of it."
+)
+DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.INCONCLUSIVE: FINER}
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What a comparison comes to.
+
+    Attributes
+    ----------
+    verdict : Verdict or None
+        Verdict on the whole comparison; None where nothing was compared.
+    reason : str
+        Why, in sentences; "" where both methods agree.
+    next_step : str
+        What a user can do next; "" only where both methods agree or nothing was compared.
+    remarks : tuple of str
+        What the passed checks remark, such as stick-slip.
+    """
+
+    verdict: Verdict | None
+    reason: str = ""
+    next_step: str = ""
+    remarks: tuple[str, ...] = ()
+
+
+def conclusion(checks: list[Check], yade: Mapping[str, Any] | None, falling: Sequence[str] | None = None) -> Conclusion:
+    """Return the conclusion from every check.
+
+    Parameters
+    ----------
+    checks : list of Check
+        Every check that was made.
+    yade : mapping or None
+        Summary of YADE's run, with its status; None where YADE was not requested: one method alone agrees with nobody.
+    falling : sequence of str or None
+        Names of the blocks that fall, where limit analysis proves that the structure cannot stand; None elsewhere.
+    """
+    verdict, reason = overall(checks)
+    remarks = tuple(dict.fromkeys(check.reason for check in checks if check.verdict is Verdict.AGREE and check.reason))
+    if falling is not None and verdict is not Verdict.DISAGREE:
+        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade), SUPPORT_IT, remarks)
+    if verdict in DEFAULT_STEPS:
+        steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
+        return Conclusion(verdict, reason, steps[0] if steps else DEFAULT_STEPS[verdict], remarks)
+    if yade is None:
+        met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
+        return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), "", remarks)
+    return Conclusion(Verdict.AGREE if checks else None, "", "", remarks)
+
+
+def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None) -> str:
+    named = ", ".join(f'"{name}"' for name in falling[:MOST_NAMES])
+    more = f" and {len(falling) - MOST_NAMES} more blocks" if len(falling) > MOST_NAMES else ""
+    status = "" if yade is None else str(yade.get("status"))
+    other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, f"YADE's run ended as {status}.")
+    proof = "Limit analysis proves that no equilibrium exists under the structure's own weight"
+    return f"{proof}: {named}{more} would fall. {other}" if falling else f"{proof}. {other}"
+
+
+def _alone(met: bool) -> str:
+    found = "Limit analysis meets the expected value" if met else "The scene expects no value"
+    return f"{found}; YADE was not run, so no second method has confirmed the answer."

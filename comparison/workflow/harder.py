@@ -1,0 +1,88 @@
+"""A second, harder attempt where the first one ends without agreement: each method with finer settings of its own.
+
+The settings depend on the scene and on the stiffness that limit analysis chose for it, never on a value of either method, so that the
+second attempt is as blind as the first. The first verdict is kept, and the second one tells it.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from comparison.limit_analysis import Listener
+from comparison.numbers import plural
+from comparison.settings import HARDER_SECONDS
+from comparison.verdict import Verdict
+from comparison.workflow.one_scene import run_scene
+from la_core.exchange import TRAVEL_PERIODS
+from la_core.scene import Scene, same_structure
+
+SUFFIX = "_harder"  # of the name of the second attempt, and of its folder
+STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in proportion to their strain, so plateaus are flatter
+SLOWER = 2.0  # times the duration of YADE's travel
+DAMPED = 1.0  # damping ratio at the contacts: a light damping can jump over a state where the joints would have held
+DEARER = 8.0  # times the seconds of YADE's first run: 55 s for 8 s on a leaning wall
+DEARER_PATHS = 8.0  # times the seconds of the first prediction
+OPEN = (Verdict.DISAGREE, Verdict.INCONCLUSIVE)  # verdicts that call for a second attempt
+
+
+def try_harder(
+    first: Mapping[str, Any], scene: Scene, results: Path, listener: Listener, with_yade: bool, seconds: float = HARDER_SECONDS
+) -> dict[str, Any] | None:
+    """Run a scene again with finer settings, and return the content of the second comparison.json.
+
+    None where the first verdict leaves nothing open, or where the attempt would take longer than it may: the listener is then told.
+
+    Parameters
+    ----------
+    first : mapping
+        Content of the first comparison.json.
+    scene : Scene
+        The scene of the first attempt.
+    results : Path
+        Folder of all results; the second attempt has a folder of its own in it, SCENE_harder.
+    listener : Listener
+        Receives the progress.
+    with_yade : bool
+        Whether YADE runs.
+    seconds : float
+        Wall time that the attempt may take, s; YADE's run is stopped there.
+    """
+    yade = first["yade"] or {}
+    if first["verdict"] not in OPEN or yade.get("status") == "missing" or scene.effort == "high":
+        return None
+    expected = DEARER * (yade.get("seconds") or 0.0) * with_yade + DEARER_PATHS * _prediction_seconds(first)
+    if expected > seconds:
+        words = f"not tried harder: this would take about {plural(round(expected / 60.0), 'minute')}; allow it with --try-harder-limit"
+        listener.stage(scene.name, "comparison", words)
+        return None
+    listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
+    harder = same_structure(scene, finer_settings(scene, first["joints"]), f"{scene.name}{SUFFIX}")
+    of_yade = seconds - DEARER_PATHS * _prediction_seconds(first)
+    return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
+
+
+def finer_settings(scene: Scene, joints: Mapping[str, float]) -> dict[str, Any]:
+    """Return the keys of the second attempt: finer paths, and in YADE a slower, more damped run; stiffer joints in both.
+
+    joints: stiffness of the first attempt's joints by name, N/m, as chosen by limit analysis.
+    """
+    settings = {"effort": "high", "yade.damping_ratio": max(DAMPED, float(scene.yade.get("damping_ratio", 0.0)))}
+    for key, name in (("normal_stiffness", "normal"), ("shear_stiffness", "shear")):
+        settings[f"yade.{key}"] = STIFFER * joints[name]
+    if "speed" in scene.yade:
+        return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
+    return settings | {"yade.travel_periods": SLOWER * float(scene.yade.get("travel_periods", TRAVEL_PERIODS))}
+
+
+def _prediction_seconds(first: Mapping[str, Any]) -> float:
+    coulomb = first["limit_analysis"]["coulomb"] or {}
+    return float(coulomb.get("seconds") or 0.0)
+
+
+def _first_verdict(first: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the second attempt keeps of the first: its scene, verdict, reason, and the values of both methods."""
+    coulomb, yade = first["limit_analysis"]["coulomb"] or {}, first["yade"] or {}
+    shared = coulomb.get("shared_inset") or coulomb
+    values = {"coulomb": shared.get("reaction"), "coulomb_uncertainty": shared.get("uncertainty")}
+    values |= {"yade": yade.get("reaction"), "yade_uncertainty": yade.get("uncertainty")}
+    return {name: first[name] for name in ("scene", "verdict", "reason")} | values

@@ -1,0 +1,194 @@
+"""A second opinion on the verdicts: random irregular scenes by both methods; agreements again, stiffer and slower, in one record and page.
+
+    python tests/benchmarks/benchmark_verdicts.py [--scenes 0-199] [--workers 2] [--try-harder] [--folder DIR] [--record FILE]
+
+Scenes and seed are those of verdict_scenes.py. What the record holds is not run again; a scene that was interrupted continues from the
+stages in its folder. `--page` writes the page from the record and runs nothing.
+"""
+
+import argparse
+import json
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
+
+import on_path  # noqa: F401
+from growth_report import table
+from marked_text import sentences
+from rich.console import Console
+from verdict_scenes import SCENES, SEED, drawn
+
+from comparison.numbers import exists, format_number, with_uncertainty
+from comparison.progress import Narration
+from comparison.provenance import describe
+from comparison.run_folder import write_text
+from comparison.verdict import mark_of
+from comparison.workflow import run_scene, try_harder
+from la_core.exchange import TRAVEL_PERIODS
+from la_core.scene import same_structure
+
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
+STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel
+NEAR = 5e-3  # of the reaction: where the methods are this near, nothing should stay inconclusive
+GOAL = 0.9  # share of agreements
+LEAST = 0.01  # of the weight: smaller reactions are judged as if they were this large
+HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verdict", "again: verdict", "moved / stated", "s")
+
+
+def measured(number: int, folder: Path, harder: bool) -> dict[str, Any]:
+    """Return the entry of one scene: its first comparison, for an agreement its second one, and else what trying harder gives."""
+    scene_drawn = drawn(number)
+    scene = scene_drawn.scene
+    with Narration(Console(stderr=True, quiet=True)) as narration:
+        first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
+        entry = {"number": number, "kind": scene_drawn.kind, "motion": scene_drawn.motion, "friction": scene.friction} | values(first)
+        if first["verdict"] == "agree":
+            changes = {f"yade.{name}_stiffness": STIFFER * first["joints"][name] for name in ("normal", "shear")}
+            changes["yade.travel_periods"] = SLOWER * TRAVEL_PERIODS
+            again = same_structure(scene, changes, f"{scene.name}_again")
+            entry["again"] = values(run_scene(again, folder / again.name, narration, with_yade=True, figures=_no_figures))
+        elif harder and (second := try_harder(first, scene, folder, narration, with_yade=True)) is not None:
+            entry["harder"] = values(second)
+    return entry
+
+
+def _no_figures(_: Any) -> dict[str, Any]:
+    return {}
+
+
+def values(summary: dict[str, Any]) -> dict[str, Any]:
+    """Return what the record keeps of a comparison; reactions over the weight."""
+    coulomb, yade, weight = summary["limit_analysis"]["coulomb"] or {}, summary["yade"] or {}, summary["weight"]
+    shared = coulomb.get("shared_inset") or coulomb
+    numbers = {
+        "coulomb": shared.get("reaction"),
+        "coulomb_uncertainty": shared.get("uncertainty"),
+        "yade": yade.get("reaction"),
+        "yade_uncertainty": yade.get("uncertainty"),
+    }
+    kept = {name: value / weight if exists(value) else None for name, value in numbers.items()}
+    names = ("verdict", "reason", "next_step", "free_blocks", "unit")
+    seconds = (coulomb.get("seconds") or 0.0) + (yade.get("seconds") or 0.0)
+    return kept | {name: summary[name] for name in names} | {"yade_status": yade.get("status"), "seconds": seconds}
+
+
+# --- the page ---------------------------------------------------------------------------------------------------------------------
+
+
+def apart(entry: dict[str, Any]) -> float | None:
+    """Return the difference of the reactions, as a share of YADE's; None where one is undefined."""
+    coulomb, yade = entry["coulomb"], entry["yade"]
+    return abs(yade - coulomb) / max(abs(yade), LEAST) if exists(coulomb) and exists(yade) else None
+
+
+def moved(entry: dict[str, Any]) -> float | None:
+    """Return how far YADE's reaction moves from the first run to the second, over its stated uncertainty; None without a second run."""
+    again = entry.get("again")
+    if again is None or not (exists(again["yade"]) and entry["yade_uncertainty"]):
+        return None
+    return abs(again["yade"] - entry["yade"]) / float(entry["yade_uncertainty"])
+
+
+def page(record: dict[str, Any]) -> str:
+    """Return the page of a record."""
+    entries = sorted(record["scenes"].values(), key=lambda entry: entry["number"])
+    rows = [_row(entry) for entry in entries]
+    open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
+    parts = [
+        "# A second opinion on the verdicts",
+        f"Random irregular scenes by both methods, seed {SEED}: unequal blocks, leaning walls, inclined beds, lintels and walls of "
+        "two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run "
+        f"again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. "
+        "Written by `python tests/benchmarks/benchmark_verdicts.py`.",
+        sentences(list(_conclusions(entries))),
+        "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
+        table(HEADINGS, rows),
+        "## What stays open",
+        table(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
+        f"Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _is_open(entry: dict[str, Any]) -> bool:
+    return entry["verdict"] != "agree"
+
+
+def _harder(entry: dict[str, Any]) -> str:
+    return mark_of(entry["harder"]["verdict"]) if "harder" in entry else "–"
+
+
+def _row(entry: dict[str, Any]) -> list[str]:
+    difference, again, change = apart(entry), entry.get("again"), moved(entry)
+    return [
+        f"{entry['number']} {entry['kind']}, {entry['motion']}",
+        str(entry["free_blocks"]),
+        format_number(entry["friction"], 3),
+        with_uncertainty(entry["coulomb"], entry["coulomb_uncertainty"]),
+        with_uncertainty(entry["yade"], entry["yade_uncertainty"]) if exists(entry["yade"]) else str(entry["yade_status"]),
+        format_number(100.0 * difference if difference is not None else None, 2),
+        mark_of(entry["verdict"]),
+        mark_of(again["verdict"]) if again else "",
+        format_number(change, 2) if again else "",
+        format_number(entry["seconds"], 2),
+    ]
+
+
+def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
+    """Yield what the record shows, each as a sentence."""
+    counts = Counter(str(entry["verdict"]) for entry in entries)
+    agree = counts["agree"]
+    yield f"{len(entries)} of {SCENES} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
+    yield f"{agree / len(entries):.1%} agree; the goal is {GOAL:.0%}."
+    near = [entry for entry in entries if _is_open(entry) and (difference := apart(entry)) is not None and difference <= NEAR]
+    yield f"Inconclusive although the reactions agree within {NEAR:.1%}: {len(near)}."
+    again = [entry for entry in entries if "again" in entry]
+    lost = [entry for entry in again if entry["again"]["verdict"] != "agree"]
+    far = [entry for entry in again if (change := moved(entry)) is None or change > 1.0]
+    yield f"Of {len(again)} agreements that were run again {len(lost)} do not agree then."
+    yield f"In {len(far)} of them YADE's reaction moves by more than its stated uncertainty, or has no value."
+    for name, entries_of in (("no longer agree", lost), ("move by more", far)):
+        if entries_of:
+            yield f"Scenes that {name}: {', '.join(str(entry['number']) for entry in entries_of)}."
+
+
+def main() -> None:
+    """Run what the record lacks, and write record and page after every scene."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", default=f"0-{SCENES - 1}", help="numbers, such as 0-199 or 3,17")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument("--try-harder", action="store_true", help="try harder where a scene stays open")
+    parser.add_argument("--folder", type=Path, default=Path("crosscheck-verdicts"), help="folder of all runs")
+    parser.add_argument("--record", type=Path, default=GALLERY / "verdicts.json", help="the record; the page lies beside it")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    options = parser.parse_args()
+    stored = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {}
+    record = {"seed": SEED, "versions": {}, "scenes": {}} | stored
+    todo = [] if options.page else [number for number in numbers(options.scenes) if str(number) not in record["scenes"]]
+    versions = describe()
+    with ProcessPoolExecutor(options.workers) as pool:
+        jobs = {pool.submit(measured, number, options.folder, options.try_harder): number for number in todo}
+        for done, job in enumerate(as_completed(jobs), 1):
+            entry = job.result()
+            record["scenes"][str(entry["number"])] = entry
+            record["versions"] = {name: versions[name] for name in ("crosscheck", "python", "numpy", "machine")}
+            write_text(options.record, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+            write_text(options.record.with_suffix(".md"), page(record))
+            print(f"{done} of {len(jobs)}: {' | '.join(_row(entry))}", flush=True)
+    if record["scenes"]:
+        write_text(options.record.with_suffix(".md"), page(record))
+
+
+def numbers(text: str) -> list[int]:
+    """Return the numbers of a text such as "0-199" or "3,17,40-42"."""
+    found = []
+    for part in text.split(","):
+        low, _, high = part.partition("-")
+        found += range(int(low), int(high or low) + 1)
+    return [number for number in dict.fromkeys(found) if 0 <= number < SCENES]
+
+
+if __name__ == "__main__":
+    main()

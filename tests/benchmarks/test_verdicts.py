@@ -1,0 +1,47 @@
+"""The random scenes of the second opinion: fixed by their seed, as different as they are said to be, and a page that counts what it has."""
+
+import json
+from collections import Counter
+from typing import Any
+
+import pytest
+from benchmark_verdicts import moved, numbers, page
+from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, drawn
+
+from la_core.model import assemble
+
+
+@pytest.mark.parametrize("number", [0, 21, 42, 63, 84, 119])
+def test_a_scene_follows_from_its_number_alone(number: int) -> None:
+    first, second = drawn(number), drawn(number)
+    assert first.scene.text == second.scene.text and first.scene.text != drawn(number + 15).scene.text
+    assert LEAST_BLOCKS <= int(first.scene.blocks.free.sum()) <= MOST_BLOCKS
+    assert FRICTION[0] <= first.scene.friction <= FRICTION[1]
+    assert assemble(first.scene).support_speed > 0.0
+
+
+def test_kinds_and_motions_are_shared_evenly() -> None:
+    met = Counter((KINDS[number % len(KINDS)], MOTIONS[number // len(KINDS) % len(MOTIONS)]) for number in range(SCENES))
+    assert len(met) == len(KINDS) * len(MOTIONS) and max(met.values()) - min(met.values()) <= 1
+    assert [(drawn(n).kind, drawn(n).motion) for n in (3, 9)] == [("lintel", "down"), ("two leaves", "oblique")]
+    assert numbers("3,17,40-42,3,900") == [3, 17, 40, 41, 42]
+
+
+def entry(number: int, verdict: str, yade: float | None, again: float | None = None) -> dict[str, Any]:
+    values = {
+        "coulomb": 0.1, "coulomb_uncertainty": 1e-4, "yade": yade, "yade_uncertainty": 1e-4, "verdict": verdict, "reason": f"why {number}",
+        "next_step": "look", "free_blocks": 12, "unit": "N", "yade_status": "plateau", "seconds": 2.0,
+    }  # fmt: skip
+    second = {"again": values | {"yade": again}} if again is not None else {}
+    return {"number": number, "kind": "wall", "motion": "down", "friction": 0.5} | values | second
+
+
+def test_the_page_counts_what_moved_and_what_stays_open() -> None:
+    entries = [entry(0, "agree", 0.1, 0.10005), entry(1, "agree", 0.1, 0.1003), entry(2, "inconclusive", 0.1003), entry(3, "disagree", 0.2)]
+    assert moved(entries[0]) == pytest.approx(0.5) and moved(entries[1]) == pytest.approx(3.0) and moved(entries[2]) is None
+    record = {"seed": 1, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}}
+    text = page(json.loads(json.dumps(record)))
+    assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
+    assert "Inconclusive although the reactions agree within 0.5%: 1." in text
+    assert "Scenes that move by more: 1." in text and "In 1 of them" in text
+    assert "why 2" in text and "why 3" in text and "why 0" not in text

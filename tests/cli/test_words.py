@@ -1,0 +1,158 @@
+"""Manners of the command line: help where nothing is asked, guesses for slips, the width of the terminal, either folder of results."""
+
+import io
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from comparison.cli import tables
+from comparison.cli.commands import main
+from comparison.cli.context import PIPE_WIDTH, _results_console
+from comparison.progress import CampaignNarration, Narration
+from comparison.report import pdf
+from la_core.scene import load_scene, shipped
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main(words)
+    assert stop.value.code == 2
+    captured = capsys.readouterr()
+    assert captured.out == "" and captured.err.startswith("error: ") and captured.err.count("\n") == 1
+    return captured.err
+
+
+def test_alone_it_shows_its_commands_and_the_tutorials(capsys: pytest.CaptureFixture[str]) -> None:
+    for words in ((), ("-q",)):
+        assert main(words) == 0
+        printed = capsys.readouterr().out
+        assert "crosscheck tutorial" in printed and "wall limit" not in printed and "solve" in printed
+
+
+def test_a_misspelt_command_or_option_is_guessed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert 'did you mean "solve"?' in refusal(capsys, "slove", "two_pads")
+    assert 'did you mean "--no-yade"?' in refusal(capsys, "run", "two_pads", "--noyade")
+    assert 'did you mean "bash"?' in refusal(capsys, "completion", "bahs")
+    assert "one argument too many" in refusal(capsys, "solve", "two_pads", "two_blocks")
+
+
+def test_options_of_every_command_may_stand_before_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["-q", "--json", "solve", "two_pads", "--bounds"]) == 0
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["scene"] == "two_pads" and captured.err == ""
+
+
+@pytest.mark.parametrize(("columns", "width"), [("80", 80), ("10", 40), ("", PIPE_WIDTH), ("wide", PIPE_WIDTH)])
+def test_columns_is_obeyed_by_a_pipe_too(columns: str, width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    monkeypatch.setattr("sys.stdout", io.StringIO())
+    assert _results_console().width == width
+
+
+def printed(table: object, width: int) -> list[str]:
+    console = Console(file=io.StringIO(), width=width, soft_wrap=True)
+    console.print(table)
+    return str(console.file.getvalue()).splitlines()  # type: ignore[attr-defined]
+
+
+def test_no_name_is_broken_at_80_columns() -> None:
+    scenes = [load_scene(shipped.find(name)) for name in shipped.names()]
+    lines = printed(tables.scene_table(scenes, 80), 80)
+    assert all(len(line) <= 80 for line in lines)
+    assert all(any(line.split()[:1] == [scene.name] for line in lines) for scene in scenes)
+    bound = {
+        "reaction": 2552.4,
+        "reaction_max": 3340.9,
+        "reaction_sharp": 2545.0,
+        "reaction_max_sharp": 3349.0,
+        "seconds": 0.002,
+        "status": "solved",
+    }
+    coulomb = {"status": "solved", "reaction": 2552.4, "uncertainty": 1.0, "seconds": 0.03, "reaction_interval": [2552.4, 2552.4]}
+    comparison = {
+        "scene": "arch_spreading", "weight": 14593.0, "unit": "N", "verdict": "agree", "reason": "",
+        "limit_analysis": {"associated": bound, "coulomb": coulomb},
+        "yade": {"status": "plateau", "reaction": 2552.5, "uncertainty": 0.6, "seconds": 2.6},
+    }  # fmt: skip
+    short, whole = (printed(tables.verdict_table([comparison], width), 120) for width in (80, None))
+    assert any(line.split()[:1] == ["arch_spreading"] for line in short) and all(len(line.rstrip()) <= 80 for line in short)
+    assert not any("greatest" in line for line in short) and any("greatest" in line for line in whole)
+
+
+def test_a_short_table_leaves_out_the_evidence_that_long_shows(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "-q", "--bounds"]) == 0
+    short = capsys.readouterr().out
+    assert main(["solve", "two_pads", "-q", "--bounds", "--long"]) == 0
+    whole = capsys.readouterr().out
+    assert "reaction sharp" in short and "equilibrium residual" not in short and "equilibrium residual" in whole
+
+
+def test_a_scene_needs_no_ending_and_an_unknown_one_is_called_a_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(shipped.find("two_pads"), tmp_path / "mywall.toml")
+    (tmp_path / "mywall").mkdir()  # as its folder of results is called
+    assert shipped.find("mywall") == Path("mywall.toml")
+    with pytest.raises(Exception, match='did you mean "two_pads"'):
+        shipped.find("two_pds")
+    with pytest.raises(Exception, match="valid scenes: "):
+        shipped.find("zzz")
+
+
+def test_report_export_and_animate_take_the_folder_of_a_run_or_of_a_scene(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], plain_figures: None
+) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "slab_four_corners", "-o", str(out), "--no-yade", "-q", "--project", "Town hall"]) == 0
+    assert "Town hall" in (out / "report.html").read_text(encoding="utf-8")
+    for folder in (out, out / "two_pads"):
+        capsys.readouterr()
+        assert main(["report", str(folder), "--json", "-q"]) == 0
+        assert [scene["scene"] for scene in json.loads(capsys.readouterr().out)["comparisons"]] == ["slab_four_corners", "two_pads"]
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(out), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["files"] == ["slab_four_corners-paraview/structure.pvd", "two_pads-paraview/structure.pvd"]
+    assert main(["export", str(out), "-o", "both", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["files"] == ["both/slab_four_corners/structure.pvd", "both/two_pads/structure.pvd"]
+    assert main(["animate", str(out), "-o", "one.gif"]) == 2
+    assert "one file cannot hold several animations" in capsys.readouterr().err
+
+
+def test_scenes_side_by_side_give_what_they_give_in_turn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    results = []
+    for workers, name in (("2", "beside"), ("1", "in_turn")):
+        words = ["run", "two_pads", "slab_four_corners", "-o", str(tmp_path / name), "--no-yade", "--json", "--workers", workers]
+        assert main(words) == 0
+        results.append(json.loads(capsys.readouterr().out)["comparisons"])
+    beside, in_turn = results
+    assert [scene["scene"] for scene in beside] == [scene["scene"] for scene in in_turn] == ["two_pads", "slab_four_corners"]
+    for one, other in zip(beside, in_turn, strict=True):
+        assert one["limit_analysis"]["associated"]["reaction"] == other["limit_analysis"]["associated"]["reaction"]
+
+
+def test_without_a_browser_a_pdf_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
+    monkeypatch.setattr(pdf.shutil, "which", lambda name: None)
+    capsys.readouterr()
+    assert main(["report", str(out), "--pdf", "-q"]) == 3
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1 and "Chromium" in message and "report.html" in message
+
+
+def test_progress_says_the_share_that_is_done_its_units_and_the_last_case() -> None:
+    console = Console(file=io.StringIO(), width=200)
+    with Narration(console) as narration:
+        narration._spoke = -1e9
+        narration.progress("wall", {"stage": "settlement", "fraction": 0.25, "settlement": 1e-4, "reaction": 1986.3, "unit": "mm"})
+    assert console.file.getvalue() == "wall: YADE: 25 %, moved 0.100 mm, reaction 1986.3 N\n"  # type: ignore[attr-defined]
+    console = Console(file=io.StringIO(), width=200)
+    with CampaignNarration(console, "sweep") as narration:
+        narration.opens(1, 1, 0)
+        narration.begins()
+        narration.ends("case", "done", "")
+    assert console.file.getvalue().endswith("sweep: 1 of 1 done, 0 running, 0 failed\n")  # type: ignore[attr-defined]

@@ -1,0 +1,110 @@
+"""The report in a real browser: nothing runs over the edge of a phone, every text has contrast, in light and in dark, and it prints."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from browser import Browser, find_browser
+from campaigns import QUICK
+from conftest import CrossChecked
+
+from comparison.cli.commands import main
+from comparison.report.pdf import write_pdf
+from comparison.report.report import write_report
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(find_browser() is None, reason="neither Chromium nor Chrome is installed; `make test-browser` installs one"),
+]
+CONTRAST = 4.5  # of WCAG 2.1, success criterion 1.4.3, for text of any size
+
+# Contrast of every visible text with the nearest opaque background above it; texts in pictures are not seen.
+POOR = """(() => {
+  const channel = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+  const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const light = (colour) => parts(colour).slice(0, 3).reduce((sum, part, k) => sum + [0.2126, 0.7152, 0.0722][k] * channel(part / 255), 0);
+  const behind = (element) => {
+    for (let e = element; e; e = e.parentElement) {
+      const { backgroundColor } = getComputedStyle(e), alpha = parts(backgroundColor)[3] ?? 1;
+      if (alpha > 0.7) return backgroundColor;
+    }
+    return getComputedStyle(document.body).backgroundColor;
+  };
+  const poor = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  let seen = 0;
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) {
+    const element = node.parentElement;
+    if (!node.data.trim() || !element.checkVisibility() || ['SCRIPT', 'STYLE'].includes(element.tagName)) continue;
+    seen += 1;
+    const [a, b] = [light(getComputedStyle(element).color), light(behind(element))].sort((x, y) => y - x);
+    const ratio = (a + 0.05) / (b + 0.05);
+    if (ratio < LEAST) poor.push([ratio.toFixed(2), element.className, node.data.trim().slice(0, 40)]);
+  }
+  return { seen, poor };
+})()""".replace("LEAST", str(CONTRAST))
+WIDE = "[...document.querySelectorAll('body *')].filter((e) => e.checkVisibility() && !e.closest('.wide, .picture, pre') && "
+WIDE += "e.getBoundingClientRect().right > innerWidth + 1).map((e) => `${e.tagName}.${e.className}: ${e.textContent.slice(0, 40)}`)"
+OPENED = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory, cross_checked: Callable[[str], CrossChecked]) -> Path:
+    """A report of an arch and two pads by both methods."""
+    folder = tmp_path_factory.mktemp("report")
+    found = [cross_checked(name) for name in ("two_pads", "arch_spreading")]
+    for one in found:
+        shutil.copytree(one.folder, folder / one.folder.name)
+    return write_report(folder, [one.summary for one in found], {}, {"project": "Town hall", "author": "A. Mason"})
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a campaign of four cases, by limit analysis alone."""
+    folder = tmp_path_factory.mktemp("campaign")
+    (folder / "friction.toml").write_text(QUICK, encoding="utf-8")
+    assert main(["campaign", str(folder / "friction.toml"), "-o", str(folder / "out"), "-q", "--workers", "1"]) == 0
+    return folder / "out" / "report.html"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with Browser(find_browser() or "") as found:
+        yield found
+
+
+@pytest.mark.parametrize("width", [1400, 800, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("page", ["report", "campaign"])
+def test_every_text_has_contrast_and_nothing_runs_over_the_edge(
+    page: str, scheme: str, width: int, browser: Browser, request: pytest.FixtureRequest
+) -> None:
+    path: Path = request.getfixturevalue(page)
+    browser.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+    try:
+        browser.open(path)
+        browser.value(OPENED)
+        if page == "report":
+            browser.wait("document.querySelectorAll('.stage > canvas').length === 2")
+        assert browser.value("document.documentElement.scrollWidth") <= width
+        assert browser.value(WIDE) == []
+        found = browser.value(POOR)
+        assert found["poor"] == [] and found["seen"] > 50
+        assert browser.errors == []
+    finally:
+        browser.send("Emulation.clearDeviceMetricsOverride")
+        browser.send("Emulation.setEmulatedMedia", features=[])
+
+
+def test_the_measure_of_contrast_sees_a_pale_text(browser: Browser, report: Path) -> None:
+    browser.open(report)
+    browser.value("document.querySelector('h1').style.color = '#bbbbbb'")
+    assert [words for _, _, words in browser.value(POOR)["poor"]] == ["Town hall"]
+
+
+def test_the_report_prints_to_a4_without_half_empty_pages(report: Path, browser: Browser) -> None:
+    pdf = write_pdf(report).read_bytes()
+    pages = pdf.count(b"/Type /Page\n") + pdf.count(b"/Type /Page ") + pdf.count(b"/Type /Page/") + pdf.count(b"/Type /Page>")
+    assert pdf.startswith(b"%PDF") and b"/MediaBox [0 0 594.95" in pdf
+    assert 4 <= pages <= 14  # two scenes; each has five figures, its inputs, its scene file and its tables
