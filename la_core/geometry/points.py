@@ -10,6 +10,8 @@ from la_core.geometry.blocks import Blocks
 from la_core.geometry.interfaces import Interfaces
 from la_core.geometry.polygons import plane_axes, polygons_of, true_corners
 
+RADIUS_HALVINGS = 20  # of the interval in which an inner radius is searched: a millionth of the inset is left
+
 
 @dataclass(frozen=True)
 class ContactPoints:
@@ -70,7 +72,7 @@ def _plane_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple
     middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
     along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
     low, high = np.minimum.reduceat(along, start) + inset, np.maximum.reduceat(along, start) - inset
-    _refuse_small(blocks, interfaces, high <= low, inset)
+    _refuse_small(blocks, interfaces, (high - low) / 2.0 + inset, inset)
     place = np.stack([low, high], axis=1)
     position = middle[:, None, :] + place[:, :, None] * tangent[:, None, :]
     return position.reshape(-1, 3), np.repeat(np.arange(len(interfaces)), 2)
@@ -84,14 +86,29 @@ def _solid_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple
     origin = interfaces.polygon[interfaces.polygon_start[:-1]]
     arm = interfaces.polygon - origin[owner]
     flat = np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1)
-    shrunk = shapely.buffer(polygons_of(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
-    _refuse_small(blocks, interfaces, shapely.is_empty(shrunk), inset)
+    polygons = polygons_of(flat, np.diff(interfaces.polygon_start))
+    shrunk = shapely.buffer(polygons, -inset, join_style="mitre")
+    small = shapely.is_empty(shrunk)
+    if small.any():
+        _refuse_small(blocks, interfaces, np.where(small, _inner_radii(polygons, inset), np.inf), inset)
     flat, owner = true_corners(shrunk, np.full(len(shrunk), 1e-3 * inset))
     return origin[owner] + flat[:, :1] * first[owner] + flat[:, 1:] * second[owner], owner
 
 
-def _refuse_small(blocks: Blocks, interfaces: Interfaces, small: np.ndarray, inset: float) -> None:
-    if small.any():
-        k = int(np.argmax(small))
+def _inner_radii(polygons: np.ndarray, largest: float) -> np.ndarray:
+    """Radius (N,) of the largest circle within each convex polygon (N,), m, at most `largest`; by bisection."""
+    low, high = np.zeros(len(polygons)), np.full(len(polygons), largest)
+    for _ in range(RADIUS_HALVINGS):
+        middle = (low + high) / 2.0
+        gone = shapely.is_empty(shapely.buffer(polygons, -middle, join_style="mitre"))
+        low, high = np.where(gone, low, middle), np.where(gone, middle, high)
+    return low
+
+
+def _refuse_small(blocks: Blocks, interfaces: Interfaces, room: np.ndarray, inset: float) -> None:
+    """Raise SceneError where an interface leaves its points less room (I,), m, than the inset, with the largest inset that fits all."""
+    k = int(np.argmin(room))
+    if room[k] <= inset:
         a, b = blocks.names[interfaces.block_a[k]], blocks.names[interfaces.block_b[k]]
-        raise SceneError("joint.inset", f'larger than half the interface between "{a}" and "{b}"', value=inset, hint="take a smaller inset")
+        rule = f'larger than half the interface between "{a}" and "{b}"'
+        raise SceneError("joint.inset", rule, value=inset, hint=f"take less than {room[k]:.3g} m, the largest that fits every joint")
