@@ -7,7 +7,7 @@ from scipy import sparse
 
 from la_core.errors import SceneError
 from la_core.exchange import SUPPORT
-from la_core.geometry import Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes
+from la_core.geometry import Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
 from la_core.model.effects import Effects, decide
 from la_core.scene import Scene
 
@@ -37,7 +37,7 @@ class Assembly:
     effects : Effects
         Modelled effects, with reasons.
     inset : float
-        Distance of the contact points from the edges of their interface, m.
+        Distance of the contact points from the edges of their interface, m; `points.inset` is less in short joints.
     dead_load : (B, 6) array
         Weight of each free block as a wrench about its centroid, N and N m.
     live_load : (B, 6) array
@@ -179,7 +179,7 @@ def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
 def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     blocks = scene.blocks
     effects = decide(scene)
-    interfaces = find_interfaces(blocks) if interfaces is None else interfaces
+    interfaces = without_slivers(blocks, find_interfaces(blocks) if interfaces is None else interfaces, scene.inset, effects.plane)
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
     dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
     dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
