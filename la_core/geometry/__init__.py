@@ -2,14 +2,15 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
-from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, separation_by_faces
-from la_core.geometry.points import ContactPoints, contact_points, joint_rooms, without_slivers
-from la_core.geometry.polygons import plane_axes
+from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, overlaps, separation_by_faces
+from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
+from la_core.geometry.polygons import group_members, plane_axes, polygons_of
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
 
 __all__ = [
     "FACE_FLATNESS",
     "ROLES",
+    "SLIVER",
     "Blocks",
     "ContactPoints",
     "Interfaces",
@@ -18,10 +19,13 @@ __all__ = [
     "compound",
     "contact_points",
     "find_interfaces",
+    "group_members",
     "joint_rooms",
     "loft",
     "near_pairs",
+    "overlaps",
     "plane_axes",
+    "polygons_of",
     "polyhedron",
     "prism",
     "separation_by_faces",

@@ -50,10 +50,10 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
     """Both sides of the shortest cut that begins at an inward corner."""
     best: tuple[float, int, int, np.ndarray | None] = (np.inf, 0, 0, None)
     for corner in inward.tolist():
-        for length, edge, end in _cuts_from(points, corner):
-            cost = length / 2.0 if (points[inward] == end).all(axis=1).any() else length
+        for length, edge, meeting in _cuts_from(points, corner):
+            cost = length / 2.0 if (points[inward] == meeting).all(axis=1).any() else length
             if cost < best[0]:
-                best = (cost, corner, edge, end)
+                best = (cost, corner, edge, meeting)
     _, corner, edge, end = best
     if end is None:
         raise ValueError("the profile cannot be divided into convex parts")

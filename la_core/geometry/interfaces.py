@@ -5,6 +5,7 @@ most one, and so do the convex parts of two compound blocks.
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,21 +152,27 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    """Raise SceneError for a pair (P, 2) of blocks that overlap by more than its tolerance (P,), m.
+    for a, b, depth in overlaps(blocks, pairs, tolerance):
+        names = f'blocks "{blocks.names[a]}" and "{blocks.names[b]}"'
+        hint = "blocks may touch but not share volume; [geometry] tolerance removes the overlaps of a survey"
+        raise SceneError(names, f"overlap by about {depth:.3g} m", hint=hint)
+
+
+def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterator[tuple[int, int, float]]:
+    """Yield both blocks and the depth, m, of each pair (P, 2) of convex blocks that overlap by more than its tolerance (P,), m.
 
     Separating faces decide almost every pair. For the others a linear programme finds the largest ball within both
-    blocks.
+    blocks; its diameter is the depth.
     """
     apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
-    for (a, b), limit in zip(pairs[~apart], tolerance[~apart], strict=True):
+    for (a, b), limit in zip(pairs[~apart].tolist(), tolerance[~apart], strict=True):
         faces = np.isin(blocks.face_block, (a, b))
         normal, offset = blocks.face_normal[faces], blocks.face_offset[faces]
         centre = (blocks.centroid[a] + blocks.centroid[b]) / 2.0
         rows = np.column_stack([normal, np.ones(len(normal))])
         ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=offset - normal @ centre, bounds=[(None, None)] * 3 + [(0.0, None)])
         if ball.success and ball.x[3] > limit:
-            names = f'blocks "{blocks.names[a]}" and "{blocks.names[b]}"'
-            raise SceneError(names, f"overlap by about {2.0 * ball.x[3]:.3g} m", hint="blocks may touch but not share volume")
+            yield a, b, 2.0 * float(ball.x[3])
 
 
 def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:

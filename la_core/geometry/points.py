@@ -81,18 +81,17 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inse
     return ContactPoints(interface, position, np.full(len(interface), friction), own[interface])
 
 
-def without_slivers(blocks: Blocks, interfaces: Interfaces, inset: float, plane: bool) -> Interfaces:
-    """The interfaces without those shorter than half an inset, m; raises SceneError where a block has no other."""
-    slivers = joint_rooms(interfaces, plane, SLIVER * inset) < SLIVER * inset if inset > 0.0 else np.zeros(len(interfaces), dtype=bool)
+def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane: bool) -> Interfaces:
+    """The interfaces without those that have less room than `least`, m; raises SceneError where a free block has no other."""
+    slivers = joint_rooms(interfaces, plane, least) < least if least > 0.0 else np.zeros(len(interfaces), dtype=bool)
     if not slivers.any():
         return interfaces
     kept = interfaces.subset(~slivers)
-    lost = np.setdiff1d(interfaces.block_a, kept.block_a), np.setdiff1d(interfaces.block_b, kept.block_b)
-    alone = np.setdiff1d(np.concatenate(lost), np.concatenate([kept.block_a, kept.block_b]))
+    alone = np.setdiff1d(np.stack([interfaces.block_a, interfaces.block_b]), np.stack([kept.block_a, kept.block_b]))
     alone = alone[blocks.free[alone]]
     if len(alone):
-        rule = f'every joint of block "{blocks.names[alone[0]]}" is shorter than half an inset'
-        raise SceneError("joint.inset", rule, value=inset, hint="take a smaller inset, or remove the block")
+        rule = f"has no joint of {2.0 * least:.3g} m or more, and shorter ones do not count"
+        raise SceneError(f'block "{blocks.names[alone[0]]}"', rule, hint="take a smaller inset and tolerance, or remove the block")
     return kept
 
 

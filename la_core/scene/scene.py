@@ -14,9 +14,12 @@ import pydantic
 from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, Blocks, shapes
+from la_core.repair import Repairs
 from la_core.scene.generators import arches, building, dome, wall
-from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
+from la_core.scene.generators.drawings import DrawnBlocks
+from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
+from la_core.scene.imported import imported_blocks, repaired
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import LARGEST_FILE, MOST_BLOCKS, Vector
 from la_core.scene.validation import as_scene_error
@@ -63,9 +66,13 @@ class Scene(Tabled):
     yade : dict of str to float
         YADE settings that replace the derived ones, by name.
     meshes : tuple of MeshFile
-        Files of the [[mesh]] tables with their contents.
+        Files of the [[mesh]] and [[drawing]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
+    drawn : tuple of DrawnBlocks
+        What became of the outlines of each [[drawing]].
+    repairs : Repairs or None
+        Changes of the geometry within its tolerance. None where none was asked for.
     """
 
     name: str
@@ -85,11 +92,18 @@ class Scene(Tabled):
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
+    drawn: tuple[DrawnBlocks, ...] = ()
+    repairs: Repairs | None = None
 
     @property
     def weight(self) -> float:
         """Weight of all free blocks, N."""
         return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
+
+    @property
+    def shortest_joint(self) -> float:
+        """Length of the shortest joint that counts, m; 0 without a tolerance of the geometry."""
+        return 0.0 if self.repairs is None else self.repairs.shortest_joint
 
     @property
     def is_rotation(self) -> bool:
@@ -161,12 +175,12 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
     if not name.isprintable():
         rule = "must be printable text, because it names a folder of results"
         raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
-    imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
-    every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
-    named = list(islice(every, MOST_BLOCKS + 1))
+    imported, files, drawn = imported_blocks(file, path.parent)
+    named = list(islice(chain(_named_shapes(file), imported), MOST_BLOCKS + 1))
     if len(named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     _require_sense(named, file)
+    named, repairs = repaired(named, file)
     shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
     blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
     return Scene(
@@ -185,8 +199,10 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
         path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
-        meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
+        meshes=files,
         accuracy=file.accuracy,
+        drawn=drawn,
+        repairs=repairs,
     )
 
 

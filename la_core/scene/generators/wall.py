@@ -21,9 +21,11 @@ class NamedShape:
     density : float or None
         Density, kg/m3; None for the density of the scene's stone.
     shape : Shape
-        Convex shape.
+        Shape.
     added_density : float
         Carried mass, such as a floor's, over the volume of the block, kg/m3.
+    joint : float
+        Greatest width of the open joints around the block, which are to be closed, m; 0 where they are drawn closed.
     """
 
     name: str
@@ -31,6 +33,7 @@ class NamedShape:
     density: float | None
     shape: Shape
     added_density: float = 0.0
+    joint: float = 0.0
 
 
 def wall_blocks(wall: Wall) -> Iterator[NamedShape]:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.scene.schema.curved import Arch, Dome, Vault
+from la_core.scene.schema.drawing import Drawing, Geometry
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh
 from la_core.scene.schema.types import (
@@ -188,6 +189,8 @@ class SceneFile(Table):
     vault: tuple[Vault, ...] = described("barrel vaults", default=())
     dome: tuple[Dome, ...] = described("domes", default=())
     mesh: tuple[Mesh, ...] = described("imported blocks", default=())
+    drawing: tuple[Drawing, ...] = described("blocks from the outlines of a drawing", default=())
+    geometry: Geometry = described("errors of the coordinates", default=Geometry())
     settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
     live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
     path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)

@@ -1,0 +1,117 @@
+"""Pairs of faces that lie opposite each other and nearly touch."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from la_core.geometry import Blocks, group_members, near_pairs, plane_axes, polygons_of
+
+WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
+TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
+LEAST_OVERLAP = 1e-6  # of the face: less is an edge
+
+
+@dataclass(frozen=True)
+class Facing:
+    """The L pairs of faces that lie opposite each other, with the polygons in which they overlap.
+
+    Attributes
+    ----------
+    face_a, face_b : (L,) arrays of int
+        The faces.
+    angle : (L,) array
+        Angle between them, rad.
+    area : (L,) array
+        Area of the overlap, m2.
+    middle : (Q, 3) array
+        Corners of the overlap, pair after pair, half way between both faces, m.
+    gap : (Q,) array
+        Distance between the faces there, m; negative where the blocks overlap.
+    start : (L + 1,) array of int
+        Pair i has middle[start[i]:start[i + 1]].
+    """
+
+    face_a: np.ndarray
+    face_b: np.ndarray
+    angle: np.ndarray
+    area: np.ndarray
+    middle: np.ndarray
+    gap: np.ndarray
+    start: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.face_a)
+
+    @property
+    def widest(self) -> np.ndarray:
+        """Index (L,) of the corner of each pair where its faces are farthest apart, or overlap the most."""
+        owner = np.repeat(np.arange(len(self)), np.diff(self.start))
+        order = np.lexsort((np.abs(self.gap), owner))
+        return np.asarray(order[self.start[1:] - 1])
+
+
+def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
+    """Find all pairs of faces that lie opposite each other at a distance of at most `reach`, and overlap seen along their normal.
+
+    Parameters
+    ----------
+    parts : Blocks
+        P convex parts.
+    owner : (P,) array of int
+        Block of each part. Parts of one block count as opposite only where they touch.
+    reach : (P,) array
+        Largest distance from another part, m; of two parts the greater one counts.
+    """
+    size = np.linalg.norm(parts.high - parts.low, axis=1)
+    pairs = near_pairs(parts, np.full(len(parts), reach.max()))
+    same = owner[pairs[:, 0]] == owner[pairs[:, 1]]
+    limit = np.where(same, TOUCH * size[pairs[:, 0]], reach[pairs].max(axis=1))
+    face_start = parts.part_face_start
+    counts = np.diff(face_start)
+    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
+    of_b = counts[pairs[pair, 1]]
+    face_a, face_b = face_start[pairs[pair, 0]] + place // of_b, face_start[pairs[pair, 1]] + place % of_b
+    cosine = -np.sum(parts.face_normal[face_a] * parts.face_normal[face_b], axis=1)
+    near = cosine >= WEDGE
+    pair, face_a, face_b, cosine = pair[near], face_a[near], face_b[near], cosine[near]
+    overlap, corners, ring = _overlaps(parts, face_a, face_b)
+    pair, face_a, face_b, cosine = pair[overlap], face_a[overlap], face_b[overlap], cosine[overlap]
+    normal_a, normal_b = parts.face_normal[face_a], parts.face_normal[face_b]
+    gap = parts.face_offset[face_b[ring]] - np.sum(normal_b[ring] * corners, axis=1)
+    gap /= np.sum(normal_b * normal_a, axis=1)[ring]
+    widest = np.zeros(len(pair))
+    np.maximum.at(widest, ring, np.abs(gap))
+    kept = widest <= limit[pair]
+    of_kept = kept[ring]
+    sizes = np.bincount(ring, minlength=len(pair))[kept]
+    middle = corners + 0.5 * gap[:, None] * normal_a[ring]
+    polygons = _polygons(parts, face_a[kept], face_a[kept]), _polygons(parts, face_b[kept], face_a[kept])
+    area = shapely.area(shapely.intersection(*polygons)) if kept.any() else np.zeros(0)
+    angle = np.arccos(np.clip(cosine[kept], -1.0, 1.0))
+    start = np.concatenate([[0], np.cumsum(sizes)])
+    return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start)
+
+
+def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Faces (N,) as polygons, seen along the normals of the faces `plane` (N,), from the first corners of these."""
+    first, second = plane_axes(parts.face_normal[plane])
+    origin = parts.vertices[parts.face_vertex[parts.face_start[plane]]]
+    sizes = np.diff(parts.face_start)[face]
+    row, place = group_members(sizes)
+    arm = parts.vertices[parts.face_vertex[parts.face_start[face[row]] + place]] - origin[row]
+    return polygons_of(np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1), sizes)
+
+
+def _overlaps(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of faces that overlap: their indices, the corners (Q, 3) of the overlaps on face a, and the row of each corner (Q,)."""
+    polygons = _polygons(parts, face_a, face_a)
+    overlap = shapely.intersection(polygons, _polygons(parts, face_b, face_a))
+    is_polygon = shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON
+    found = np.flatnonzero(is_polygon & (shapely.area(overlap) > LEAST_OVERLAP * shapely.area(polygons)))
+    flat, row = shapely.get_coordinates(overlap[found], return_index=True)
+    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)
+    flat, row = flat[~closing], row[~closing]
+    first, second = plane_axes(parts.face_normal[face_a[found]])
+    origin = parts.vertices[parts.face_vertex[parts.face_start[face_a[found]]]]
+    return found, origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row], row
