@@ -43,6 +43,7 @@ def parser() -> argparse.ArgumentParser:
         return sub
 
     for add_verb in (
+        _add_new,
         _add_scenes,
         _add_show,
         _add_solve,
@@ -60,6 +61,13 @@ def parser() -> argparse.ArgumentParser:
     ):
         add_verb(add)
     return whole
+
+
+def _add_new(add: AddVerb) -> None:
+    new = add("new", "write a commented scene for a drawing (DXF, SVG) or for bodies (OBJ, PLY, STL)")
+    from_help = "drawing or file of bodies that the scene is to read"
+    new.add_argument("--from", dest="source", type=Path, metavar="FILE", required=True, help=from_help)
+    new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help="scene file to write (default: FILE with the ending .toml)")
 
 
 def _add_scenes(add: AddVerb) -> None:
@@ -180,7 +188,9 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
     def path_of(text: str) -> Path:
         path = Path(text)
         if path.suffix not in endings:
-            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {', '.join(endings[:-1])} or {endings[-1]}")
+            *others, last = endings
+            choices = f"{', '.join(others)} or {last}" if others else last
+            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
         return path
 
     return path_of
@@ -189,6 +199,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
 figure = ending_in(FIGURE_FORMATS, "a figure")
 moving_picture = ending_in(MOVING_FORMATS, "an animation")
 page = ending_in(PAGE_FORMATS, "a page")
+scene_file = ending_in((".toml",), "a scene file")
 
 
 def frames_per_second(text: str) -> int:

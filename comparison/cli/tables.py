@@ -9,7 +9,7 @@ from rich.table import Table
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import VERDICT_HEADINGS, VERDICT_TITLE, Check, effects_summary, percent, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
-from la_core.scene import Expected, Scene
+from la_core.scene import Expected, Scene, change_rows, geometry_changes
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
@@ -55,6 +55,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts |= {f"{name}_blocks": count for name, count in roles.items()}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
+    facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
 
 
@@ -63,9 +64,17 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     units = {"weight": "N", "inset": "m"}
     table = new_table("what", "value", "unit", title=plain(title))
     for name, value in facts.items():
-        if name != "effects":
+        if name not in ("effects", "geometry"):
             text = number_text(value) if isinstance(value, float) else str(value)
             table.add_row(name.replace("_", " "), text, units.get(name, ""))
+    return table
+
+
+def changes_table(changes: dict[str, Any]) -> Table:
+    """Return a table of what reading changed in the geometry, one change per row."""
+    table = new_table("changed in the geometry", "how much")
+    for what, how_much in change_rows(changes):
+        table.add_row(plain(what), plain(how_much))
     return table
 
 

@@ -14,6 +14,7 @@ from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
 from la_core.measures import measure
+from la_core.scene import geometry_changes
 
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
@@ -29,6 +30,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(whole.interfaces),
         "contact_points": len(whole.points),
+        "geometry": geometry_changes(scene, whole.slivers, whole.short_joints),
         "effects": effects_summary(scene, whole, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),

@@ -63,6 +63,11 @@ class Assembly:
     slivers: int = 0
 
     @property
+    def short_joints(self) -> int:
+        """Number of joints whose contact points have a smaller inset than others, because they are short."""
+        return len(np.unique(self.points.interface[self.points.inset < self.inset]))
+
+    @property
     def weight(self) -> float:
         """Weight of the free blocks, N."""
         return float(np.linalg.norm(self.dead_load[self.blocks.free, :3], axis=1).sum())

@@ -1,6 +1,8 @@
 """What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
 
 from la_core.scene import key_paths, shipped
+from la_core.scene.changes import change_rows, geometry_changes
+from la_core.scene.from_file import scene_from_file
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
@@ -23,14 +25,17 @@ __all__ = [
     "Text",
     "as_scene_error",
     "build",
+    "change_rows",
     "described",
     "full_model",
+    "geometry_changes",
     "key_paths",
     "load",
     "load_scene",
     "names",
     "override",
     "same_structure",
+    "scene_from_file",
     "scene_of_text",
     "shipped",
     "variant",

@@ -22,6 +22,8 @@ def execute(context: Context) -> int:
         context.print_json(facts | {"figure": str(figure)})
     else:
         context.out.print(tables.facts_table(scene.title, facts))
+        if facts["geometry"] is not None:
+            context.out.print(tables.changes_table(facts["geometry"]))
         context.out.print(tables.effects_table(facts["effects"]))
         context.narrator.print(f"drawn in {figure}", markup=False)
     return AGREE
