@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, polygons_of, true_corners
+from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygon_areas, polygons_of, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
@@ -230,7 +230,7 @@ def _overlap_polygons(
         flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
         return polygons_of(flat, np.diff(blocks.face_start)[face])
 
-    overlap = shapely.intersection(polygons(face_a), polygons(face_b))
+    overlap = overlap_of(polygons(face_a), polygons(face_b))
     wide = shapely.area(overlap) > tolerance[pair] * shapely.length(overlap) / 2.0
     kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
     flat, owner = true_corners(overlap[kept], tolerance[pair[kept]])

@@ -16,6 +16,7 @@ PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do no
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
 PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
+SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
 ROUNDS = 4  # a cut may uncover another overlap
 CLOSED = 1e-6  # m: a smaller gap was closed already
@@ -75,7 +76,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
         overlaps_cut=cut,
-        shortest_joint=tolerance,
+        shortest_joint=SHORTEST * tolerance,
         unclosed=_unclosed(names, parts, owner, pairs, closed, tolerance),
     )
     return repaired, repairs

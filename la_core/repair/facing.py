@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, group_members, near_pairs, plane_axes, polygons_of
+from la_core.geometry import Blocks, group_members, near_pairs, overlap_of, plane_axes, polygons_of
 
 WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
 TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
@@ -30,6 +30,8 @@ class Facing:
         Distance between the faces there, m; negative where the blocks overlap.
     start : (L + 1,) array of int
         Pair i has middle[start[i]:start[i + 1]].
+    aligned : (A, 2) array of int
+        Opposite faces that lie beside each other instead, nearly on one plane and nearly touching, as where four corners meet.
     """
 
     face_a: np.ndarray
@@ -39,6 +41,7 @@ class Facing:
     middle: np.ndarray
     gap: np.ndarray
     start: np.ndarray
+    aligned: np.ndarray
 
     def __len__(self) -> int:
         return len(self.face_a)
@@ -73,9 +76,14 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     of_b = counts[pairs[pair, 1]]
     face_a, face_b = face_start[pairs[pair, 0]] + place // of_b, face_start[pairs[pair, 1]] + place % of_b
     cosine = -np.sum(parts.face_normal[face_a] * parts.face_normal[face_b], axis=1)
-    near = cosine >= WEDGE
+    first = parts.vertices[parts.face_vertex[parts.face_start[face_b]]]
+    height = np.abs(np.sum(first * parts.face_normal[face_a], axis=1) - parts.face_offset[face_a])
+    slope = np.sqrt(np.maximum(0.0, 1.0 - np.minimum(cosine, 1.0) ** 2)) * size[pairs[pair]].sum(axis=1)
+    near = (cosine >= WEDGE) & (height <= limit[pair] + slope)
     pair, face_a, face_b, cosine = pair[near], face_a[near], face_b[near], cosine[near]
-    overlap, corners, ring = _overlaps(parts, face_a, face_b)
+    overlap, corners, ring = _overlaps(parts, face_a, face_b, 0.0)
+    beside = np.setdiff1d(np.flatnonzero(~same[pair]), overlap)
+    aligned = _aligned(parts, face_a[beside], face_b[beside], limit[pair[beside]])
     pair, face_a, face_b, cosine = pair[overlap], face_a[overlap], face_b[overlap], cosine[overlap]
     normal_a, normal_b = parts.face_normal[face_a], parts.face_normal[face_b]
     gap = parts.face_offset[face_b[ring]] - np.sum(normal_b[ring] * corners, axis=1)
@@ -87,10 +95,10 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     sizes = np.bincount(ring, minlength=len(pair))[kept]
     middle = corners + 0.5 * gap[:, None] * normal_a[ring]
     polygons = _polygons(parts, face_a[kept], face_a[kept]), _polygons(parts, face_b[kept], face_a[kept])
-    area = shapely.area(shapely.intersection(*polygons)) if kept.any() else np.zeros(0)
+    area = shapely.area(overlap_of(*polygons)) if kept.any() else np.zeros(0)
     angle = np.arccos(np.clip(cosine[kept], -1.0, 1.0))
     start = np.concatenate([[0], np.cumsum(sizes)])
-    return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start)
+    return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start, aligned)
 
 
 def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
@@ -103,10 +111,25 @@ def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
     return polygons_of(np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1), sizes)
 
 
-def _overlaps(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pairs of faces that overlap: their indices, the corners (Q, 3) of the overlaps on face a, and the row of each corner (Q,)."""
-    polygons = _polygons(parts, face_a, face_a)
-    overlap = shapely.intersection(polygons, _polygons(parts, face_b, face_a))
+def _aligned(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Pairs (A, 2) of the faces that would overlap if face b were larger by `reach` (N,), m, and lie as near to one plane there."""
+    found, corners, ring = _overlaps(parts, face_a, face_b, reach)
+    gap = parts.face_offset[face_b[found][ring]] - np.sum(parts.face_normal[face_b[found][ring]] * corners, axis=1)
+    widest = np.zeros(len(found))
+    np.maximum.at(widest, ring, np.abs(gap))
+    level = found[widest <= reach[found]]
+    return np.stack([face_a[level], face_b[level]], axis=1)
+
+
+def _overlaps(
+    parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, grown: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of faces that overlap: their indices, the corners (Q, 3) of the overlaps on face a, and the row of each corner (Q,).
+
+    grown: distance by which the faces b are larger, m.
+    """
+    polygons, others = _polygons(parts, face_a, face_a), _polygons(parts, face_b, face_a)
+    overlap = overlap_of(polygons, shapely.buffer(others, grown, join_style="mitre") if np.any(grown) else others)
     is_polygon = shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON
     found = np.flatnonzero(is_polygon & (shapely.area(overlap) > LEAST_OVERLAP * shapely.area(polygons)))
     flat, row = shapely.get_coordinates(overlap[found], return_index=True)

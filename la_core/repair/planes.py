@@ -1,8 +1,8 @@
 """Common planes of faces that face each other, as far as a tolerance allows.
 
 A bed joint lies on one plane, because every block of a course lies on several blocks below. So faces are gathered in
-groups: the pair that is most nearly parallel first, then every pair whose two groups still have a common plane. The
-plane is fitted to the points half way between the faces.
+groups: the pair that is most nearly parallel first, then every pair whose two groups still have a common plane, and at
+last faces that lie beside each other. The plane is fitted to the points half way between the faces.
 """
 
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
     closed : (L,) array of bool
         Pairs that now lie on one plane.
     """
-    members = np.unique(np.concatenate([pairs.face_a, pairs.face_b, twins.ravel()]))
+    members = np.unique(np.concatenate([pairs.face_a, pairs.face_b, pairs.aligned.ravel(), twins.ravel()]))
     groups = {
         face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), face_areas(parts)[members], strict=True)
     }
@@ -89,6 +89,8 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
         if not closed[left].any() or closed.all():
             break
         left = left[~closed[left]]
+    for face, other in pairs.aligned.tolist():
+        join(face, other, nothing, opposite=True)
     normal, offset = parts.face_normal.copy(), parts.face_offset.copy()
     for number in set(place.values()):
         group = groups[number]

@@ -51,7 +51,7 @@ class Geometry(Table):
     """Errors of coordinates, of all blocks of the scene: a survey knows them to some millimetres."""
 
     tolerance: Annotated[Positive, Field(le=MOST_TOLERANCE)] | None = described(
-        "faces and corners within it are moved together, and joints shorter than it are dropped; every change is reported",
+        "faces and corners within it are moved together, and joints shorter than twice as much are dropped; every change is reported",
         "m",
         default=None,
     )
