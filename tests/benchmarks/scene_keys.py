@@ -28,6 +28,7 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
     "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
+    "Drawing": "`[[drawing]]`", "Geometry": "`[geometry]`",
 }  # fmt: skip
 
 

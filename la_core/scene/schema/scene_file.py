@@ -51,7 +51,7 @@ class Joint(Table):
 
     friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
     inset: NotNegative = described(
-        "distance by which contact points are drawn in from the edges of a joint, in both methods; at most half the shortest joint",
+        "distance by which contact points are drawn in from the edges of a joint, in both methods; less in joints shorter than four insets",
         "m",
         default=0.001,
     )
@@ -71,9 +71,9 @@ class Box(Table):
 
 
 class Prism(Table):
-    """Convex (x, z) profile, in either orientation, extruded from y[0] to y[1], m."""
+    """An (x, z) profile, in either orientation, extruded from y[0] to y[1], m; it need not be convex."""
 
-    profile: Annotated[tuple[Pair, ...], Field(min_length=3)] = described("corners (x, z) in order, convex", "m")
+    profile: Annotated[tuple[Pair, ...], Field(min_length=3)] = described("corners (x, z) in order", "m")
     y: Pair = described("from, to", "m")
 
     @model_validator(mode="after")
@@ -90,7 +90,7 @@ class Polyhedron(Table):
 
 
 class Block(Table):
-    """One convex block; role "support" moves with the settlement, "fixed" is the ground."""
+    """One block; role "support" moves with the settlement, "fixed" is the ground."""
 
     name: Name = described("unique in the scene; reports and messages use it")
     role: Role = described("free: may move; fixed: ground; support: moves with the settlement", default="free")
