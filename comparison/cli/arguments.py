@@ -43,6 +43,8 @@ def parser() -> argparse.ArgumentParser:
         return sub
 
     for add_verb in (
+        _add_new,
+        _add_schema,
         _add_scenes,
         _add_show,
         _add_solve,
@@ -60,6 +62,17 @@ def parser() -> argparse.ArgumentParser:
     ):
         add_verb(add)
     return whole
+
+
+def _add_new(add: AddVerb) -> None:
+    new = add("new", "write a commented scene of your own: a wall, a facade, an arch, a building, ...")
+    new.add_argument("kind", metavar="KIND", nargs="?", help="kind of structure (default: list the kinds)")
+    new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help="scene file to write (default: KIND.toml)")
+
+
+def _add_schema(add: AddVerb) -> None:
+    schema = add("schema", "print the keys of scene files: as JSON Schema for editors, or those of one table as a list")
+    schema.add_argument("table", metavar="TABLE", nargs="?", help="table whose keys are listed, such as wall (default: JSON Schema of all)")
 
 
 def _add_scenes(add: AddVerb) -> None:
@@ -180,7 +193,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
     def path_of(text: str) -> Path:
         path = Path(text)
         if path.suffix not in endings:
-            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {', '.join(endings[:-1])} or {endings[-1]}")
+            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {' or '.join(filter(None, (', '.join(endings[:-1]), endings[-1])))}")
         return path
 
     return path_of
@@ -189,6 +202,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
 figure = ending_in(FIGURE_FORMATS, "a figure")
 moving_picture = ending_in(MOVING_FORMATS, "an animation")
 page = ending_in(PAGE_FORMATS, "a page")
+scene_file = ending_in((".toml",), "a scene file")
 
 
 def frames_per_second(text: str) -> int:

@@ -2,10 +2,13 @@
 
 from la_core.scene import key_paths, shipped
 from la_core.scene.scene import Scene, load_scene, scene_of_text
+from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
+from la_core.scene.schema.key_words import default_words, value_words
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
 from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text, described
 from la_core.scene.shipped import load, names
+from la_core.scene.starters import starter_names, starter_purpose, starter_text
 from la_core.scene.validation import as_scene_error
 from la_core.scene.variants import build, full_model, override, same_structure, variant
 
@@ -23,6 +26,7 @@ __all__ = [
     "Text",
     "as_scene_error",
     "build",
+    "default_words",
     "described",
     "full_model",
     "key_paths",
@@ -30,8 +34,15 @@ __all__ = [
     "load_scene",
     "names",
     "override",
+    "part_of_schema",
     "same_structure",
     "scene_of_text",
+    "scene_schema",
     "shipped",
+    "starter_names",
+    "starter_purpose",
+    "starter_text",
+    "tables_of_schema",
+    "value_words",
     "variant",
 ]

@@ -1,6 +1,5 @@
 """From a TOML file to a `Scene`, with every check that needs no solver."""
 
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,12 +13,13 @@ import pydantic
 from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, Blocks, shapes
+from la_core.scene import reading
 from la_core.scene.generators import arches, building, dome, wall
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema import scene_file
-from la_core.scene.schema.types import LARGEST_FILE, MOST_BLOCKS, Vector
-from la_core.scene.validation import as_scene_error
+from la_core.scene.schema.types import MOST_BLOCKS, Vector
+from la_core.scene.validation import Fault, as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
 
@@ -118,52 +118,42 @@ class Scene(Tabled):
 
 
 def load_scene(path: Path, name: str = "") -> Scene:
-    """Read, validate and expand a scene file; raises SceneError for every fault of it.
+    """Read, validate and expand a scene file; raises SceneError with every fault of it, each with its line.
 
     name: name of the scene instead of the file's stem, for copies.
     """
-    return scene_of_text(_read(path), path, name or path.stem)
+    return scene_of_text(reading.read_text(path), path, name or path.stem, counts_lines=True)
 
 
-def scene_of_text(text: str, path: Path, name: str) -> Scene:
-    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name."""
+def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) -> Scene:
+    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name.
+
+    counts_lines: whether messages name lines, because the text is that of a file.
+    """
+    data, counted = reading.tables_of(text, path), text if counts_lines else ""
     try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # Python raises ValueError for a number of too many digits
-        raise SceneError(str(path), f"not valid TOML: {error}") from error
-    try:
-        return _build(path, name, text, _validate(data))
+        return _build(path, name, text, _validate(data, counted), counted)
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error
 
 
-def _read(path: Path) -> str:
-    try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise SceneError(str(path), "neither a file nor a folder, so reading it might never end")
-        if path.stat().st_size > LARGEST_FILE:
-            raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
-        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
-    except OSError as error:
-        raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
-    except UnicodeDecodeError as error:
-        raise SceneError(str(path), f"not UTF-8 text (byte {error.start})") from error
-
-
-def _validate(data: dict[str, Any]) -> scene_file.SceneFile:
+def _validate(data: dict[str, Any], counted: str) -> scene_file.SceneFile:
     try:
         return scene_file.SceneFile.model_validate(data)
     except pydantic.ValidationError as error:
-        raise as_scene_error(error, data, scene_file.SceneFile) from error
+        raise as_scene_error(error, data, scene_file.SceneFile, counted) from error
 
 
-def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scene:
+def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
     if not name.isprintable():
         rule = "must be printable text, because it names a folder of results"
         raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
     imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
-    every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
+    faults: list[Fault] = []
+    every = chain(_named_shapes(file, faults), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
     named = list(islice(every, MOST_BLOCKS + 1))
+    if faults:
+        raise joined(faults, counted)
     if len(named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     _require_sense(named, file)
@@ -190,18 +180,21 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scen
     )
 
 
-def _named_shapes(file: scene_file.SceneFile) -> Iterator[NamedShape]:
-    for block in file.block:
+def _named_shapes(file: scene_file.SceneFile, faults: list[Fault]) -> Iterator[NamedShape]:
+    """Blocks of all tables but those of meshes; what cannot be built is added to `faults`, and the next table follows."""
+    for place, block in enumerate(file.block):
         try:
             yield NamedShape(block.name, block.role, block.density, _shape(block))
         except ValueError as error:
-            raise SceneError(f'block "{block.name}"', str(error)) from error
+            faults.append((("block", place), f'block "{block.name}": {error}'))
     for kind, blocks_of in _GENERATORS.items():
-        for table in getattr(file, kind):
+        for place, table in enumerate(getattr(file, kind)):
             try:
                 yield from blocks_of(table)
             except ValueError as error:
-                raise SceneError(f'{kind} "{table.name}"', str(error)) from error
+                faults.append(((kind, place), f'{kind} "{table.name}": {error}'))
+            except SceneError as error:  # which names the table already
+                faults.append(((kind, place), str(error)))
 
 
 _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {

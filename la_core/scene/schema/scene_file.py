@@ -200,7 +200,8 @@ class SceneFile(Table):
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
         if (self.settlement is None) == (self.live is None):
-            raise ValueError("needs either a [settlement] or a [live] table")
+            both = "it has both" if self.live is not None else "it has neither"
+            raise ValueError(f"needs either a [settlement] or a [live] table; {both}")
         return self
 
     @model_validator(mode="after")
