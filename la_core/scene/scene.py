@@ -14,7 +14,7 @@ from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, Blocks, shapes
 from la_core.scene import reading
-from la_core.scene.generators import arches, building, dome, wall
+from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema import scene_file
@@ -203,6 +203,7 @@ _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
     "arch": arches.arch_blocks,
     "vault": arches.vault_blocks,
     "dome": dome.dome_blocks,
+    "rubble": rubble.rubble_blocks,
 }
 
 

@@ -23,9 +23,10 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
     "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
     "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
+    "Footing": "`footing` of a wall or of rubble",
     "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
-    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
+    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
 }  # fmt: skip
 
 

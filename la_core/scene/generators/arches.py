@@ -1,21 +1,24 @@
-"""Arches and barrel vaults: a ring of straight-sided voussoirs in the xz plane, drawn out along y."""
+"""Arches and barrel vaults: rings of straight-sided voussoirs in the xz plane, drawn out along y, and turned in plan."""
 
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from la_core.geometry import Shape, prism
+from la_core.scene.generators.placing import turned
+from la_core.scene.generators.ring_curves import Station, stations
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.curved import Arch, Ring, Vault
 
-RadialJoint = tuple[tuple[float, float], tuple[float, float]]  # intrados and extrados (x, z) of a radial joint, m
-
 
 def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
-    """Voussoirs from the left springing to the right one, then the springers, if the table has them."""
-    joints, y = _joints(arch), arch.centre[1]
-    for number, (left, right) in enumerate(pairwise(joints), 1):
-        yield NamedShape(f"{arch.name} {number}", "free", arch.density, _voussoir(left, right, (y, y + arch.depth)))
+    """Voussoirs from the left springing to the right one, ring by ring from the inner one; then the springers, if the table has them."""
+    joints, y = stations(arch), (0.0, arch.depth)
+    for ring in range(arch.rings):
+        layer = arch.thickness * ring / arch.rings, arch.thickness * (ring + 1) / arch.rings
+        for number, (left, right) in enumerate(pairwise(joints), 1):
+            name = f"{arch.name} {number}" if arch.rings == 1 else f"{arch.name} {ring + 1}.{number}"
+            yield NamedShape(name, "free", arch.density, _voussoir(arch, left, right, layer, y))
     yield from _springers(arch, arch.name, joints, arch.depth)
 
 
@@ -24,42 +27,35 @@ def vault_blocks(vault: Vault) -> Iterator[NamedShape]:
 
     In running bond the second, fourth, ... course begins and ends with half voussoirs.
     """
-    joints = _joints(vault)
+    joints = stations(vault)
     for course, (left, right) in enumerate(pairwise(joints), 1):
         halves = vault.bond == "running" and course % 2 == 0
         inner = [ring + 0.5 for ring in range(vault.rings)] if halves else range(1, vault.rings)
-        ends = [vault.centre[1] + vault.length * place / vault.rings for place in (0, *inner, vault.rings)]
+        ends = [vault.length * place / vault.rings for place in (0, *inner, vault.rings)]
         for number, y in enumerate(pairwise(ends), 1):
-            yield NamedShape(f"{vault.name} {course}.{number}", "free", vault.density, _voussoir(left, right, y))
+            shape = _voussoir(vault, left, right, (0.0, vault.thickness), y)
+            yield NamedShape(f"{vault.name} {course}.{number}", "free", vault.density, shape)
     yield from _springers(vault, vault.name, joints, vault.length)
 
 
-def _joints(ring: Ring) -> list[RadialJoint]:
-    """Radial joints from the left springing to the right one."""
-    half = math.radians(ring.embrace) / 2.0
-    angles = [-half + 2.0 * half * k / ring.voussoirs for k in range(ring.voussoirs + 1)]
-    return [_joint(ring, angle) for angle in angles]
+def _voussoir(ring: Ring, left: Station, right: Station, layer: Sequence[float], y: Sequence[float]) -> Shape:
+    """Solid between two joints and two depths within the ring (m), from y[0] to y[1] beyond the ring's centre (m)."""
+    return _placed(ring, [left.at(layer[0]), right.at(layer[0]), right.at(layer[1]), left.at(layer[1])], y)
 
 
-def _joint(ring: Ring, angle: float) -> RadialJoint:
-    """Intrados and extrados (x, z), m, of the radial joint at `angle` (rad) from the crown, positive to the right."""
-    radii = (ring.radius - ring.thickness / 2.0, ring.radius + ring.thickness / 2.0)
-    inner, outer = ((ring.centre[0] + r * math.sin(angle), ring.centre[2] + r * math.cos(angle)) for r in radii)
-    return inner, outer
+def _placed(ring: Ring, profile: Sequence[tuple[float, float]], y: Sequence[float]) -> Shape:
+    """Solid of a profile about the ring's centre, m."""
+    x0, y0, z0 = ring.centre
+    return turned(prism([(x0 + x, z0 + z) for x, z in profile], (y0 + y[0], y0 + y[1])), ring.centre, ring.angle)
 
 
-def _voussoir(left: RadialJoint, right: RadialJoint, y: Sequence[float]) -> Shape:
-    return prism([left[0], right[0], right[1], left[1]], y)
-
-
-def _springers(ring: Ring, name: str, joints: list[RadialJoint], depth: float) -> Iterator[NamedShape]:
+def _springers(ring: Ring, name: str, joints: list[Station], depth: float) -> Iterator[NamedShape]:
     """One held block behind each springing joint: as long as `depth` (m) along y and as thick as the ring."""
     if ring.springers is None:
         return
-    half = math.radians(ring.embrace) / 2.0
-    y = (ring.centre[1], ring.centre[1] + depth)
-    for side, angle, joint in (("left", -half, joints[0]), ("right", half, joints[-1])):
-        away = math.copysign(ring.thickness, angle)
-        beyond = [(px + away * math.cos(angle), pz - away * math.sin(angle)) for px, pz in joint]
-        shape = prism([joint[0], joint[1], beyond[1], beyond[0]], y)
+    for side, joint in (("left", joints[0]), ("right", joints[-1])):
+        away = math.copysign(ring.thickness, joint.angle)
+        face = [joint.at(0.0), joint.at(ring.thickness)]
+        beyond = [(x + away * math.cos(joint.angle), z - away * math.sin(joint.angle)) for x, z in face]
+        shape = _placed(ring, [face[0], face[1], beyond[1], beyond[0]], (0.0, depth))
         yield NamedShape(f"{name} springer {side}", getattr(ring.springers, side), ring.density, shape)

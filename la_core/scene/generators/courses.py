@@ -29,6 +29,11 @@ class Piece:
     foot: Span
     head: Span
 
+    def corners(self, bottom: float, top: float) -> list[tuple[float, float]]:
+        """Corners (along the wall, up) between two heights, m; three at the apex of a gable, where the head has no length."""
+        foot, head = ([(x, z) for x in dict.fromkeys(span)] for span, z in ((self.foot, bottom), (self.head, top)))
+        return [*foot, *reversed(head)]
+
 
 @dataclass(frozen=True)
 class Face:

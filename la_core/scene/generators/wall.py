@@ -118,7 +118,7 @@ def _solid(wall: Wall, face: Face, piece: Piece, course: int, leaves: tuple[int,
     depth, (x0, y0, z0) = wall.block[1], wall.origin
     low, high = face.lines[course : course + 2]
     if any(wall.taper):
-        return _leaning(wall, face, [(piece.foot[0], low), (piece.foot[1], low), (piece.head[1], high), (piece.head[0], high)])
+        return _leaning(wall, face, piece.corners(low, high))
     shape = piece_shape(piece, x0, (y0 + leaves[0] * depth, y0 + leaves[1] * depth), (z0 + low, z0 + high))
     return turned(shape, wall.origin, wall.angle)
 
@@ -171,7 +171,6 @@ def piece_shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float,
     z : tuple of float
         Bottom and top, m.
     """
-    (left, right), (top_left, top_right) = piece.foot, piece.head
     if piece.foot == piece.head:
-        return box((x0 + left, y[0], z[0]), (x0 + right, y[1], z[1]))
-    return prism([(x0 + left, z[0]), (x0 + right, z[0]), (x0 + top_right, z[1]), (x0 + top_left, z[1])], y)
+        return box((x0 + piece.foot[0], y[0], z[0]), (x0 + piece.foot[1], y[1], z[1]))
+    return prism([(x0 + along, up) for along, up in piece.corners(*z)], y)

@@ -7,6 +7,7 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh
+from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
     Count,
@@ -187,6 +188,7 @@ class SceneFile(Table):
     arch: tuple[Arch, ...] = described("arches", default=())
     vault: tuple[Vault, ...] = described("barrel vaults", default=())
     dome: tuple[Dome, ...] = described("domes", default=())
+    rubble: tuple[Rubble, ...] = described("walls of irregular stones", default=())
     mesh: tuple[Mesh, ...] = described("imported blocks", default=())
     settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
     live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
