@@ -17,6 +17,7 @@ from la_core.scene import reading
 from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
+from la_core.scene.plausibility import implausible
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import MOST_BLOCKS, Vector
 from la_core.scene.validation import Fault, as_scene_error, joined
@@ -66,6 +67,8 @@ class Scene(Tabled):
         Files of the [[mesh]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
+    warnings : tuple of str
+        Sentences about values that are allowed but seldom meant, such as an angle for friction.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Scene(Tabled):
     yade: dict[str, Any]
     meshes: tuple[MeshFile, ...] = ()
     accuracy: float | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def weight(self) -> float:
@@ -158,18 +162,20 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     _require_sense(named, file)
     shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
-    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
+    densities = _densities(named, file)
+    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _with_floors(named, densities), [n.shape for n in named])
+    gravity, twist = np.array(file.gravity), _support_twist(file.settlement)
     return Scene(
         name=name,
         path=path,
         text=text,
         title=file.title or name,
         source=file.source,
-        gravity=np.array(file.gravity),
+        gravity=gravity,
         friction=file.joint.friction,
         inset=file.joint.inset,
         blocks=blocks,
-        support_twist=_support_twist(file.settlement),
+        support_twist=twist,
         live=_unit(file.live.direction) if file.live else None,
         effects=file.effects,
         path_asked=file.path,
@@ -177,6 +183,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         yade=file.yade,
         meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
         accuracy=file.accuracy,
+        warnings=implausible(blocks, densities, file.joint.friction, gravity, twist),
     )
 
 
@@ -235,13 +242,18 @@ def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
             raise SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS))
 
 
-def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float]:
-    """Density of every block; NaN for a held block without one. Raises SceneError for a free block without one."""
+def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
+    """Density of every block; None for a held block without one. Raises SceneError for a free block without one."""
     stone = file.stone.density if file.stone else None
     densities = [n.density if n.density is not None else stone for n in named]
     for n, density in zip(named, densities, strict=True):
         if density is None and ROLES[n.role] == FREE:
             raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
+    return densities
+
+
+def _with_floors(named: list[NamedShape], densities: list[float | None]) -> list[float]:
+    """Density of every block with what it carries; NaN for a held block without one."""
     return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]
 
 
