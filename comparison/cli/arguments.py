@@ -193,7 +193,9 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
     def path_of(text: str) -> Path:
         path = Path(text)
         if path.suffix not in endings:
-            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {' or '.join(filter(None, (', '.join(endings[:-1]), endings[-1])))}")
+            *others, last = endings
+            choices = f"{', '.join(others)} or {last}" if others else last
+            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
         return path
 
     return path_of

@@ -46,8 +46,10 @@ def implausible(
 
 def _of_friction(friction: float) -> Iterator[str]:
     if friction > FRICTION:
-        angle = f"; if it is an angle, write its tangent: {friction:g} degrees is {math.tan(math.radians(friction)):.3f}"
-        yield f"joint.friction = {friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75{angle if 5.0 <= friction < 90.0 else ''}."
+        angle = ""
+        if 5.0 <= friction < 90.0:
+            angle = f"; if it is an angle, write its tangent: {friction:g} degrees is {math.tan(math.radians(friction)):.3f}"
+        yield f"joint.friction = {friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75{angle}."
 
 
 def _of_densities(densities: Sequence[float]) -> Iterator[str]:
@@ -68,7 +70,8 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
     if len(long):
         yield f"{_named(blocks, long)} longer than {high:g} m (up to {extent[long].max():.4g} m); coordinates are in metres."
     if len(thin):
-        yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {1e3 * extent[thin].min():.3g} mm); coordinates are in metres."
+        least = 1e3 * extent[thin].min()
+        yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
 
 
 def _named(blocks: Blocks, some: np.ndarray) -> str:

@@ -26,7 +26,8 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Footing": "`footing` of a wall or of rubble",
     "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
-    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
+    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`",
+    "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
 }  # fmt: skip
 
 

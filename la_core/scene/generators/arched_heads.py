@@ -33,7 +33,7 @@ class ArchedHead:
 
 @dataclass(frozen=True)
 class _Outline:
-    """Right half of an arch about its vertical axis: `outer` corners on course lines, from the springing up, at the height `top` the key."""
+    """Right half of an arch about its vertical axis: `outer` corners on course lines, from the springing up; top of the key."""
 
     middle: float
     radius: float
@@ -111,7 +111,10 @@ def _voussoirs(where: str, opening: Opening, outline: _Outline) -> tuple[tuple[C
     angles = [outline.angle(outline.springing), *map(outline.angle, sides)]
     if any(after >= before for before, after in pairwise(angles)):
         raise SceneError(f"{where}: opening", "its arch bears too far into the wall for its rise", value=opening.bearing)
-    joints = [(outline.springing, outline.outer[0]), *((outline.inside(angle), corner) for angle, corner in zip(angles[1:], sides, strict=True))]
+    joints = [
+        (outline.springing, outline.outer[0]),
+        *((outline.inside(angle), corner) for angle, corner in zip(angles[1:], sides, strict=True)),
+    ]
     right = [(a[0], a[1], b[1], b[0]) for a, b in pairwise(joints)]
     key = _key(outline, angles[-1], joints[-1][0], keys)
     mirrored = [tuple((-x, z) for x, z in reversed(profile)) for profile in right]

@@ -170,7 +170,9 @@ class Face:
             sides += 1
         if sides != 2:
             rule = "an arch needs a block on either side in every course that it crosses"
-            raise SceneError(f"{self.where}: opening", rule, value=cut, hint="take a smaller bearing, or leave more wall beside the opening")
+            raise SceneError(
+                f"{self.where}: opening", rule, value=cut, hint="take a smaller bearing, or leave more wall beside the opening"
+            )
         return skewed
 
     def _refuse_blocked(self, opening: Opening, blocked: Sequence[Span]) -> None:
@@ -193,7 +195,11 @@ class Face:
         start, end = self._inner(course)
         for low, high in [*cuts, (end, end)]:
             if low < start - ON_LINE * length:
-                raise SceneError(f"{self.where}: course {course + 1}", "openings or their heads overlap here", value=(low, start))
+                raise SceneError(
+                    f"{self.where}: course {course + 1}",
+                    "openings or their heads overlap here, or reach beyond the wall",
+                    value=(low, start),
+                )
             if low > start + ON_LINE * length:
                 least = SHORTEST_PIECE * length * min(pitch, 1.0)
                 inner = [joint for joint in joints if start + least <= joint <= low - least]

@@ -39,6 +39,7 @@ def turned(shape: Shape, about: Sequence[float], degrees: float) -> Shape:
     """The shape after a turn about the vertical through a point (m), from x towards y; itself for a turn of 0."""
     if degrees == 0.0:
         return shape
-    cosine, sine = QUARTER.get(degrees / 90.0 % 4, (math.cos(math.radians(degrees)), math.sin(math.radians(degrees))))
+    angle = math.radians(degrees)
+    cosine, sine = QUARTER[int(degrees // 90.0) % 4] if degrees % 90.0 == 0.0 else (math.cos(angle), math.sin(angle))
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     return replace(shape, vertices=(shape.vertices - about) @ turn.T + about)

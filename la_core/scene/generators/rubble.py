@@ -13,7 +13,7 @@ from la_core.scene.generators.wall import NamedShape, footing_blocks
 from la_core.scene.schema.rubble import Rubble
 
 EVEN = 3  # moves of all points to the middle of their cells, after which no stone is a splinter
-MOST_MOVES = 1000  # of the points beside short joints; walls of some hundred stones need some tens
+MOST_MOVES = 200  # of the points beside short joints; two hundred stones need at most 60 for the longest joints that are allowed
 MARGIN = 1.02  # of the least length: moves aim beyond it, so that they end
 ON_SIDE = 1e-9  # of the wall's size: corners this close to a side lie on it
 
@@ -77,10 +77,11 @@ class _Diagram:
         beyond = self._sites_by_corner()
         move = np.zeros_like(self.points)
         every = self.voronoi.points
-        for (one, other), ends, length in zip(*short, strict=True):
+        for (one, other), ends, length in zip(*(array.tolist() for array in short), strict=True):
             step = 0.25 * (MARGIN * least - length)
             apart = [next((site for site in beyond[end] if site not in (one, other)), None) for end in ends]
-            for first, second, sign in ((one, other, 1.0), (*apart, -1.0)):
+            pairs: list[tuple[int | None, int | None, float]] = [(one, other, 1.0), (apart[0], apart[1], -1.0)]
+            for first, second, sign in pairs:
                 if first is None or second is None:
                     continue
                 way = every[second] - every[first]
@@ -128,7 +129,7 @@ def _stones(rubble: Rubble) -> list[list[tuple[float, float]]]:
         diagram = _Diagram.of(diagram.moved((sites[short], ends[short], length[short]), least), size)
     where = f'rubble "{rubble.name}": shortest'
     rule = f"cannot be reached: these stones keep a joint of {diagram.joints(stretch)[2].min():.2g} m"
-    hint = f"take another `seed` or less, such as {0.1 * rubble.stone_size:.2g} m; a stone is about {rubble.stone_size:.2g} m long"
+    hint = f"take another `seed` or less, such as {0.1 * rubble.stone_size:.2g} m"
     raise SceneError(where, rule, value=least, hint=hint)
 
 

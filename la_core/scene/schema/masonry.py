@@ -57,7 +57,9 @@ class Footing(Table):
     """A strip of ground under a wall, as long and as deep as its foot; a part of it may settle."""
 
     height: Positive = described("height of the strip", "m")
-    settling: Pair | None = described("from, to along the wall: the part that moves with the settlement; the rest is fixed", "m", default=None)
+    settling: Pair | None = described(
+        "from, to along the wall: the part that moves with the settlement; the rest is fixed", "m", default=None
+    )
 
     @model_validator(mode="after")
     def _settles_forwards(self) -> Self:

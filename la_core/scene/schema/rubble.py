@@ -7,6 +7,8 @@ from pydantic import Field, Strict, model_validator
 from la_core.scene.schema.masonry import ROUND, Footing
 from la_core.scene.schema.types import Count, Name, Positive, Real, Table, Vector, described
 
+LONGEST_JOINT = 0.4  # of a stone's size: regular hexagons have 0.62, and what is near to them is no rubble
+
 
 class Rubble(Table):
     """A wall of irregular stones that fill a rectangle without gaps and go through its whole depth; the same seed draws the same stones.
@@ -35,6 +37,13 @@ class Rubble(Table):
     def stone_size(self) -> float:
         """Side of a square as large as the mean stone, m."""
         return float((self.size[0] * self.size[1] / self.stones) ** 0.5)
+
+    @model_validator(mode="after")
+    def _has_joints_shorter_than_stones(self) -> Self:
+        most = LONGEST_JOINT * self.stone_size
+        if self.shortest is not None and self.shortest > most:
+            raise ValueError(f"`shortest` may be at most {most:.3g} m: these stones are about {self.stone_size:.2g} m long")
+        return self
 
     @model_validator(mode="after")
     def _settles_within_itself(self) -> Self:
