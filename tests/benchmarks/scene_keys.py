@@ -1,4 +1,4 @@
-"""Tables of every key of a scene file, written into `la_core/scenes/README.md` from the schema that reads scenes.
+"""The page of every key of a scene file, with a scene for each table, written from the schema that reads scenes and from the starters.
 
 `.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page; a test says when it is out of date.
 """
@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from la_core import exchange
+from la_core.scene import starter_names, starter_text
 from la_core.scene.schema.key_words import default_words, value_words
 from la_core.scene.schema.scene_file import SceneFile
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "la_core" / "scenes" / "README.md"
+PAGE = ROOT / "la_core" / "scenes" / "keys.md"
 YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
 UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # with which a setting's comment may begin
 
@@ -29,15 +30,37 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`",
     "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
 }  # fmt: skip
+EXAMPLES = {  # starter that shows a table, or a shipped scene
+    "SceneFile": "curve", "Block": "blocks", "Live": "push", "Wall": "gable", "Opening": "facade", "Footing": "buttress",
+    "Building": "building", "Arch": "pointed_arch", "Vault": "vault", "Dome": "dome", "Rubble": "rubble", "Mesh": "rubble_wall",
+}  # fmt: skip
+SHOWN_BY = {  # table whose example shows another one, too
+    **dict.fromkeys(("Stone", "Joint", "Settlement", "RequestedPath", "RequestedEffects", "Expected"), "SceneFile"),
+    **dict.fromkeys(("Box", "Prism", "Polyhedron"), "Block"),
+    **dict.fromkeys(("BuildingOpening", "Floor", "Foundation", "Region"), "Building"),
+    "Springers": "Arch", "Turn": "Mesh",
+}  # fmt: skip
 
 
 def page_part() -> str:
-    """Every table of the scene file, one under the other, as Markdown."""
+    """Every table of the scene file with its example, one under the other, as Markdown."""
     schema = SceneFile.model_json_schema()
     tables = {"SceneFile": schema, **schema["$defs"]}
     assert set(tables) == set(HEADINGS), "a table of the schema has no heading here"
-    parts = [part for name, heading in HEADINGS.items() for part in (f"### {heading}", *described(tables[name]))]
-    return "\n\n".join([*parts, "### `[yade]`", *yade_part()])
+    assert set(tables) == {*EXAMPLES, *SHOWN_BY} and not set(EXAMPLES) & set(SHOWN_BY), "every table has one example"
+    parts = [part for name, heading in HEADINGS.items() for part in (f"## {heading}", *described(tables[name]), example(name))]
+    return "\n\n".join([*parts, "## `[yade]`", *yade_part(), example("Stone")])
+
+
+def example(table: str) -> str:
+    """The scene that shows a table, or a link to it."""
+    if table in SHOWN_BY:
+        heading = HEADINGS[SHOWN_BY[table]]
+        return f"Example: that of [{heading}](#{re.sub(r'[^a-z -]', '', heading.lower()).replace(' ', '-')})."
+    name = EXAMPLES[table]
+    if name not in starter_names():
+        return f"Example: [`{name}.toml`]({name}.toml), which `crosscheck run {name}` runs."
+    return f"Example, which `crosscheck new {name}` writes:\n\n```toml\n{starter_text(name)}```"
 
 
 def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Iterator[str]:
