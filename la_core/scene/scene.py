@@ -223,6 +223,9 @@ def _shape(block: scene_file.Block) -> shapes.Shape:
     return shapes.polyhedron(block.polyhedron.vertices)
 
 
+_WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'
+
+
 def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
     twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
     if twice:
@@ -231,7 +234,7 @@ def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
     if "free" not in roles:
         raise SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"')
     if file.settlement and "support" not in roles:
-        raise SceneError("settlement", "no block has the role of support", hint='give a [[block]] role = "support"')
+        raise SceneError("settlement", "no block has the role of support", hint=_WHERE_A_SUPPORT_IS)
     if file.live and "support" in roles:
         raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
     if file.expected and (file.expected.multiplier is None) != (file.live is None):

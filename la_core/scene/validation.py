@@ -57,10 +57,11 @@ def schema_faults(refused: pydantic.ValidationError, data: dict[str, Any], table
     errors: list[Any] = sorted(refused.errors(), key=lambda error: error["loc"][-1:] == ("constrained-int",))
     meant = {_meant(error, table) for error in errors if error["type"] == "extra_forbidden"}
     by_place: dict[KeyPath, str] = {}
+    told: set[str] = set()  # meanings of missing keys, each of which is said once
     for error in errors:
         place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
         if error["type"] != "missing" or place not in meant:
-            by_place.setdefault(place, str(_explained(error, data, table)))
+            by_place.setdefault(place, str(_explained(error, data, table, told)))
     return list(by_place.items())
 
 
@@ -76,7 +77,7 @@ def joined(faults: list[Fault], text: str) -> SceneError:
     return SceneError.told("\n  ".join([f"{len(messages)} errors", *(message.replace("\n", "\n  ") for message in shown)]))
 
 
-def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
+def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str]) -> SceneError:
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
@@ -84,7 +85,10 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     if error["type"] == "missing" and isinstance(error["loc"][-1], int):
         return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
     if error["type"] == "missing":
-        return SceneError(path, "missing", hint=_wanted(table, error["loc"]))
+        wanted = _wanted(table, error["loc"])
+        hint = "" if wanted in told else wanted
+        told.add(wanted)
+        return SceneError(path, "missing", hint=hint)
     if error["type"] == "value_error":
         return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
