@@ -49,11 +49,14 @@ def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], tabl
     text : str
         The TOML, from which lines are counted; "" counts none.
     """
-    return joined(schema_faults(refused, data, table), text)
+    return joined(_faults(refused, data, table, explains=bool(text)), text)
 
 
-def schema_faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> list[Fault]:
-    """Every error in a table's data, one for each key; a misspelt key explains the missing one that it stands for."""
+def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel], explains: bool) -> list[Fault]:
+    """Every error in a table's data, one for each key; a misspelt key explains the missing one that it stands for.
+
+    explains: whether valid keys are listed with their meaning, on lines of their own.
+    """
     errors: list[Any] = sorted(refused.errors(), key=lambda error: error["loc"][-1:] == ("constrained-int",))
     meant = {_meant(error, table) for error in errors if error["type"] == "extra_forbidden"}
     by_place: dict[KeyPath, str] = {}
@@ -61,7 +64,7 @@ def schema_faults(refused: pydantic.ValidationError, data: dict[str, Any], table
     for error in errors:
         place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
         if error["type"] != "missing" or place not in meant:
-            by_place.setdefault(place, str(_explained(error, data, table, told)))
+            by_place.setdefault(place, str(_explained(error, data, table, told if explains else None)))
     return list(by_place.items())
 
 
@@ -77,18 +80,21 @@ def joined(faults: list[Fault], text: str) -> SceneError:
     return SceneError.told("\n  ".join([f"{len(messages)} errors", *(message.replace("\n", "\n  ") for message in shown)]))
 
 
-def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str]) -> SceneError:
+def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str] | None) -> SceneError:
+    """One error of pydantic; `told` has the meanings of missing keys that were said already, None for no lists of keys."""
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
-        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents)))
+        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents), told is not None))
     if error["type"] == "missing" and isinstance(error["loc"][-1], int):
         return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
     if error["type"] == "missing":
         wanted = _wanted(table, error["loc"])
-        hint = "" if wanted in told else wanted
-        told.add(wanted)
-        return SceneError(path, "missing", hint=hint)
+        if told is not None and wanted in told:
+            wanted = ""
+        elif told is not None:
+            told.add(wanted)
+        return SceneError(path, "missing", hint=wanted)
     if error["type"] == "value_error":
         return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
@@ -139,13 +145,13 @@ def _meant(error: Any, table: type[pydantic.BaseModel]) -> KeyPath:
     return (*parents, hint[1] if hint else key)
 
 
-def _valid_keys(key: str, table: type[pydantic.BaseModel]) -> str:
-    """The valid key that is nearest to an unknown one, or all of them, each with its meaning on a line of its own."""
+def _valid_keys(key: str, table: type[pydantic.BaseModel], explains: bool) -> str:
+    """The valid key that is nearest to an unknown one, or all of them; where it explains, each with its meaning on a line of its own."""
     if key in _NOT_IN_A_SCENE:
         return _NOT_IN_A_SCENE[key]
     keys = _keys(table)
     hint = nearest(key, keys)
-    if not hint.startswith("valid keys"):
+    if not (explains and hint.startswith("valid keys")):
         return hint
     width = max(map(len, keys))
     return "\n  ".join([hint, *(f"{name:{width}}  {_meaning(field)}" for name, field in keys.items())])
