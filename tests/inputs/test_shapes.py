@@ -217,6 +217,41 @@ def test_a_wall_that_cannot_be_built_is_refused_with_the_reason(case: str) -> No
     assert reason in str(error.value)
 
 
+def random_wall(chance: np.random.Generator) -> dict[str, Any]:
+    """A wall with an arched or a plain opening that may or may not fit, and some of what else walls can have."""
+    block, per_course, courses = chance.uniform(0.2, 0.8, 3), int(chance.integers(2, 9)), int(chance.integers(2, 9))
+    length = float(block[0]) * per_course
+    heights = chance.choice([0.2, 0.25, 0.4], 2).tolist() if chance.random() < 0.5 else [float(block[2])]
+    lines = [0.0, *np.cumsum([heights[k % len(heights)] for k in range(courses)]).tolist()]
+    low, high = sorted(chance.choice(len(lines), 2, replace=False).tolist())
+    start, end = sorted(chance.uniform(0.0, length, 2).tolist())
+    rise = (end - start) / 2.0 * float(chance.choice([1.0, chance.uniform(0.05, 1.0)]))
+    opening = {"from": (start, lines[low]), "to": (end, lines[high]), "bearing": float(chance.uniform(0.05, 0.3))}
+    arched = {"head": "arch", "rise": rise, "voussoirs": int(chance.integers(1, 15))}
+    return {
+        "block": block.tolist(), "per_course": per_course, "courses": courses, "heights": heights,
+        "bond": str(chance.choice(["running", "stack"])), "angle": float(chance.choice([0.0, 90.0, 37.5])),
+        "taper": (chance.uniform(0.0, 0.1, 2) * block[1]).tolist(), "rake": (chance.uniform(0.0, 0.2, 2) * length).tolist(),
+        "opening": [opening | arched if chance.random() < 0.7 else opening], "footing": {"height": 0.3},
+        **({"gable": float(chance.uniform(0.2, 2.0))} if chance.random() < 0.5 else {}),
+    }  # fmt: skip
+
+
+def test_random_walls_are_refused_for_a_reason_or_have_neither_gaps_nor_overlaps() -> None:
+    """Blocks that overlap, or touch nothing, would be refused by the assembly: a fault of the generator, and none of the wall's."""
+    chance, built = np.random.default_rng(5), 0
+    for _ in range(150):
+        text = wall(**random_wall(chance))
+        try:
+            scene = scenes.build(text, settlement=None, live=SPREADS)
+        except SceneError as error:
+            assert "opening" in str(error) and "convex" not in str(error)
+            continue
+        assemble(scene)
+        built += 1
+    assert built > 30
+
+
 # --- arches: curves, volume, symmetry, rings ----------------------------------------------------------------------------------------
 
 SHAPES = {
