@@ -18,6 +18,7 @@ from la_core.scene.scene import load_scene
 from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
 from la_core.scene.starters import starter_names, starter_purpose, starter_text
 
+LARGE = ("dome", "facade")  # minutes of YADE; smaller scenes have the same shapes
 every_kind = pytest.mark.parametrize("kind", starter_names())
 
 
@@ -41,7 +42,7 @@ def test_a_new_scene_is_plausible_explained_and_has_bounds(kind: str, here: Path
 
 @pytest.mark.slow
 @pytest.mark.yade
-@every_kind
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=pytest.mark.long) if kind in LARGE else kind for kind in starter_names()])
 def test_both_methods_take_a_new_scene(kind: str, here: Path) -> None:
     """Each shape goes through both methods; a live load is limit analysis alone."""
     main(["new", kind, "-q"])
