@@ -44,6 +44,7 @@ def parser() -> argparse.ArgumentParser:
 
     for add_verb in (
         _add_new,
+        _add_schema,
         _add_scenes,
         _add_show,
         _add_solve,
@@ -64,10 +65,18 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _add_new(add: AddVerb) -> None:
-    new = add("new", "write a commented scene for a drawing (DXF, SVG) or for bodies (OBJ, PLY, STL)")
-    from_help = "drawing or file of bodies that the scene is to read"
-    new.add_argument("--from", dest="source", type=Path, metavar="FILE", required=True, help=from_help)
-    new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help="scene file to write (default: FILE with the ending .toml)")
+    new = add("new", "write a commented scene: of a kind of structure (wall, arch, building, ...), or for a drawing or a file of bodies")
+    what = new.add_mutually_exclusive_group()
+    what.add_argument("kind", metavar="KIND", nargs="?", help="kind of structure (default: list the kinds)")
+    from_help = "in place of KIND: drawing (DXF, SVG) or bodies (OBJ, PLY, STL) that the scene is to read"
+    what.add_argument("--from", dest="source", type=Path, metavar="SOURCE", help=from_help)
+    output_help = "scene file to write (default: KIND.toml, or SOURCE with the ending .toml)"
+    new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help=output_help)
+
+
+def _add_schema(add: AddVerb) -> None:
+    schema = add("schema", "print the keys of scene files: as JSON Schema for editors, or those of one table as a list")
+    schema.add_argument("table", metavar="TABLE", nargs="?", help="table whose keys are listed, such as wall (default: JSON Schema of all)")
 
 
 def _add_scenes(add: AddVerb) -> None:

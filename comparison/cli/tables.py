@@ -51,7 +51,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     """Return the counts, the weight (N) and the effects of a scene."""
     assembly = decided.assembly
     roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
-    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight}
+    facts: dict[str, Any] = {"scene": scene.name, "warnings": list(scene.warnings), "weight": scene.weight}
     facts |= {f"{name}_blocks": count for name, count in roles.items()}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
@@ -60,11 +60,11 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Return a table of scene facts, one per row, without the effects."""
+    """Return a table of scene facts, one per row, without the effects and the warnings."""
     units = {"weight": "N", "inset": "m"}
     table = new_table("what", "value", "unit", title=plain(title))
     for name, value in facts.items():
-        if name not in ("effects", "geometry"):
+        if name not in ("effects", "geometry", "warnings"):
             text = number_text(value) if isinstance(value, float) else str(value)
             table.add_row(name.replace("_", " "), text, units.get(name, ""))
     return table

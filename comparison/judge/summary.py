@@ -25,6 +25,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "scene": scene.name,
         "title": scene.title,
         "source": scene.source,
+        "warnings": list(scene.warnings),
         "weight": scene.weight,
         "unit": scene.unit,
         "free_blocks": int(scene.blocks.free.sum()),

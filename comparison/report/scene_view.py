@@ -63,6 +63,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any]) -> dict[
         "sentence": _sentence(comparison),
         "first_prediction": (comparison.get("first_prediction") or {}).get("sentence") or "",
         "notes": comparison.get("notes") or [],
+        "warnings": comparison.get("warnings") or [],
         "checks": [_check_view(check) for check in comparison.get("checks") or []],
         "figures": list(_figures(folder / scene, scene)),
         "view": embedded(folder / scene),

@@ -2,12 +2,15 @@
 
 from la_core.scene import key_paths, shipped
 from la_core.scene.changes import change_rows, geometry_changes
-from la_core.scene.from_file import scene_from_file
+from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.scene import Scene, load_scene, scene_of_text
+from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
+from la_core.scene.schema.key_words import default_words, value_words
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
 from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text, described
 from la_core.scene.shipped import load, names
+from la_core.scene.starters import starter_names, starter_purpose, starter_text
 from la_core.scene.validation import as_scene_error
 from la_core.scene.variants import build, full_model, override, same_structure, variant
 
@@ -16,6 +19,7 @@ __all__ = [
     "LARGEST_FILE",
     "LEAST_ACCURACY",
     "MOST_ACCURACY",
+    "SOURCE_FORMATS",
     "Expected",
     "Name",
     "Positive",
@@ -26,6 +30,7 @@ __all__ = [
     "as_scene_error",
     "build",
     "change_rows",
+    "default_words",
     "described",
     "full_model",
     "geometry_changes",
@@ -34,9 +39,16 @@ __all__ = [
     "load_scene",
     "names",
     "override",
+    "part_of_schema",
     "same_structure",
     "scene_from_file",
     "scene_of_text",
+    "scene_schema",
     "shipped",
+    "starter_names",
+    "starter_purpose",
+    "starter_text",
+    "tables_of_schema",
+    "value_words",
     "variant",
 ]

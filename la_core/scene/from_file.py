@@ -15,6 +15,7 @@ from la_core.scene.generators.mesh import mesh_blocks, read_files
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
 
+SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
 WORDS = {  # of which a layer's or a body's name may consist, for each list; the first list counts
     "ignore": ("dim", "text", "bema", "hatch", "schraff", "axis", "achs", "frame", "rahmen", "defpoints", "note", "quote"),
     "openings": ("opening", "window", "door", "void", "fenster", "öffnung", "oeffnung", "aperture", "finestr", "hueco"),
@@ -45,7 +46,7 @@ def scene_from_file(source: Path, folder: Path) -> str:
         return _drawing_text(source, place)
     if suffix in FORMATS or source.is_dir():
         return _mesh_text(place, folder)
-    known = ", ".join((*DRAWING_FORMATS, *FORMATS))
+    known = ", ".join(SOURCE_FORMATS)
     raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=f"files end in {known}; DWG must be saved as DXF")
 
 

@@ -23,7 +23,7 @@ def refusal(path: Path) -> str:
         assemble(load_scene(path))
     message = str(error.value)
     assert message.startswith(str(path))
-    assert "\n" not in message and "pydantic" not in message and "constrained" not in message
+    assert all(line.startswith("  ") for line in message.splitlines()[1:]) and "pydantic" not in message and "constrained" not in message
     return message
 
 

@@ -14,6 +14,7 @@ def execute(context: Context) -> int:
     """Draw a scene and print its facts; raises SceneError."""
     options = context.options
     scene = load_scene(shipped.find(options.scene))
+    context.warn(scene)
     decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
     save(assembly_figure(scene, decided.assembly), figure)

@@ -39,6 +39,7 @@ def execute(context: Context) -> int:
     """
     options, narrator = context.options, context.narrator
     scene = load_scene(shipped.find(options.scene))
+    context.warn(scene)
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)

@@ -8,6 +8,7 @@ from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.drawing import Drawing, Geometry
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh
+from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
     Count,
@@ -188,6 +189,7 @@ class SceneFile(Table):
     arch: tuple[Arch, ...] = described("arches", default=())
     vault: tuple[Vault, ...] = described("barrel vaults", default=())
     dome: tuple[Dome, ...] = described("domes", default=())
+    rubble: tuple[Rubble, ...] = described("walls of irregular stones", default=())
     mesh: tuple[Mesh, ...] = described("imported blocks", default=())
     drawing: tuple[Drawing, ...] = described("blocks from the outlines of a drawing", default=())
     geometry: Geometry = described("errors of the coordinates", default=Geometry())
@@ -203,7 +205,8 @@ class SceneFile(Table):
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
         if (self.settlement is None) == (self.live is None):
-            raise ValueError("needs either a [settlement] or a [live] table")
+            both = "it has both" if self.live is not None else "it has neither"
+            raise ValueError(f"needs either a [settlement] or a [live] table; {both}")
         return self
 
     @model_validator(mode="after")
