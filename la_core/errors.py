@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterable
+from typing import Self
 
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
@@ -29,6 +30,13 @@ class SceneError(Exception):
     def __init__(self, where: str, rule: str, *, value: object = None, hint: str = "") -> None:
         shown = "" if value is None else f" = {_short(value)}"
         super().__init__(f"{where}{shown}: {rule}" + (f"; {hint}" if hint else ""))
+
+    @classmethod
+    def told(cls, message: str) -> Self:
+        """An error with a message that is complete already, such as that of several errors in one file."""
+        error = cls("", "")
+        error.args = (message,)
+        return error
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:

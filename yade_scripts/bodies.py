@@ -24,6 +24,7 @@ from yade import (
 from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
+from yade_scripts.faces import YadeError, faces_of
 from yade_scripts.settings import Settings
 from yade_scripts.support_motion import drive_of
 
@@ -32,13 +33,13 @@ try:
 except ImportError:  # YADE before 2022 kept them in a package of their own
     from minieigen import Matrix3, Quaternion, Vector3
 try:
-    from yade import Bo1_Polyhedra_Aabb, Ig2_Sphere_Polyhedra_ScGeom, Polyhedra
+    from yade import Bo1_Polyhedra_Aabb, Ig2_Sphere_Polyhedra_ScGeom
 except ImportError:  # YADE built without CGAL, as Debian 13 has it: boxes alone offer faces
-    Polyhedra = None
+    Bo1_Polyhedra_Aabb = Ig2_Sphere_Polyhedra_ScGeom = None
 
 # Spheres meet faces only, and nothing meets between two held blocks. YADE pairs bodies whose masks share a bit, unless the
-# masks are equal and share a bit with the collider's avoidSelfInteractionMask.
-_FREE_SPHERE, _HELD_SPHERE, _FREE_FACE, _HELD_FACE = 0b011, 0b100, 0b101, 0b010
+# masks are equal and share a bit with the collider's avoidSelfInteractionMask. The masks of faces stand in `faces`.
+_FREE_SPHERE, _HELD_SPHERE = 0b011, 0b100
 _NO_PAIRS_OF_EQUALS = 0b111
 _NO_FRICTION_LIMIT = 0.5 * np.pi - 1e-9  # of a face: YADE takes the smaller friction angle, that of the sphere
 _MASSLESS = 1e-12  # kg/m3; YADE recomputes a sphere's mass from its density, and refuses 0
@@ -48,11 +49,6 @@ _INERTIA_TOLERANCE = 1e-6
 # Twice this margin stays below the gap between a sphere and the neighbour's face across a joint, which is one radius: a wider
 # one would make YADE examine every such pair at every step.
 _BOUND_MARGIN = 0.3
-_SHAPE_TOLERANCE = 1e-9  # of the block's size
-
-
-class YadeError(Exception):
-    """YADE built something other than the case; the message says what."""
 
 
 @dataclass(frozen=True)
@@ -97,12 +93,13 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
     for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
         members = [omega.bodies.append(_carrier(case, block, material))]
         carriers.append(members[0])
-        for face, touching in _faces(case, block):
+        for face, touching in faces_of(case, block):
             face.material = material
             members.append(omega.bodies.append(face))
             faces[touching] = members[-1]
         for contact in np.flatnonzero(case.host == block).tolist():
-            sphere = _sphere(case, contact, settings.sphere_radius, rubbing[case.friction[contact]])
+            radius = settings.sphere_radius * case.own_inset[contact] / case.inset
+            sphere = _sphere(case, contact, radius, rubbing[case.friction[contact]])
             members.append(omega.bodies.append(sphere))
             spheres[contact] = members[-1]
         clumps.append(omega.bodies.clump(members))
@@ -144,65 +141,6 @@ def _sphere(case: Case, contact: int, radius: float, material: ViscElMat) -> Bod
     body.state.inertia = Vector3.Ones * (0.4 * body.state.mass * radius**2)
     body.state.pos = case.position[contact] + radius * into_host
     return body
-
-
-def _faces(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
-    """Return the massless bodies that other blocks' spheres touch, each with the indices of its contact points.
-
-    As a rule it is one body, the block's solid. With small displacements, one box for each face in contact replaces a polyhedron:
-    a step is then three to seven times as fast, because YADE searches polyhedra triangle by triangle.
-    """
-    touching = np.flatnonzero(case.target == block)
-    if case.boxes[block] is not None or case.displacement == "finite":
-        return [(_solid(case, block), touching)]
-    outward = np.where(case.block_a[touching] == block, 1.0, -1.0)[:, None] * case.normal[touching]
-    normals, which = np.unique(outward, axis=0, return_inverse=True)
-    served = [touching[which.ravel() == face] for face in range(len(normals))]
-    return [(_slab(case, block, normal, points[0]), points) for normal, points in zip(normals, served, strict=True)]
-
-
-def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
-    """Return a box around the block whose top is the plane with the normal `outward` (3,) through the contact point."""
-    turn = Quaternion()
-    turn.setFromTwoVectors(Vector3.UnitZ, Vector3(outward))
-    axes = np.array(turn.toRotationMatrix()).reshape(3, 3)
-    points = case.vertices[block] @ axes
-    low, high = points.min(axis=0), points.max(axis=0)
-    high[2] = case.position[contact] @ outward
-    body = Body()
-    body.shape = Box(extents=0.5 * (high - low))
-    body.state.pos, body.state.ori = axes @ (0.5 * (low + high)), turn
-    return body
-
-
-def _solid(case: Case, block: int) -> Body:
-    """Return the block's solid, a box or a polyhedron; raises YadeError for a polyhedron that YADE cannot build."""
-    body = Body()
-    box = case.boxes[block]
-    if box is not None:
-        body.shape = Box(extents=0.5 * (box[1] - box[0]))
-        body.state.pos = 0.5 * (box[0] + box[1])
-    elif Polyhedra is None:
-        raise YadeError(
-            f"block {block} is not a box along the axes, and this YADE was built without polyhedra (CGAL); use a YADE with them, such as "
-            'Debian 12\'s, or set displacement = "small" in [effects] where no new contact can form'
-        )
-    else:
-        # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
-        body.shape = Polyhedra(v=[Vector3(vertex) for vertex in case.vertices[block]])
-        body.state.pos, body.state.ori = body.shape.GetCentroid(), body.shape.GetOri()
-        _check_polyhedron(case, block, body)
-    body.mask = _FREE_FACE if case.role[block] == FREE else _HELD_FACE
-    return body
-
-
-def _check_polyhedron(case: Case, block: int, body: Body) -> None:
-    placed = np.array([body.state.pos + body.state.ori * vertex for vertex in body.shape.v])
-    wanted = case.vertices[block]
-    gaps = np.linalg.norm(wanted[:, None, :] - placed[None, :, :], axis=2)
-    error = max(gaps.min(axis=0).max(), gaps.min(axis=1).max())
-    if len(placed) != len(wanted) or error > _SHAPE_TOLERANCE * np.ptp(wanted, axis=0).max():
-        raise YadeError(f"block {block}: YADE's polyhedron has {len(placed)} vertices, up to {error:.3g} m off the block's {len(wanted)}")
 
 
 def _carrier(case: Case, block: int, material: ViscElMat) -> Body:
@@ -270,20 +208,23 @@ def _pair(spheres: list[int], faces: list[int]) -> None:
         createInteraction(sphere, face, virtualI=True)
 
 
-def _collider(settings: Settings) -> InsertionSortCollider:
-    """Return the engine that finds spheres and faces near each other, each time a body has moved by the margin of the bounds."""
-    bounds = [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), *([Bo1_Polyhedra_Aabb()] if Polyhedra else [])]
+def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
+    """Return the engine that finds spheres and faces near each other, each time a body has moved by the margin of the bounds.
+
+    least_share: radius of the smallest sphere over that of a sphere with the inset of the scene.
+    """
+    bounds = [Bo1_Sphere_Aabb(), Bo1_Box_Aabb(), *([Bo1_Polyhedra_Aabb()] if Bo1_Polyhedra_Aabb else [])]
     collider = InsertionSortCollider(bounds)
-    collider.verletDist = _BOUND_MARGIN * settings.sphere_radius
+    collider.verletDist = _BOUND_MARGIN * settings.sphere_radius * least_share
     collider.avoidSelfInteractionMask = _NO_PAIRS_OF_EQUALS
     return collider
 
 
 def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
     """Set YADE's engines; the drive is at rest until its velocity is set. command: statement of both PyRunners."""
-    colliders = [_collider(settings)] if case.displacement == "finite" else []
+    colliders = [_collider(settings, float(case.own_inset.min() / case.inset))] if case.displacement == "finite" else []
     contacts = InteractionLoop(
-        [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Polyhedra else [])],
+        [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Ig2_Sphere_Polyhedra_ScGeom else [])],
         [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
         [Law2_ScGeom_ViscElPhys_Basic()],
     )

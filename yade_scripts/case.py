@@ -34,6 +34,8 @@ class Case:
         "plateau" or "states": which states are stored.
     inset : float
         Inset of the contact points, m.
+    own_inset : np.ndarray
+        Inset (C,) of each contact point, m: less than `inset` in short joints.
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
@@ -50,6 +52,8 @@ class Case:
         Inertia (B, 3, 3) about the centroid in global axes, kg m2.
     vertices : tuple of np.ndarray
         Vertices (n, 3) of each block, m.
+    parts : tuple of tuple of np.ndarray
+        Vertices (n, 3) of the convex parts of each block, m; one part for a convex block.
     block_a, block_b : np.ndarray
         Blocks (C,) of each contact point; a is the lower index.
     normal : np.ndarray
@@ -79,6 +83,7 @@ class Case:
     displacement: str
     recording: str
     inset: float
+    own_inset: np.ndarray
     gravity: np.ndarray
     support_twist: np.ndarray
     overrides: dict[str, Any]
@@ -87,6 +92,7 @@ class Case:
     centroid: np.ndarray
     inertia: np.ndarray
     vertices: tuple[np.ndarray, ...]
+    parts: tuple[tuple[np.ndarray, ...], ...]
     block_a: np.ndarray
     block_b: np.ndarray
     normal: np.ndarray
@@ -150,6 +156,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         displacement=data["scene/displacement"],
         recording=data["scene/recording"],
         inset=float(data["scene/inset"]),
+        own_inset=data.get("contacts/inset", np.full(len(interface), float(data["scene/inset"]))),
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
         overrides=_overrides(data["scene/settings"]),
@@ -158,6 +165,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         centroid=data["blocks/centroid"][index],
         inertia=data["blocks/inertia"][index],
         vertices=vertices,
+        parts=_parts(data, index, vertices),
         block_a=place[block_a],
         block_b=place[block_b],
         normal=data["interfaces/normal"][interface],
@@ -171,6 +179,14 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     )
     _refuse_unrunnable(case)
     return case
+
+
+def _parts(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarray, ...]) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only where a block has several."""
+    if "parts/block" not in data:
+        return tuple((points,) for points in vertices)
+    start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
+    return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
 
 
 def _hosts(data: Mapping[str, Any], boxes: np.ndarray) -> np.ndarray:
@@ -199,6 +215,8 @@ def _overrides(text: str) -> dict[str, Any]:
 def _refuse_unrunnable(case: Case) -> None:
     if not case.inset > 0.0:
         raise CaseError(f"scene/inset is {case.inset}: contact spheres need an inset greater than 0")
+    if not np.all((case.own_inset > 0.0) & (case.own_inset <= case.inset)):
+        raise CaseError(f"contacts/inset: every entry must be greater than 0 and at most the inset of the scene, {case.inset} m")
     if len(case.free) == 0:
         raise CaseError("blocks/role: no free block, nothing to simulate")
     if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():

@@ -163,10 +163,13 @@ class Record:
         self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose[0] >= start]
 
     def _note_extra_contacts(self) -> None:
-        expected = {frozenset(pair) for pair in zip(self.model.sphere, self.model.face, strict=True)}
+        target = dict(zip(self.model.sphere, self.case.target, strict=True))  # a sphere may touch two parts of its target
         block_of = {clump: block for block, clump in enumerate(self.model.clump)}
         bodies = Omega().bodies
         for contact in Omega().interactions:
-            if contact.isReal and frozenset((contact.id1, contact.id2)) not in expected:
-                pair = sorted(block_of[bodies[body].clumpId] for body in (contact.id1, contact.id2))
+            if not contact.isReal:
+                continue
+            blocks = [block_of[bodies[body].clumpId] for body in (contact.id1, contact.id2)]
+            if target.get(contact.id1) != blocks[1] and target.get(contact.id2) != blocks[0]:
+                pair = sorted(blocks)
                 self.extra.setdefault((pair[0], pair[1]), np.array(contact.geom.contactPoint))

@@ -84,7 +84,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS))
+    own = tuple(field for field in (*exchange.PART_FIELDS, exchange.JOINT_INSET) if exchange.holds(options.case, field.path))
+    problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
     chosen = settings.derive(problem)
     if options.time_limit is not None:
         chosen = dataclasses.replace(chosen, time_limit=options.time_limit)

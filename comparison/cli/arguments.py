@@ -49,6 +49,8 @@ def parser() -> GuessingParser:
         return sub
 
     for add_verb in (
+        _add_new,
+        _add_schema,
         _add_scenes,
         _add_show,
         _add_solve,
@@ -66,6 +68,21 @@ def parser() -> GuessingParser:
     ):
         add_verb(add)
     return whole
+
+
+def _add_new(add: AddVerb) -> None:
+    new = add("new", "write a commented scene: of a kind of structure (wall, arch, building, ...), or for a drawing or a file of bodies")
+    what = new.add_mutually_exclusive_group()
+    what.add_argument("kind", metavar="KIND", nargs="?", help="kind of structure (default: list the kinds)")
+    from_help = "in place of KIND: drawing (DXF, SVG) or bodies (OBJ, PLY, STL) that the scene is to read"
+    what.add_argument("--from", dest="source", type=Path, metavar="SOURCE", help=from_help)
+    output_help = "scene file to write (default: KIND.toml, or SOURCE with the ending .toml)"
+    new.add_argument("-o", "--output", type=scene_file, metavar="SCENE", help=output_help)
+
+
+def _add_schema(add: AddVerb) -> None:
+    schema = add("schema", "print the keys of scene files: as JSON Schema for editors, or those of one table as a list")
+    schema.add_argument("table", metavar="TABLE", nargs="?", help="table whose keys are listed, such as wall (default: JSON Schema of all)")
 
 
 def _add_scenes(add: AddVerb) -> None:
@@ -211,7 +228,9 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
     def path_of(text: str) -> Path:
         path = Path(text)
         if path.suffix not in endings:
-            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {', '.join(endings[:-1])} or {endings[-1]}")
+            *others, last = endings
+            choices = f"{', '.join(others)} or {last}" if others else last
+            raise argparse.ArgumentTypeError(f"{text}: {what}'s name ends in {choices}")
         return path
 
     return path_of
@@ -220,6 +239,7 @@ def ending_in(endings: tuple[str, ...], what: str) -> Callable[[str], Path]:
 figure = ending_in(FIGURE_FORMATS, "a figure")
 moving_picture = ending_in(MOVING_FORMATS, "an animation")
 page = ending_in(PAGE_FORMATS, "a page")
+scene_file = ending_in((".toml",), "a scene file")
 
 
 def frames_per_second(text: str) -> int:

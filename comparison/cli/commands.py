@@ -17,6 +17,8 @@ from comparison.cli.guessing_parser import parse
 from comparison.settings import filled
 
 COMMANDS = {  # by verb: the module whose `execute` runs it, loaded only for that verb
+    "new": "comparison.cli.help_verbs.new",
+    "schema": "comparison.cli.help_verbs.schema",
     "scenes": "comparison.cli.scene_verbs.scenes",
     "show": "comparison.cli.scene_verbs.show",
     "solve": "comparison.cli.scene_verbs.solve",

@@ -8,6 +8,9 @@ from typing import Any, Self
 
 from rich.console import Console
 
+from la_core.errors import visible
+from la_core.scene import Scene
+
 PIPE_WIDTH = 120  # columns of a file or a pipe, unless COLUMNS says otherwise
 LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 
@@ -35,6 +38,12 @@ class Context:
         """Return the context of these options."""
         narrator = Console(stderr=True, quiet=options.quiet, highlight=False, emoji=False, soft_wrap=True)
         return cls(options, narrator, _results_console())
+
+    def warn(self, scene: Scene) -> None:
+        """Print what is implausible about a scene on stderr, one line each, also with `--quiet`."""
+        console = Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
+        for warning in scene.warnings:
+            console.print(visible(f"warning: {scene.name}: {warning}"), markup=False)
 
     def print_json(self, value: dict[str, Any]) -> None:
         """Print one JSON object on stdout; raises ValueError for NaN or an infinite number."""

@@ -12,7 +12,7 @@ from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import effects_summary, percent
 from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, check_words, mark_of, verdict_cells
 from la_core.analysis import DecidedModel, answer_headings, answer_rows
-from la_core.scene import Expected, Scene
+from la_core.scene import Expected, Scene, change_rows, geometry_changes
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
@@ -71,21 +71,30 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     """Return the counts, the weight (N) and the effects of a scene."""
     assembly = decided.assembly
     roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
-    facts: dict[str, Any] = {"scene": scene.name, "weight": scene.weight}
+    facts: dict[str, Any] = {"scene": scene.name, "warnings": list(scene.warnings), "weight": scene.weight}
     facts |= {f"{name}_blocks": count for name, count in roles.items()}
     facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
+    facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
 
 
 def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Return a table of scene facts, one per row, without the effects."""
+    """Return a table of scene facts, one per row, without the effects and the warnings."""
     units = {"weight": "N", "inset": "m"}
     table = new_table("what", "value", "unit", title=plain(title))
     for name, value in facts.items():
-        if name != "effects":
+        if name not in ("effects", "geometry", "warnings"):
             text = number_text(value) if isinstance(value, float) else str(value)
             table.add_row(name.replace("_", " "), text, units.get(name, ""))
+    return table
+
+
+def changes_table(changes: dict[str, Any]) -> Table:
+    """Return a table of what reading changed in the geometry, one change per row."""
+    table = new_table("changed in the geometry", "how much")
+    for what, how_much in change_rows(changes):
+        table.add_row(plain(what), plain(how_much))
     return table
 
 

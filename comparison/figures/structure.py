@@ -42,6 +42,8 @@ ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
+UNCLOSED = {"marker": "x", "markeredgecolor": "tab:red"}  # where two faces stayed apart
+UNCLOSED_SIZE = 9.0  # points
 SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides", SLIDES)}  # joints that are marked in a mechanism
 
@@ -59,13 +61,18 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) 
         canvas.outlines(loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
     position = assembly.points.position
     canvas.marks(position[canvas.seen(position)], markersize=canvas.dot, markeredgewidth=canvas.dot / 5.0, **POINT)
+    unclosed = scene.repairs.unclosed if scene.repairs is not None else ()
+    if unclosed:
+        canvas.marks(np.array([one.vertex for one in unclosed]), markersize=UNCLOSED_SIZE, **UNCLOSED)
     if canvas.few:
         canvas.names()
     driven = _draw_drive(canvas, assembly)
     canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
-    legend_below(figure, [*handles, _mark("contact point", POINT), _arrow_key(driven, INK), _arrow_key("gravity", FAINT)])
+    unclosed_key = [_mark("not closed", UNCLOSED)] if unclosed else []
+    arrows = [_arrow_key(driven, INK), _arrow_key("gravity", FAINT)]
+    legend_below(figure, [*handles, _mark("contact point", POINT), *unclosed_key, *arrows])
     return figure
 
 

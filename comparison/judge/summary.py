@@ -16,6 +16,7 @@ from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, p
 from la_core.exchange import RUN_FIELDS
 from la_core.limit import Status
 from la_core.measures import measure
+from la_core.scene import geometry_changes
 
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
@@ -26,11 +27,13 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "scene": scene.name,
         "title": scene.title,
         "source": scene.source,
+        "warnings": list(scene.warnings),
         "weight": scene.weight,
         "unit": scene.unit,
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(whole.interfaces),
         "contact_points": len(whole.points),
+        "geometry": geometry_changes(scene, whole.slivers, whole.short_joints),
         "effects": effects_summary(scene, whole, assembly, analysis),
         "expected": scene.expected.model_dump() if scene.expected else None,
         "joints": dataclasses.asdict(analysis.stiffness),

@@ -76,6 +76,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "next_step": units.words(comparison.get("next_step") or ""),
         "first_prediction": units.words((comparison.get("first_prediction") or {}).get("sentence") or ""),
         "notes": [units.words(note) for note in _notes(comparison)],
+        "warnings": comparison.get("warnings") or [],
         "checks": checks,
         "checks_open": [check for check in checks if not check["passed"]],
         "checks_well": [check for check in checks if check["passed"]],

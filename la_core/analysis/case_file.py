@@ -78,12 +78,24 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
+    own = _own_values(assembly)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
-    fields = _fields(scene, predictions, analysis.path is not None)
+    fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
+    values |= {field.path: value for field, value in own.items()}
     if first_prediction:
         fields += (exchange.FIRST_PREDICTION,)
         values[exchange.FIRST_PREDICTION.path] = first_prediction
     exchange.write(path, fields, values, inputs)
+
+
+def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
+    """Return what only some structures have, by its field: parts of compound blocks, and insets of short joints."""
+    blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
+    if blocks.is_compound.any():
+        values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))
+    if (assembly.points.inset != assembly.inset).any():
+        values[exchange.JOINT_INSET] = assembly.points.inset
+    return values
 
 
 def read_first_prediction(path: Path) -> str:

@@ -10,7 +10,7 @@ from la_core.limit import Drive
 from la_core.model import Assembly, JointStiffness, assemble, decide_dem_effects, joint_stiffness
 from la_core.scene import Scene
 
-SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the narrowest interface
+SMALLEST_INSET = 0.001  # m; and at most SMALLEST_INSET_SHARE of the interface of middle width; narrower ones have their own inset
 SMALLEST_INSET_SHARE = 0.02
 
 
@@ -74,7 +74,8 @@ def smallest_inset(assembly: Assembly) -> float:
     following[interfaces.polygon_start[1:] - 1] = interfaces.polygon_start[:-1]
     edges = np.linalg.norm(interfaces.polygon[following] - interfaces.polygon, axis=1)
     width = 2.0 * interfaces.area / np.bincount(owner, weights=edges)
-    return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * width.min()))
+    middle = np.sort(width)[(len(width) - 1) // 2]
+    return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * middle))
 
 
 def wedging(scene: Scene) -> float:

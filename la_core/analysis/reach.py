@@ -19,7 +19,6 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from la_core.coulomb import ACCEPTED_RESIDUAL
 from la_core.exchange import FIXED, SUPPORT
-from la_core.geometry import Interfaces
 from la_core.limit import box_limits, maximise, scaled_problem
 from la_core.measures import MOVING_SHARE, block_speeds, residuals
 from la_core.model import Assembly, global_forces, twists_of
@@ -202,15 +201,7 @@ def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
     blocks = replace(assembly.blocks, role=np.where(held, FIXED, assembly.blocks.role))
     interfaces = assembly.interfaces
     keep = blocks.free[interfaces.block_a] | blocks.free[interfaces.block_b]
-    corners = np.diff(interfaces.polygon_start)
-    remaining = Interfaces(
-        block_a=interfaces.block_a[keep],
-        block_b=interfaces.block_b[keep],
-        normal=interfaces.normal[keep],
-        area=interfaces.area[keep],
-        polygon=interfaces.polygon[np.repeat(keep, corners)],
-        polygon_start=np.concatenate([[0], np.cumsum(corners[keep])]),
-    )
+    remaining = interfaces.subset(keep)
     points = assembly.points.subset(keep[assembly.points.interface])
     points = replace(points, interface=(np.cumsum(keep) - 1)[points.interface])
     dead_load = np.where(held[:, None], 0.0, assembly.dead_load)

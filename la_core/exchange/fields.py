@@ -77,6 +77,13 @@ CASE_FIELDS = (
     Field("joints/travel", "f8", (), "m or rad", "largest motion of the support"),
     Field("joints/sag", "f8", (), "m", "largest displacement of a centroid under the weights, joints glued at normal_stiffness all ways"),
 )
+# Optional: only where a block consists of several convex parts, and only where the inset of a joint is not that of the scene.
+PART_FIELDS = (
+    Field("parts/block", "i8", ("Q",), "", "block of each convex part; the parts of a block move as one"),
+    Field("parts/vertex_start", "i8", ("Q1",), "", "part i owns blocks/vertices[start[i]:start[i+1]]; Q+1 entries"),
+    Field("parts/face_start", "i8", ("Q1",), "", "part i owns the faces start[i] to start[i+1]-1; Q+1 entries"),
+)
+JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(
     "scene/first_prediction",

@@ -1,27 +1,35 @@
-"""Convex blocks, the interfaces at which they touch, and the contact points there."""
+"""Blocks, the interfaces at which they touch, and the contact points there."""
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
-from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, separation_by_faces
-from la_core.geometry.points import ContactPoints, contact_points
-from la_core.geometry.polygons import plane_axes
-from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, loft, polyhedron, prism
+from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, overlaps, separation_by_faces
+from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
+from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of
+from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
 
 __all__ = [
     "FACE_FLATNESS",
     "ROLES",
+    "SLIVER",
     "Blocks",
     "ContactPoints",
     "Interfaces",
     "Shape",
     "box",
+    "compound",
     "contact_points",
     "find_interfaces",
+    "group_members",
+    "joint_rooms",
     "loft",
     "near_pairs",
+    "overlap_of",
+    "overlaps",
     "plane_axes",
+    "polygons_of",
     "polyhedron",
     "prism",
     "separation_by_faces",
     "shapes",
+    "without_slivers",
 ]

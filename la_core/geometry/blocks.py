@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -43,6 +44,10 @@ class Blocks:
         Centroid, m.
     inertia : (B, 3, 3) array
         Inertia about the centroid, global axes, kg m2; NaN for a held block without density.
+    part_block : (P,) array of int
+        Block of each convex part. A convex block has one part; the parts of another block move as one.
+    part_vertex_start, part_face_start : (P + 1,) arrays of int
+        Part i has vertices[part_vertex_start[i]:part_vertex_start[i + 1]], and likewise its faces.
     """
 
     names: tuple[str, ...]
@@ -58,6 +63,9 @@ class Blocks:
     volume: np.ndarray
     centroid: np.ndarray
     inertia: np.ndarray
+    part_block: np.ndarray
+    part_vertex_start: np.ndarray
+    part_face_start: np.ndarray
 
     @classmethod
     def gather(cls, names: Sequence[str], roles: Sequence[str], densities: Sequence[float], shapes: Sequence[Shape]) -> "Blocks":
@@ -72,7 +80,7 @@ class Blocks:
         densities : sequence of float
             Density of each block, kg/m3; NaN for a held block without one.
         shapes : sequence of Shape
-            Convex shape of each block.
+            Shape of each block.
         """
         vertices = np.concatenate([shape.vertices for shape in shapes])
         vertex_start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])])
@@ -84,9 +92,12 @@ class Blocks:
         density = np.array(densities, dtype=float)
         volume, centroid, inertia = _mass_properties(vertices, vertex_start, face_vertex, face_start, face_block)
         role = np.array([ROLES[role] for role in roles])
+        sizes = [shape.part_sizes or ((len(shape.vertices), len(shape.faces)),) for shape in shapes]
+        part_block = np.repeat(np.arange(len(shapes)), [len(parts) for parts in sizes])
+        part_start = np.concatenate([np.zeros((1, 2), dtype=int), np.cumsum(np.concatenate([np.array(parts) for parts in sizes]), axis=0)])
         return cls(
             tuple(names), role, density, vertices, vertex_start, face_vertex, face_start, face_block,
-            normal, offset, volume, centroid, inertia * density[:, None, None],
+            normal, offset, volume, centroid, inertia * density[:, None, None], part_block, part_start[:, 0], part_start[:, 1],
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -95,6 +106,27 @@ class Blocks:
     def __repr__(self) -> str:
         """Return one line: the arrays would fill pages."""
         return f"<Blocks: {int(self.free.sum())} free of {len(self)}, {len(self.vertices)} vertices, {len(self.face_block)} faces>"
+
+    @property
+    def is_compound(self) -> np.ndarray:
+        """Mask (B,) of the blocks that consist of several convex parts."""
+        return np.bincount(self.part_block, minlength=len(self)) > 1
+
+    @cached_property
+    def parts(self) -> "Blocks":
+        """Every convex part as a block of its own, with the name, role and density of its block; these blocks where all are convex."""
+        count = len(self.part_block)
+        if count == len(self):
+            return self
+        face_block = np.repeat(np.arange(count), np.diff(self.part_face_start))
+        measures = _mass_properties(self.vertices, self.part_vertex_start, self.face_vertex, self.face_start, face_block)
+        density = self.density[self.part_block]
+        return Blocks(
+            tuple(self.names[block] for block in self.part_block), self.role[self.part_block], density,
+            self.vertices, self.part_vertex_start, self.face_vertex, self.face_start, face_block, self.face_normal, self.face_offset,
+            measures[0], measures[1], measures[2] * density[:, None, None],
+            np.arange(count), self.part_vertex_start, self.part_face_start,
+        )  # fmt: skip
 
     @property
     def free(self) -> np.ndarray:

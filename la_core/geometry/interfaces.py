@@ -1,10 +1,11 @@
-"""Interfaces between convex blocks and the contact points at their vertices.
+"""Interfaces between blocks.
 
 Two blocks share an interface where two of their faces are opposite and coplanar and overlap; convex blocks share at
-most one.
+most one, and so do the convex parts of two compound blocks.
 """
 
 import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, polygons_of, true_corners
+from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygon_areas, polygons_of, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
@@ -48,30 +49,83 @@ class Interfaces:
     def __len__(self) -> int:
         return len(self.block_a)
 
+    def subset(self, kept: np.ndarray) -> "Interfaces":
+        """The interfaces in a mask (I,)."""
+        corners = np.diff(self.polygon_start)
+        polygon, start = self.polygon[np.repeat(kept, corners)], np.concatenate([[0], np.cumsum(corners[kept])])
+        return Interfaces(self.block_a[kept], self.block_b[kept], self.normal[kept], self.area[kept], polygon, start)
+
 
 def find_interfaces(blocks: Blocks) -> Interfaces:
     """Find all interfaces that have a free block on at least one side.
 
     Raises SceneError, with the blocks' names, for blocks that overlap and for blocks that touch no other block.
     """
-    size = np.linalg.norm(blocks.high - blocks.low, axis=1)
-    pairs = near_pairs(blocks, TOUCH * size)
+    parts, owner = blocks.parts, blocks.part_block
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
+    pairs = near_pairs(parts, TOUCH * size)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
-    pair, face_a, face_b = _opposite_faces(blocks, pairs, tolerance, size)
-    overlap, corners, ring = _overlap_polygons(blocks, pair, face_a, face_b, tolerance)
-    untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # blocks on either side of a joint do not overlap
-    _refuse_overlaps(blocks, pairs[untouched], tolerance[untouched])
-    _refuse_floating(blocks, pairs[pair[overlap]], size)
-    keep = blocks.free[pairs[pair[overlap]]].any(axis=1)
+    pair, face_a, face_b = _opposite_faces(parts, pairs, tolerance, size)
+    overlap, corners, ring = _overlap_polygons(parts, pair, face_a, face_b, tolerance)
+    untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # parts on either side of a joint do not overlap
+    _refuse_overlaps(parts, pairs[untouched], tolerance[untouched])
+    _refuse_floating(blocks, owner[pairs[pair[overlap]]])
+    keep = parts.free[pairs[pair[overlap]]].any(axis=1)
     renumber = np.cumsum(keep) - 1
     held = ~keep[ring]
     corners, ring = corners[~held], renumber[ring[~held]]
     overlap = overlap[keep]
     counts = np.bincount(ring, minlength=len(overlap))
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(corners, ring, start, blocks.face_normal[face_a[overlap]])
-    a, b = pairs[pair[overlap]].T
-    return Interfaces(a, b, blocks.face_normal[face_a[overlap]], area, corners, start)
+    area = polygon_areas(corners, ring, start, parts.face_normal[face_a[overlap]])
+    a, b = owner[pairs[pair[overlap]]].T
+    found = Interfaces(a, b, parts.face_normal[face_a[overlap]], area, corners, start)
+    return found if parts is blocks else _joined_over_parts(found, tolerance[pair[overlap]])
+
+
+def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
+    """The interfaces with those that lie side by side on one plane, between the same two blocks, joined where this stays convex.
+
+    tolerance: (I,) array, m. Only compound blocks have such interfaces: their faces are cut where their parts meet.
+    """
+    offset = np.sum(found.polygon[found.polygon_start[:-1]] * found.normal, axis=1)
+    groups: dict[tuple[int, int], list[int]] = {}
+    for k, pair in enumerate(zip(found.block_a.tolist(), found.block_b.tolist(), strict=True)):
+        groups.setdefault(pair, []).append(k)
+    loops: list[np.ndarray] = []
+    kept: list[int] = []
+    for members in groups.values():
+        left = list(members)
+        while left:
+            k = left.pop(0)
+            near = np.array(left, dtype=int)
+            level = (np.abs(offset[near] - offset[k]) <= tolerance[k]) & (found.normal[near] @ found.normal[k] > 1.0 - OPPOSITE**2)
+            side_by_side = [k, *near[level].tolist()] if len(near) else [k]
+            corners = [found.polygon[found.polygon_start[i] : found.polygon_start[i + 1]] for i in side_by_side]
+            joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else None
+            loops.append(corners[0] if joined is None else joined)
+            kept.append(k)
+            left = left if joined is None else [i for i in left if i not in side_by_side]
+    order = np.argsort(kept)
+    polygon, counts = np.concatenate([loops[i] for i in order]), np.array([len(loops[i]) for i in order])
+    rows = np.array(kept)[order]
+    start = np.concatenate([[0], np.cumsum(counts)])
+    area = polygon_areas(polygon, np.repeat(np.arange(len(rows)), counts), start, found.normal[rows])
+    return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
+
+
+def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> np.ndarray | None:
+    """Loop (n, 3) around polygons on one plane, or None where their union is not one convex polygon."""
+    (first,), (second,) = plane_axes(normal[None])
+    origin = corners[0][0]
+    flat = [np.column_stack([(loop - origin) @ first, (loop - origin) @ second]) for loop in corners]
+    whole = shapely.union_all([shapely.buffer(shapely.Polygon(loop), tolerance, join_style="mitre") for loop in flat])
+    hull = shapely.convex_hull(whole)
+    if shapely.area(hull) - shapely.area(whole) > tolerance * shapely.length(hull):
+        return None
+    outline, _ = true_corners(np.array([shapely.convex_hull(shapely.MultiPoint(np.concatenate(flat)))]), np.array([tolerance]))
+    return np.asarray(origin + outline[:, :1] * first + outline[:, 1:] * second)
 
 
 def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
@@ -98,21 +152,27 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    """Raise SceneError for a pair (P, 2) of blocks that overlap by more than its tolerance (P,), m.
+    for a, b, depth in overlaps(blocks, pairs, tolerance):
+        names = f'blocks "{blocks.names[a]}" and "{blocks.names[b]}"'
+        hint = "blocks may touch but not share volume; [geometry] tolerance removes the overlaps of a survey"
+        raise SceneError(names, f"overlap by about {depth:.3g} m", hint=hint)
+
+
+def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterator[tuple[int, int, float]]:
+    """Yield both blocks and the depth, m, of each pair (P, 2) of convex blocks that overlap by more than its tolerance (P,), m.
 
     Separating faces decide almost every pair. For the others a linear programme finds the largest ball within both
-    blocks.
+    blocks; its diameter is the depth.
     """
     apart = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1])) >= -tolerance
-    for (a, b), limit in zip(pairs[~apart], tolerance[~apart], strict=True):
+    for (a, b), limit in zip(pairs[~apart].tolist(), tolerance[~apart], strict=True):
         faces = np.isin(blocks.face_block, (a, b))
         normal, offset = blocks.face_normal[faces], blocks.face_offset[faces]
         centre = (blocks.centroid[a] + blocks.centroid[b]) / 2.0
         rows = np.column_stack([normal, np.ones(len(normal))])
         ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=offset - normal @ centre, bounds=[(None, None)] * 3 + [(0.0, None)])
         if ball.success and ball.x[3] > limit:
-            names = f'blocks "{blocks.names[a]}" and "{blocks.names[b]}"'
-            raise SceneError(names, f"overlap by about {2.0 * ball.x[3]:.3g} m", hint="blocks may touch but not share volume")
+            yield a, b, 2.0 * float(ball.x[3])
 
 
 def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
@@ -170,7 +230,7 @@ def _overlap_polygons(
         flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
         return polygons_of(flat, np.diff(blocks.face_start)[face])
 
-    overlap = shapely.intersection(polygons(face_a), polygons(face_b))
+    overlap = overlap_of(polygons(face_a), polygons(face_b))
     wide = shapely.area(overlap) > tolerance[pair] * shapely.length(overlap) / 2.0
     kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
     flat, owner = true_corners(overlap[kept], tolerance[pair[kept]])
@@ -184,7 +244,7 @@ def _overlap_polygons(
     return kept[~far], corners[touches], (np.cumsum(~far) - 1)[owner[touches]]
 
 
-def _refuse_floating(blocks: Blocks, touching: np.ndarray, size: np.ndarray) -> None:
+def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:
     alone = np.setdiff1d(np.arange(len(blocks)), touching)
     if len(alone):
         block = int(alone[np.argmax(blocks.free[alone])])  # the first free one, if any is free

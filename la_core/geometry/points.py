@@ -1,4 +1,9 @@
-"""Contact points at the corners of interfaces, drawn in from their edges by the inset."""
+"""Contact points at the corners of interfaces, drawn in from their edges by the inset.
+
+The inset is that of the scene, except in short joints. Where a joint is shorter than four insets, its points lie at a
+quarter of its length, so that one short joint does not make the inset of all others small. A joint shorter than half
+an inset is no joint: a worn edge, which the inset stands for, would have removed it.
+"""
 
 from dataclasses import dataclass
 
@@ -9,6 +14,10 @@ from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.interfaces import Interfaces
 from la_core.geometry.polygons import plane_axes, polygons_of, true_corners
+
+SHORT = 0.5  # largest inset over the room of a joint, half its length: the points of a short joint lie at its quarters
+SLIVER = 0.25  # least room of a joint over the inset
+RADIUS_HALVINGS = 20  # of the interval in which an inner radius is searched: a millionth of it is left
 
 
 @dataclass(frozen=True)
@@ -23,18 +32,21 @@ class ContactPoints:
         Position, m.
     friction : (C,) array
         Friction coefficient, tan(phi).
+    inset : (C,) array
+        Distance from the edges of the interface, m.
     """
 
     interface: np.ndarray
     position: np.ndarray
     friction: np.ndarray
+    inset: np.ndarray
 
     def __len__(self) -> int:
         return len(self.interface)
 
     def subset(self, kept: np.ndarray) -> "ContactPoints":
         """The points in a mask (C,)."""
-        return ContactPoints(self.interface[kept], self.position[kept], self.friction[kept])
+        return ContactPoints(self.interface[kept], self.position[kept], self.friction[kept], self.inset[kept])
 
 
 def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inset: float, plane: bool) -> ContactPoints:
@@ -49,7 +61,7 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inse
     friction : float
         Friction coefficient of every point, tan(phi).
     inset : float
-        Distance of the points from the edges of their interface, m; 0 puts them on its corners.
+        Distance of the points from the edges of their interface, m; less in a short joint. 0 puts them on its corners.
     plane : bool
         True for two points at mid depth per interface, at its ends in the xz plane; False for one point at every
         corner.
@@ -57,41 +69,94 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inse
     Raises
     ------
     SceneError
-        An interface is too small for the inset.
+        The inset is too large for more than half of the interfaces.
     """
-    position, interface = (_plane_points if plane else _solid_points)(blocks, interfaces, inset)
-    return ContactPoints(interface, position, np.full(len(interface), friction))
+    if inset > 0.0:
+        room = joint_rooms(interfaces, plane, inset / SHORT)
+        _refuse_large(blocks, interfaces, room, inset)
+        own = np.minimum(inset, SHORT * room)
+    else:
+        own = np.zeros(len(interfaces))
+    position, interface = (_plane_points if plane else _solid_points)(interfaces, own)
+    return ContactPoints(interface, position, np.full(len(interface), friction), own[interface])
 
 
-def _plane_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
+def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane: bool) -> Interfaces:
+    """The interfaces without those that have less room than `least`, m; raises SceneError where a free block has no other."""
+    slivers = joint_rooms(interfaces, plane, least) < least if least > 0.0 else np.zeros(len(interfaces), dtype=bool)
+    if not slivers.any():
+        return interfaces
+    kept = interfaces.subset(~slivers)
+    alone = np.setdiff1d(np.stack([interfaces.block_a, interfaces.block_b]), np.stack([kept.block_a, kept.block_b]))
+    alone = alone[blocks.free[alone]]
+    if len(alone):
+        rule = f"has no joint of {2.0 * least:.3g} m or more, and shorter ones do not count"
+        raise SceneError(f'block "{blocks.names[alone[0]]}"', rule, hint="take a smaller inset and tolerance, or remove the block")
+    return kept
+
+
+def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarray:
+    """Room (I,) of each interface, m: half its length in the plane, the radius of its largest circle in space.
+
+    In space, a room of more than `largest` (m) counts as `largest`.
+    """
+    if plane:
+        low, high = _ends(interfaces)[:2]
+        return (high - low) / 2.0
+    flat, _, _ = _flattened(interfaces)
+    polygons = polygons_of(flat, np.diff(interfaces.polygon_start))
+    room = np.full(len(interfaces), largest)
+    small = np.flatnonzero(shapely.area(polygons) < largest * shapely.length(polygons))  # at least area over length is the radius
+    low, high = np.zeros(len(small)), room[small]
+    high = np.where(shapely.is_empty(shapely.buffer(polygons[small], -largest, join_style="mitre")), high, 0.0)
+    searched = high > 0.0
+    for _ in range(RADIUS_HALVINGS if searched.any() else 0):
+        middle = (low + high) / 2.0
+        gone = shapely.is_empty(shapely.buffer(polygons[small], -middle, join_style="mitre"))
+        low, high = np.where(gone, low, middle), np.where(gone, middle, high)
+    room[small] = np.where(searched, low, largest)
+    return room
+
+
+def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Ends (I,) of each interface along its first tangent from its middle, the middle (I, 3) and that tangent (I, 3)."""
     tangent, _ = plane_axes(interfaces.normal)
     owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
     start = interfaces.polygon_start[:-1]
     middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
     along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
-    low, high = np.minimum.reduceat(along, start) + inset, np.maximum.reduceat(along, start) - inset
-    _refuse_small(blocks, interfaces, high <= low, inset)
-    place = np.stack([low, high], axis=1)
+    return np.minimum.reduceat(along, start), np.maximum.reduceat(along, start), middle, tangent
+
+
+def _plane_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    low, high, middle, tangent = _ends(interfaces)
+    place = np.stack([low + inset, high - inset], axis=1)
     position = middle[:, None, :] + place[:, :, None] * tangent[:, None, :]
     return position.reshape(-1, 3), np.repeat(np.arange(len(interfaces)), 2)
 
 
-def _solid_points(blocks: Blocks, interfaces: Interfaces, inset: float) -> tuple[np.ndarray, np.ndarray]:
+def _flattened(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners (Q, 2) of each interface in its plane, and its two tangents (I, 3); the first corner is the origin."""
     owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
-    if inset == 0.0:
-        return interfaces.polygon, owner
     first, second = plane_axes(interfaces.normal)
-    origin = interfaces.polygon[interfaces.polygon_start[:-1]]
-    arm = interfaces.polygon - origin[owner]
-    flat = np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1)
+    arm = interfaces.polygon - interfaces.polygon[interfaces.polygon_start[:-1]][owner]
+    return np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1), first, second
+
+
+def _solid_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    if not inset.any():
+        return interfaces.polygon, np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+    flat, first, second = _flattened(interfaces)
     shrunk = shapely.buffer(polygons_of(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
-    _refuse_small(blocks, interfaces, shapely.is_empty(shrunk), inset)
-    flat, owner = true_corners(shrunk, np.full(len(shrunk), 1e-3 * inset))
+    flat, owner = true_corners(shrunk, 1e-3 * inset)
+    origin = interfaces.polygon[interfaces.polygon_start[:-1]]
     return origin[owner] + flat[:, :1] * first[owner] + flat[:, 1:] * second[owner], owner
 
 
-def _refuse_small(blocks: Blocks, interfaces: Interfaces, small: np.ndarray, inset: float) -> None:
-    if small.any():
-        k = int(np.argmax(small))
-        a, b = blocks.names[interfaces.block_a[k]], blocks.names[interfaces.block_b[k]]
-        raise SceneError("joint.inset", f'larger than half the interface between "{a}" and "{b}"', value=inset, hint="take a smaller inset")
+def _refuse_large(blocks: Blocks, interfaces: Interfaces, room: np.ndarray, inset: float) -> None:
+    """Raise SceneError where the inset is more than the middle one of all rooms (I,), m: most joints would count as short."""
+    middle = int(np.argsort(room, kind="stable")[(len(room) - 1) // 2]) if len(room) else 0
+    if len(room) and room[middle] <= inset:
+        a, b = blocks.names[interfaces.block_a[middle]], blocks.names[interfaces.block_b[middle]]
+        rule = f'larger than half the interface between "{a}" and "{b}", and half of all joints are no longer than that one'
+        raise SceneError("joint.inset", rule, value=inset, hint=f"take less than {room[middle]:.3g} m")

@@ -3,6 +3,8 @@
 import numpy as np
 import shapely
 
+ROUND_OFF = 1e-9  # of the length around two polygons
+
 
 def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Group of each member, and its place within the group, for groups of the sizes `counts` (N,) laid end to end."""
@@ -28,6 +30,26 @@ def polygons_of(flat: np.ndarray, counts: np.ndarray) -> np.ndarray:
     closed = flat[start[row] + place % counts[row]]
     rings = np.concatenate([[0], np.cumsum(counts + 1)])
     return np.asarray(shapely.from_ragged_array(shapely.GeometryType.POLYGON, closed, (rings, np.arange(len(rings)))))
+
+
+def overlap_of(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Intersections (N,) of polygons (N,) with polygons (N,), also where they meet in an edge but for round-off.
+
+    GEOS may then return one of the two polygons whole. Such a result leaves the bounds of the other one, and is
+    computed again on a grid.
+    """
+    found = np.asarray(shapely.intersection(first, second))
+    for attempt in range(2):
+        size = shapely.length(first) + shapely.length(second)
+        bounds = shapely.bounds(found)
+        low = np.maximum(shapely.bounds(first), shapely.bounds(second))[:, :2] - ROUND_OFF * size[:, None]
+        high = np.minimum(shapely.bounds(first), shapely.bounds(second))[:, 2:] + ROUND_OFF * size[:, None]
+        wrong = np.flatnonzero((bounds[:, :2] < low).any(axis=1) | (bounds[:, 2:] > high).any(axis=1))  # false for an empty one
+        for k in wrong:
+            found[k] = shapely.intersection(first[k], second[k], grid_size=ROUND_OFF * size[k]) if attempt == 0 else shapely.Polygon()
+        if not len(wrong):
+            break
+    return found
 
 
 def true_corners(polygons: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

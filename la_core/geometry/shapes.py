@@ -1,32 +1,58 @@
-"""Convex shapes of single blocks: boxes, prisms, lofts and polyhedra as vertices and faces."""
+"""Shapes of single blocks: boxes, prisms, lofts and polyhedra as vertices and faces, and compounds of such convex parts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.spatial
+import shapely
 
 from la_core.errors import SceneError
+from la_core.geometry.division import FLATNESS, convex_parts, without_straight_corners
 
-FLATNESS = 1e-9  # of the block's size: vertices closer than this to a line lie on it
 ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
 @dataclass(frozen=True)
 class Shape:
-    """One convex polyhedron.
+    """One convex polyhedron, or several that move as one block.
 
     Attributes
     ----------
     vertices : (n, 3) array
-        Vertices, m.
+        Vertices, part after part, m.
     faces : tuple of tuples of int
-        Loop of vertices of each face, counter-clockwise seen from outside.
+        Loop of vertices of each face, part after part, counter-clockwise seen from outside.
+    part_sizes : tuple of pairs of int
+        Number of vertices and of faces of each convex part; () where there is one part.
     """
 
     vertices: np.ndarray
     faces: tuple[tuple[int, ...], ...]
+    part_sizes: tuple[tuple[int, int], ...] = ()
+
+    @property
+    def parts(self) -> "tuple[Shape, ...]":
+        """The convex parts, each as a shape; the shape itself where it is convex."""
+        if not self.part_sizes:
+            return (self,)
+        parts, vertex, face = [], 0, 0
+        for vertices, faces in self.part_sizes:
+            loops = tuple(tuple(corner - vertex for corner in loop) for loop in self.faces[face : face + faces])
+            parts.append(Shape(self.vertices[vertex : vertex + vertices], loops))
+            vertex, face = vertex + vertices, face + faces
+        return tuple(parts)
+
+
+def compound(parts: Sequence[Shape]) -> Shape:
+    """One shape of convex parts that touch each other in faces; they move as one block."""
+    if len(parts) == 1:
+        return parts[0]
+    start = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    faces = [tuple(corner + int(first) for corner in loop) for part, first in zip(parts, start, strict=False) for loop in part.faces]
+    sizes = tuple((len(part.vertices), len(part.faces)) for part in parts)
+    return Shape(np.concatenate([part.vertices for part in parts]), tuple(faces), sizes)
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> Shape:
@@ -53,27 +79,20 @@ def loft(front: np.ndarray, back: np.ndarray) -> Shape:
 
 
 def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
-    """Prism of a convex (x, z) profile, in either orientation, from y[0] to y[1] (m).
+    """Prism of an (x, z) profile, in either orientation, from y[0] to y[1] (m); a compound where the profile is not convex.
 
-    Raises ValueError when the profile is not convex or has no area.
+    Raises ValueError when the profile crosses itself or has no area.
     """
     points = np.array(profile, dtype=float)
     following = np.roll(points, -1, axis=0)
     if np.sum(points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]) < 0.0:
         points = points[::-1]
-    size = np.ptp(points, axis=0).max()
-    edge_in, edge_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-    turn = edge_in[:, 0] * edge_out[:, 1] - edge_in[:, 1] * edge_out[:, 0]
-    flat = np.abs(turn) <= FLATNESS * size * np.maximum(np.hypot(*edge_in.T), np.hypot(*edge_out.T))
-    winding = np.arctan2(turn, np.sum(edge_in * edge_out, axis=1)).sum() / (2.0 * np.pi)
-    if flat.all():
-        raise ValueError("the profile has no area")
-    if np.any(turn[~flat] < 0.0) or abs(winding - 1.0) > 1e-6:
-        raise ValueError("the profile is not convex")
-    points = points[~flat]
+    points = without_straight_corners(points)
     if len(points) < 3:
         raise ValueError("the profile has no area")
-    return _extruded(points.tolist(), y)
+    if not shapely.is_valid(shapely.Polygon(points)):
+        raise ValueError("the profile crosses itself")
+    return compound([_extruded(part.tolist(), y) for part in convex_parts(points)])
 
 
 def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:

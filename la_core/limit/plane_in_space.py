@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from la_core.geometry import ContactPoints, contact_points
+from la_core.geometry import contact_points
 from la_core.measures import residuals
 from la_core.model import Assembly
 
@@ -20,7 +20,7 @@ def in_space(assembly: Assembly, forces: np.ndarray) -> tuple[Assembly, np.ndarr
     away = np.linalg.norm((plane.position[ends] - points.position[:, None])[..., [0, 2]], axis=2)
     end = ends[np.arange(len(ends)), away.argmin(axis=1)]
     share = np.bincount(end, minlength=len(plane))
-    solid = ContactPoints(points.interface, points.position, plane.friction[end])
+    solid = replace(points, friction=plane.friction[end])
     space = replace(assembly, points=solid, effects=replace(assembly.effects, plane=False))
     return space, forces[end] / share[end, None]
 

@@ -7,7 +7,7 @@ from scipy import sparse
 
 from la_core.errors import SceneError
 from la_core.exchange import SUPPORT
-from la_core.geometry import Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes
+from la_core.geometry import SLIVER, Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
 from la_core.model.effects import Effects, decide
 from la_core.scene import Scene
 
@@ -37,7 +37,7 @@ class Assembly:
     effects : Effects
         Modelled effects, with reasons.
     inset : float
-        Distance of the contact points from the edges of their interface, m.
+        Distance of the contact points from the edges of their interface, m; `points.inset` is less in short joints.
     dead_load : (B, 6) array
         Weight of each free block as a wrench about its centroid, N and N m.
     live_load : (B, 6) array
@@ -47,6 +47,8 @@ class Assembly:
     aside : (B,) array of bool
         Free blocks of the scene that are held at rest here because the motion does not reach them
         (`la_core.analysis.reach`).
+    slivers : int
+        Joints that are too short to count, and were dropped.
     """
 
     blocks: Blocks
@@ -58,6 +60,12 @@ class Assembly:
     live_load: np.ndarray
     support_twist: np.ndarray
     aside: np.ndarray
+    slivers: int = 0
+
+    @property
+    def short_joints(self) -> int:
+        """Number of joints whose contact points have a smaller inset than others, because they are short."""
+        return len(np.unique(self.points.interface[self.points.inset < self.inset]))
 
     @property
     def weight(self) -> float:
@@ -179,7 +187,8 @@ def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
 def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     blocks = scene.blocks
     effects = decide(scene)
-    interfaces = find_interfaces(blocks) if interfaces is None else interfaces
+    found = find_interfaces(blocks) if interfaces is None else interfaces
+    interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
     dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
     dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
@@ -192,7 +201,8 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
         support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
         support_twist[support, 3:] = spin
     aside = np.zeros(len(blocks), dtype=bool)
-    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside)
+    slivers = len(found) - len(interfaces)
+    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside, slivers)
 
 
 def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:

@@ -32,5 +32,5 @@ def with_grid(assembly: Assembly, per_side: int) -> Assembly:
     owner = np.concatenate([points.interface[kept], np.repeat(grid, position.shape[1])])
     place = np.concatenate([points.position[kept], position.reshape(-1, 3)])
     order = np.argsort(owner, kind="stable")
-    friction = points.friction[first][owner[order]]
-    return replace(assembly, points=ContactPoints(owner[order], place[order], friction))
+    of_first = first[owner[order]]
+    return replace(assembly, points=ContactPoints(owner[order], place[order], points.friction[of_first], points.inset[of_first]))

@@ -60,10 +60,12 @@ def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, in
     between the bounding boxes is a bound of the gap, and so is the distance of one block from a face plane of the
     other.
     """
-    blocks, interfaces = assembly.blocks, assembly.interfaces
+    interfaces, whole = assembly.interfaces, assembly.blocks
+    blocks, owner = whole.parts, whole.part_block
     pairs = near_pairs(blocks, np.full(len(blocks), 0.5 * distance))
-    joined = np.isin(_key(pairs, blocks), _key(np.stack([interfaces.block_a, interfaces.block_b], axis=1), blocks))
-    pairs = pairs[~joined & blocks.free[pairs].any(axis=1)]
+    owners = owner[pairs]
+    joined = np.isin(_key(owners, whole), _key(np.stack([interfaces.block_a, interfaces.block_b], axis=1), whole))
+    pairs = pairs[~joined & (owners[:, 0] != owners[:, 1]) & blocks.free[pairs].any(axis=1)]
     if not len(pairs):
         return distance, None
     a, b = pairs.T
@@ -72,7 +74,7 @@ def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, in
     gap = np.maximum(np.linalg.norm(between, axis=1), parted)
     nearest = int(np.argmin(gap))
     least = float(gap[nearest]) if gap[nearest] > NO_GAP * distance else 0.0
-    return (least, (int(a[nearest]), int(b[nearest]))) if least < distance else (distance, None)
+    return (least, (int(owner[a[nearest]]), int(owner[b[nearest]]))) if least < distance else (distance, None)
 
 
 def _key(pairs: np.ndarray, blocks: Blocks) -> np.ndarray:

@@ -1,12 +1,16 @@
 """What the user wrote: the scene file's schema, its complaints, generators of blocks, variants, and the shipped scenes."""
 
 from la_core.scene import key_paths, shipped
+from la_core.scene.changes import change_rows, geometry_changes
+from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
 from la_core.scene.scene import Scene, load_scene, scene_of_text
+from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
+from la_core.scene.schema.key_words import default_words, value_words
 from la_core.scene.schema.mesh import FOLDER_FORMATS
 from la_core.scene.schema.scene_file import LEAST_ACCURACY, MOST_ACCURACY, Expected, RequestedPath
 from la_core.scene.schema.types import LARGEST_FILE, Name, Positive, Table, Text, described
-from la_core.scene.shipped import load, names
+from la_core.scene.shipped import load, names, starter_names, starter_purpose, starter_text
 from la_core.scene.validation import as_scene_error
 from la_core.scene.variants import build, full_model, override, same_structure, variant
 
@@ -15,6 +19,7 @@ __all__ = [
     "LARGEST_FILE",
     "LEAST_ACCURACY",
     "MOST_ACCURACY",
+    "SOURCE_FORMATS",
     "Expected",
     "GivenKey",
     "Name",
@@ -25,16 +30,27 @@ __all__ = [
     "Text",
     "as_scene_error",
     "build",
+    "change_rows",
+    "default_words",
     "described",
     "full_model",
+    "geometry_changes",
     "given_keys",
     "key_paths",
     "load",
     "load_scene",
     "names",
     "override",
+    "part_of_schema",
     "same_structure",
+    "scene_from_file",
     "scene_of_text",
+    "scene_schema",
     "shipped",
+    "starter_names",
+    "starter_purpose",
+    "starter_text",
+    "tables_of_schema",
+    "value_words",
     "variant",
 ]

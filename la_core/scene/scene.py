@@ -1,6 +1,5 @@
 """From a TOML file to a `Scene`, with every check that needs no solver."""
 
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,12 +13,18 @@ import pydantic
 from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, Blocks, shapes
-from la_core.scene.generators import arches, building, dome, wall
-from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
+from la_core.repair import Repairs
+from la_core.scene import reading
+from la_core.scene.generators import arches, building, dome, rubble, wall
+from la_core.scene.generators.drawings import DrawnBlocks
+from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
+from la_core.scene.imported import imported_blocks, repaired
+from la_core.scene.plausibility import implausible
 from la_core.scene.schema import scene_file
-from la_core.scene.schema.types import LARGEST_FILE, MOST_BLOCKS, Vector
-from la_core.scene.validation import as_scene_error
+from la_core.scene.schema.motion import support_twist, unit_vector
+from la_core.scene.schema.types import MOST_BLOCKS
+from la_core.scene.validation import Fault, as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
 
@@ -63,7 +68,7 @@ class Scene(Tabled):
     yade : dict of str to float
         YADE settings that replace the derived ones, by name.
     meshes : tuple of MeshFile
-        Files of the [[mesh]] tables with their contents.
+        Files of the [[mesh]] and [[drawing]] tables with their contents.
     accuracy : float or None
         Requested relative accuracy of the answer. None without a request.
     effort : str
@@ -74,6 +79,12 @@ class Scene(Tabled):
         Who answers for the report, "" where the file names nobody.
     date : str
         Date in the head of the report, "" where the file has none.
+    drawn : tuple of DrawnBlocks
+        What became of the outlines of each [[drawing]].
+    repairs : Repairs or None
+        Changes of the geometry within its tolerance. None where none was asked for.
+    warnings : tuple of str
+        Sentences about values that are allowed but seldom meant, such as an angle for friction.
     """
 
     name: str
@@ -97,11 +108,19 @@ class Scene(Tabled):
     project: str = ""
     author: str = ""
     date: str = ""
+    drawn: tuple[DrawnBlocks, ...] = ()
+    repairs: Repairs | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def weight(self) -> float:
         """Weight of all free blocks, N."""
         return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
+
+    @property
+    def shortest_joint(self) -> float:
+        """Length of the shortest joint that counts, m; 0 without a tolerance of the geometry."""
+        return 0.0 if self.repairs is None else self.repairs.shortest_joint
 
     @property
     def is_rotation(self) -> bool:
@@ -130,94 +149,92 @@ class Scene(Tabled):
 
 
 def load_scene(path: Path, name: str = "") -> Scene:
-    """Read, validate and expand a scene file; raises SceneError for every fault of it.
+    """Read, validate and expand a scene file; raises SceneError with every fault of it, each with its line.
 
     name: name of the scene instead of the file's stem, for copies.
     """
-    return scene_of_text(_read(path), path, name or path.stem)
+    return scene_of_text(reading.read_text(path), path, name or path.stem, counts_lines=True)
 
 
-def scene_of_text(text: str, path: Path, name: str) -> Scene:
-    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name."""
+def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) -> Scene:
+    """Validate and expand the TOML `text` of a scene; its meshes lie beside `path`, which messages name.
+
+    counts_lines: whether messages name lines, because the text is that of a file.
+    """
+    data, counted = reading.tables_of(text, path), text if counts_lines else ""
     try:
-        data = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # Python raises ValueError for a number of too many digits
-        raise SceneError(str(path), f"not valid TOML: {error}") from error
-    try:
-        return _build(path, name, text, _validate(data))
+        return _build(path, name, text, _validate(data, counted), counted)
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error
 
 
-def _read(path: Path) -> str:
-    try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise SceneError(str(path), "neither a file nor a folder, so reading it might never end")
-        if path.stat().st_size > LARGEST_FILE:
-            raise SceneError(str(path), f"larger than {LARGEST_FILE} bytes; a scene is a short text")
-        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a mark
-    except OSError as error:
-        raise SceneError(str(path), f"cannot be read: {error.strerror}", hint="`crosscheck scenes` lists the shipped ones") from error
-    except UnicodeDecodeError as error:
-        raise SceneError(str(path), f"not UTF-8 text (byte {error.start})") from error
-
-
-def _validate(data: dict[str, Any]) -> scene_file.SceneFile:
+def _validate(data: dict[str, Any], counted: str) -> scene_file.SceneFile:
     try:
         return scene_file.SceneFile.model_validate(data)
     except pydantic.ValidationError as error:
-        raise as_scene_error(error, data, scene_file.SceneFile) from error
+        raise as_scene_error(error, data, scene_file.SceneFile, counted) from error
 
 
-def _build(path: Path, name: str, text: str, file: scene_file.SceneFile) -> Scene:
+def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
     if not name.isprintable():
         rule = "must be printable text, because it names a folder of results"
         raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
-    imported = [(mesh, read_files(mesh, path.parent)) for mesh in file.mesh]
-    every = chain(_named_shapes(file), (shape for mesh, files in imported for shape in mesh_blocks(mesh, files)))
-    named = list(islice(every, MOST_BLOCKS + 1))
+    imported, files, drawn = imported_blocks(file, path.parent)
+    faults: list[Fault] = []
+    named = list(islice(chain(_named_shapes(file, faults), imported), MOST_BLOCKS + 1))
+    if faults:
+        raise joined(faults, counted)
     if len(named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
     _require_sense(named, file)
+    named, repairs = repaired(named, file)
     shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
-    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _densities(named, file), [n.shape for n in named])
+    densities = _densities(named, file)
+    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _with_floors(named, densities), [n.shape for n in named])
+    gravity, twist = np.array(file.gravity), support_twist(file.settlement)
     return Scene(
         name=name,
         path=path,
         text=text,
         title=file.title or name,
         source=file.source,
-        gravity=np.array(file.gravity),
+        gravity=gravity,
         friction=file.joint.friction,
         inset=file.joint.inset,
         blocks=blocks,
-        support_twist=_support_twist(file.settlement),
-        live=_unit(file.live.direction) if file.live else None,
+        support_twist=twist,
+        live=unit_vector(file.live.direction) if file.live else None,
         effects=file.effects,
         path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
-        meshes=tuple(mesh_file for _, files in imported for mesh_file in files),
+        meshes=files,
         accuracy=file.accuracy,
         effort=file.effort,
         project=file.project,
         author=file.author,
         date=file.date,
+        drawn=drawn,
+        repairs=repairs,
+        warnings=implausible(blocks, densities, file.joint.friction, gravity, twist),
     )
 
 
-def _named_shapes(file: scene_file.SceneFile) -> Iterator[NamedShape]:
-    for block in file.block:
+def _named_shapes(file: scene_file.SceneFile, faults: list[Fault]) -> Iterator[NamedShape]:
+    """Blocks of all tables but those of meshes; what cannot be built is added to `faults`, and the next table follows."""
+    for place, block in enumerate(file.block):
         try:
             yield NamedShape(block.name, block.role, block.density, _shape(block))
         except ValueError as error:
-            raise SceneError(f'block "{block.name}"', str(error)) from error
+            faults.append((("block", place), f'block "{block.name}": {error}'))
     for kind, blocks_of in _GENERATORS.items():
-        for table in getattr(file, kind):
+        for place, table in enumerate(getattr(file, kind)):
             try:
                 yield from blocks_of(table)
             except ValueError as error:
-                raise SceneError(f'{kind} "{table.name}"', str(error)) from error
+                faults.append(((kind, place), f'{kind} "{table.name}": {error}'))
+            except SceneError as error:  # which names the table already
+                faults.append(((kind, place), str(error)))
 
 
 _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
@@ -226,6 +243,7 @@ _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
     "arch": arches.arch_blocks,
     "vault": arches.vault_blocks,
     "dome": dome.dome_blocks,
+    "rubble": rubble.rubble_blocks,
 }
 
 
@@ -238,6 +256,9 @@ def _shape(block: scene_file.Block) -> shapes.Shape:
     return shapes.polyhedron(block.polyhedron.vertices)
 
 
+_WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'
+
+
 def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
     twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
     if twice:
@@ -246,7 +267,7 @@ def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
     if "free" not in roles:
         raise SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"')
     if file.settlement and "support" not in roles:
-        raise SceneError("settlement", "no block has the role of support", hint='give a [[block]] role = "support"')
+        raise SceneError("settlement", "no block has the role of support", hint=_WHERE_A_SUPPORT_IS)
     if file.live and "support" in roles:
         raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
     if file.expected and (file.expected.multiplier is None) != (file.live is None):
@@ -257,27 +278,16 @@ def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
             raise SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS))
 
 
-def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float]:
-    """Density of every block; NaN for a held block without one. Raises SceneError for a free block without one."""
+def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
+    """Density of every block; None for a held block without one. Raises SceneError for a free block without one."""
     stone = file.stone.density if file.stone else None
     densities = [n.density if n.density is not None else stone for n in named]
     for n, density in zip(named, densities, strict=True):
         if density is None and ROLES[n.role] == FREE:
             raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
+    return densities
+
+
+def _with_floors(named: list[NamedShape], densities: list[float | None]) -> list[float]:
+    """Density of every block with what it carries; NaN for a held block without one."""
     return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]
-
-
-def _unit(vector: Vector) -> np.ndarray:
-    """Unit vector, first scaled by the largest entry so that tiny and huge entries neither underflow nor overflow."""
-    scaled = np.array(vector) / np.abs(vector).max()
-    return scaled / np.linalg.norm(scaled)
-
-
-def _support_twist(settlement: scene_file.Settlement | None) -> np.ndarray | None:
-    if settlement is None:
-        return None
-    if settlement.direction is not None:
-        return np.concatenate([_unit(settlement.direction), np.zeros(3)])
-    assert settlement.axis is not None and settlement.point is not None  # the schema demands both
-    axis = _unit(settlement.axis)
-    return np.concatenate([np.cross(np.array(settlement.point), axis), axis])

@@ -1,4 +1,4 @@
-"""The scenes that are part of the program."""
+"""The scenes that are part of the program, and commented ones from which users start their own."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ from la_core.errors import SceneError, nearest
 from la_core.scene.scene import Scene, load_scene
 
 FOLDER = Path(__file__).parents[1] / "scenes"
+STARTERS = Path(__file__).parent / "starters"
 LONG = ("building_corner",)  # minutes of limit analysis and most of an hour of YADE
 
 
@@ -66,3 +67,20 @@ def load(scene: Path | str) -> Scene:
     'Right pad settles under a block'
     """
     return load_scene(find(str(scene)))
+
+
+def starter_names() -> list[str]:
+    """Kinds of structures for which there is a commented scene, in alphabetical order."""
+    return sorted(path.stem for path in STARTERS.glob("*.toml"))
+
+
+def starter_text(kind: str) -> str:
+    """The commented scene of a kind, as TOML; raises SceneError for a kind that there is not."""
+    if kind not in starter_names():
+        raise SceneError(f'"{kind}"', "no kind of structure", hint=nearest(kind, starter_names(), "kinds"))
+    return (STARTERS / f"{kind}.toml").read_text(encoding="utf-8")
+
+
+def starter_purpose(kind: str) -> str:
+    """What the scene of a kind shows: the first line of its comment."""
+    return starter_text(kind).splitlines()[0].removeprefix("# ")

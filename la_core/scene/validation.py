@@ -1,43 +1,18 @@
-"""Errors of pydantic as sentences with the key, the value and the rule."""
+"""Errors of pydantic as sentences with the line, the key, the value, the rule and the next step."""
 
-from typing import Any
+import math
+import re
+import types
+from collections.abc import Iterator
+from typing import Any, Literal, Union, get_args, get_origin
 
 import pydantic
 
 from la_core.errors import SceneError, nearest
+from la_core.scene.line_numbers import KeyPath, key_lines, line_of
 
-
-def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel]) -> SceneError:
-    """Turn the first error in a table's data into a SceneError with key path, value, rule and nearest key.
-
-    Parameters
-    ----------
-    refused : ValidationError
-        Error of pydantic.
-    data : dict
-        Table as read from TOML.
-    table : class
-        Schema of the table.
-    """
-    error: Any = min(refused.errors(), key=_says_least)
-    path, value = _key_path(error["loc"], data), error["input"]
-    if error["type"] == "extra_forbidden":
-        *parents, key = error["loc"]
-        return SceneError(path, "unknown key", hint=nearest(str(key), _valid_keys(table, parents)))
-    if error["type"] == "missing" and isinstance(error["loc"][-1], int):
-        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
-    if error["type"] == "missing":
-        return SceneError(path, "missing", hint="no physical quantity has a silent default")
-    if error["type"] == "value_error":
-        return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
-    rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
-    return SceneError(path, rule.format(**error.get("ctx", {})), value=value)
-
-
-def _says_least(error: Any) -> tuple[bool, bool]:
-    """Rank of an error, lowest first: an unknown key explains a missing one, and an integer is one of two allowed types."""
-    return error["type"] != "extra_forbidden", error["loc"][-1:] == ("constrained-int",)
-
+MOST_MESSAGES = 20  # of one file; more are counted
+Fault = tuple[KeyPath, str]  # place in the file, and what is wrong there
 
 _RULES = {  # instead of pydantic's messages, which speak of Python
     "bool_type": "must be true or false",
@@ -51,6 +26,100 @@ _RULES = {  # instead of pydantic's messages, which speak of Python
     "too_short": "has too few entries, {actual_length} where at least {min_length} belong",
     "tuple_type": "must be an array",
 }
+_NOT_IN_A_SCENE = {  # words that users try, and what holds instead
+    "cohesion": "joints have none: they open without force; use the friction alone",
+    "tension": "joints have none: they open without force; use the friction alone",
+    "load": "loads are the blocks' weights; [live] pushes in proportion to them, and more density stands for a load on a block",
+    "unit": "all numbers are in SI units: m, kg, N",
+    "units": "all numbers are in SI units: m, kg, N",
+}
+
+
+def as_scene_error(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel], text: str = "") -> SceneError:
+    """Turn the errors in a table's data into one SceneError: for each of them the key path, the value, the rule and the next step.
+
+    Parameters
+    ----------
+    refused : ValidationError
+        Error of pydantic.
+    data : dict
+        Table as read from TOML.
+    table : class
+        Schema of the table.
+    text : str
+        The TOML, from which lines are counted; "" counts none.
+    """
+    return joined(_faults(refused, data, table, explains=bool(text)), text)
+
+
+def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type[pydantic.BaseModel], explains: bool) -> list[Fault]:
+    """Every error in a table's data, one for each key; a misspelt key explains the missing one that it stands for.
+
+    explains: whether valid keys are listed with their meaning, on lines of their own.
+    """
+    errors: list[Any] = sorted(refused.errors(), key=lambda error: error["loc"][-1:] == ("constrained-int",))
+    meant = {_meant(error, table) for error in errors if error["type"] == "extra_forbidden"}
+    by_place: dict[KeyPath, str] = {}
+    told: set[str] = set()  # meanings of missing keys, each of which is said once
+    for error in errors:
+        place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
+        if error["type"] != "missing" or place not in meant:
+            by_place.setdefault(place, str(_explained(error, data, table, told if explains else None)))
+    return list(by_place.items())
+
+
+def joined(faults: list[Fault], text: str) -> SceneError:
+    """One error with the messages of all faults, in the order of their lines in the TOML `text`; without lines for ""."""
+    lines = key_lines(text) if text else {}
+    numbered = sorted(((line_of(lines, place) or 0, message) for place, message in faults), key=lambda pair: pair[0])
+    messages = [f"line {line}: {message}" if line else message for line, message in numbered]
+    if len(messages) == 1:
+        return SceneError.told(messages[0])
+    left = len(messages) - MOST_MESSAGES
+    shown = [*messages[:MOST_MESSAGES], *([f"and {left} more"] if left > 0 else ())]
+    return SceneError.told("\n  ".join([f"{len(messages)} errors", *(message.replace("\n", "\n  ") for message in shown)]))
+
+
+def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str] | None) -> SceneError:
+    """One error of pydantic; `told` has the meanings of missing keys that were said already, None for no lists of keys."""
+    path, value = _key_path(error["loc"], data), error["input"]
+    if error["type"] == "extra_forbidden":
+        *parents, key = error["loc"]
+        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents), told is not None))
+    if error["type"] == "missing" and isinstance(error["loc"][-1], int):
+        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
+    if error["type"] == "missing":
+        wanted = _wanted(table, error["loc"])
+        if told is not None and wanted in told:
+            wanted = ""
+        elif told is not None:
+            told.add(wanted)
+        return SceneError(path, "missing", hint=wanted)
+    if error["type"] == "value_error":
+        return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
+    rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
+    return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=_slip(error))
+
+
+def _slip(error: Any) -> str:
+    """What a value of a wrong kind was probably meant to be, as a hint; "" where nothing is known."""
+    value = error["input"]
+    if error["type"] == "too_long" and isinstance(value, list) and len(value) == 2 * error["ctx"]["max_length"]:
+        return "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"
+    if error["type"] not in ("float_type", "int_type") or not isinstance(value, str):
+        return ""
+    number = re.match(r"\s*([-+]?\d+(?:[.,]\d+)?)(.*)", value, re.DOTALL)
+    if number is None:
+        return ""
+    plain, unit = number[1].replace(",", "."), number[2].strip()
+    if error["loc"][-1] == "friction" and unit.startswith(("deg", "°")):
+        return f"the friction of {plain} degrees is its tangent, {math.tan(math.radians(float(plain))):.3f}"
+    return f"write the number alone, without quotes{' and unit' if unit else ''}: {plain}"
+
+
+def _is_of_a_type(step: str | int) -> bool:
+    """Whether a step of pydantic's location names a type among several, and no key."""
+    return isinstance(step, str) and step.startswith(("constrained-", "literal[", "tuple[", "bool"))
 
 
 def _key_path(location: tuple[Any, ...], data: Any) -> str:
@@ -66,17 +135,64 @@ def _key_path(location: tuple[Any, ...], data: Any) -> str:
             names[-1] += f' "{data["name"]}"'
         else:
             names[-1] += f"[{step + 1}]"
-    return ".".join(name for name in names if not name.startswith(("constrained-", "literal[", "tuple[", "bool")))
+    return ".".join(name for name in names if not _is_of_a_type(name))
 
 
-def _valid_keys(model: type[pydantic.BaseModel], parents: list[Any]) -> list[str]:
-    """Keys of the table at the path `parents` below the table `model`."""
+def _meant(error: Any, table: type[pydantic.BaseModel]) -> KeyPath:
+    """The place of the valid key that an unknown one stands for; that of the unknown key itself where none is near."""
+    *parents, key = error["loc"]
+    hint = re.fullmatch(r'did you mean "(.*)"\?', nearest(str(key), _keys(_table_at(table, parents))))
+    return (*parents, hint[1] if hint else key)
+
+
+def _valid_keys(key: str, table: type[pydantic.BaseModel], explains: bool) -> str:
+    """The valid key that is nearest to an unknown one, or all of them; where it explains, each with its meaning on a line of its own."""
+    if key in _NOT_IN_A_SCENE:
+        return _NOT_IN_A_SCENE[key]
+    keys = _keys(table)
+    hint = nearest(key, keys)
+    if not (explains and hint.startswith("valid keys")):
+        return hint
+    width = max(map(len, keys))
+    return "\n  ".join([hint, *(f"{name:{width}}  {_meaning(field)}" for name, field in keys.items())])
+
+
+def _keys(table: type[pydantic.BaseModel]) -> dict[str, Any]:
+    """Fields of a table by the keys that a file spells."""
+    return {field.alias or name: field for name, field in table.model_fields.items()}
+
+
+def _meaning(field: Any) -> str:
+    extra = field.json_schema_extra
+    unit = extra.get("unit", "") if isinstance(extra, dict) else ""
+    return f"{field.description or ''}{f' ({unit})' if unit else ''}"
+
+
+def _wanted(table: type[pydantic.BaseModel], location: tuple[Any, ...]) -> str:
+    """What a missing key must hold: the words among which to choose, and its meaning."""
+    *parents, key = location
+    field = _keys(_table_at(table, parents)).get(str(key))
+    if field is None:
+        return ""
+    choices = " or ".join(f'"{word}"' for word in _words(field.annotation))
+    return ": ".join(part for part in (f"choose {choices}" if choices else "needed", _meaning(field)) if part)
+
+
+def _words(annotation: Any) -> Iterator[str]:
+    """The words that a key may hold."""
+    if get_origin(annotation) is Literal:
+        yield from (word for word in get_args(annotation) if isinstance(word, str))
+    elif get_origin(annotation) in (Union, types.UnionType):
+        for member in get_args(annotation):
+            yield from _words(member)
+
+
+def _table_at(table: type[pydantic.BaseModel], parents: list[Any]) -> type[pydantic.BaseModel]:
+    """The table at the path `parents` below `table`."""
     for step in parents:
-        if isinstance(step, int):
-            continue
-        field = next(f for name, f in model.model_fields.items() if step in (name, f.alias))
-        model = table_of(field.annotation)
-    return [field.alias or name for name, field in model.model_fields.items()]
+        if not isinstance(step, int):
+            table = table_of(_keys(table)[step].annotation)
+    return table
 
 
 def table_of(annotation: Any) -> Any:

@@ -17,8 +17,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+import numpy as np
 import on_path  # noqa: F401  before what it makes importable
 import test_mesh as meshes
+import wall_drawings
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 
 from comparison.yade.process import find_yade, run_yade
@@ -27,8 +29,11 @@ from la_core.analysis import case_file, stage
 from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
 from la_core.exchange.checksummed_file import ExchangeError, write_sealed
+from la_core.repair import close_joints
+from la_core.scene.generators.drawings import drawing_blocks
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks
 from la_core.scene.scene import load_scene, scene_of_text
+from la_core.scene.schema.drawing import Drawing
 from la_core.scene.schema.mesh import Mesh
 from la_core.scene.shipped import find
 
@@ -64,6 +69,7 @@ def readers(folder: Path) -> list[Reader]:
     return [
         Reader("scene", "shipped scenes (TOML), small ones up to their model", _scene_attempt()),
         *(Reader(name, f"{what} of a wall's blocks", _mesh_attempt(suffix, content)) for name, what, suffix, content in _mesh_files()),
+        *(Reader(name, f"{name.upper()} of a wall, with closed joints", _drawing_attempt(name, content)) for name, content in _drawings()),
         *_exchange_readers(folder),
     ]
 
@@ -107,6 +113,22 @@ def _mesh_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None
         is_text = b"\0" not in content
         damaged = mutated_text(content, content, chance) if is_text and chance.random() < 0.7 else mutated_bytes(content, chance)
         mesh_blocks(table, [MeshFile(PurePosixPath(table.file), damaged, of_folder=False)])
+
+    return attempt
+
+
+def _drawings() -> Iterator[tuple[str, bytes]]:
+    yield "dxf", wall_drawings.wall_dxf()
+    yield "svg", wall_drawings.wall_svg()
+
+
+def _drawing_attempt(suffix: str, content: bytes) -> Callable[[random.Random], None]:
+    table = Drawing(file=f"wall.{suffix}", thickness=0.3, joints=0.012)
+
+    def attempt(chance: random.Random) -> None:
+        damaged = mutated_text(content, content, chance) if chance.random() < 0.7 else mutated_bytes(content, chance)
+        blocks, _ = drawing_blocks(table, MeshFile(PurePosixPath(table.file), damaged, of_folder=False), 0.002)
+        close_joints([one.name for one in blocks], [one.shape for one in blocks], 0.002, np.full(len(blocks), table.joints))
 
     return attempt
 

@@ -1,23 +1,22 @@
-"""Tables of every key of a scene file, written into `la_core/scenes/README.md` from the schema that reads scenes.
+"""The page of every key of a scene file, with a scene for each table, written from the schema that reads scenes and from the starters.
 
 `.venv/bin/python tests/benchmarks/scene_keys.py` rewrites the marked part of the page; a test says when it is out of date.
 """
 
 import ast
-import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from la_core import exchange
+from la_core.scene import starter_names, starter_text
+from la_core.scene.schema.key_words import default_words, value_words
 from la_core.scene.schema.scene_file import SceneFile
-from la_core.scene.schema.types import LARGEST
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "la_core" / "scenes" / "README.md"
+PAGE = ROOT / "la_core" / "scenes" / "keys.md"
 YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
-PEN = 100_000  # upper limits from here on only catch slips of the pen
 UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # with which a setting's comment may begin
 
 HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
@@ -25,19 +24,48 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
     "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
     "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
+    "Footing": "`footing` of a wall or of rubble",
     "Building": "`[[building]]`", "BuildingOpening": "`opening` of a building", "Floor": "`floor` of a building",
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
-    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh",
+    "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`",
+    "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh", "Drawing": "`[[drawing]]`", "Geometry": "`[geometry]`",
+}  # fmt: skip
+EXAMPLES = {  # starter that shows a table, or a shipped scene
+    "SceneFile": "curve", "Block": "blocks", "Live": "push", "Wall": "gable", "Opening": "facade", "Footing": "buttress",
+    "Building": "building", "Arch": "pointed_arch", "Vault": "vault", "Dome": "dome", "Rubble": "rubble", "Mesh": "rubble_wall",
+}  # fmt: skip
+SHOWN_BY = {  # table whose example shows another one, too
+    **dict.fromkeys(("Stone", "Joint", "Settlement", "RequestedPath", "RequestedEffects", "Expected"), "SceneFile"),
+    **dict.fromkeys(("Box", "Prism", "Polyhedron"), "Block"),
+    **dict.fromkeys(("BuildingOpening", "Floor", "Foundation", "Region"), "Building"),
+    "Springers": "Arch", "Turn": "Mesh",
+}  # fmt: skip
+EXPLAINED = {  # table whose example needs a file beside it: the page on it
+    "Drawing": "../drawing/README.md", "Geometry": "../drawing/README.md#the-tolerance",
 }  # fmt: skip
 
 
 def page_part() -> str:
-    """Every table of the scene file, one under the other, as Markdown."""
+    """Every table of the scene file with its example, one under the other, as Markdown."""
     schema = SceneFile.model_json_schema()
     tables = {"SceneFile": schema, **schema["$defs"]}
     assert set(tables) == set(HEADINGS), "a table of the schema has no heading here"
-    parts = [part for name, heading in HEADINGS.items() for part in (f"### {heading}", *described(tables[name]))]
-    return "\n\n".join([*parts, "### `[yade]`", *yade_part()])
+    assert sorted(tables) == sorted([*EXAMPLES, *SHOWN_BY, *EXPLAINED]), "every table has one example"
+    parts = [part for name, heading in HEADINGS.items() for part in (f"## {heading}", *described(tables[name]), example(name))]
+    return "\n\n".join([*parts, "## `[yade]`", *yade_part(), example("Stone")])
+
+
+def example(table: str) -> str:
+    """The scene that shows a table, or a link to it or to the page on the table."""
+    if table in SHOWN_BY:
+        heading = HEADINGS[SHOWN_BY[table]]
+        return f"Example: that of [{heading}](#{re.sub(r'[^a-z -]', '', heading.lower()).replace(' ', '-')})."
+    if table in EXPLAINED:
+        return f"Example: [drawings]({EXPLAINED[table]})."
+    name = EXAMPLES[table]
+    if name not in starter_names():
+        return f"Example: [`{name}.toml`]({name}.toml), which `crosscheck run {name}` runs."
+    return f"Example, which `crosscheck new {name}` writes:\n\n```toml\n{starter_text(name)}```"
 
 
 def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Iterator[str]:
@@ -46,60 +74,15 @@ def described(table: dict[str, Any], headings: dict[str, str] = HEADINGS) -> Ite
         yield " ".join(table["description"].split())
     rows = ["| key | value | default | meaning |", "|---|---|---|---|"]
     for key, entry in table["properties"].items():
-        value = ", ".join(part for part in (value_of(entry, headings), entry.get("unit", "")) if part)
-        default = "needed" if key in table.get("required", ()) else default_of(entry)
+        value = ", ".join(part for part in (value_words(entry, table_of(headings)), entry.get("unit", "")) if part)
+        default = "needed" if key in table.get("required", ()) else default_words(entry)
         rows.append(f"| `{key}` | {value} | {default} | {entry['description']} |")
     yield "\n".join(rows)
 
 
-def value_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
-    """What a key may hold, in words."""
-    if "$ref" in entry or "allOf" in entry:
-        return f"table {table_of(entry.get('$ref') or entry['allOf'][0]['$ref'], headings)}"
-    if "anyOf" in entry:
-        return " or ".join(dict.fromkeys(value_of(one, headings) for one in entry["anyOf"] if one.get("type") != "null"))
-    if "const" in entry or "enum" in entry:
-        return ", ".join(f'`"{value}"`' for value in entry.get("enum", [entry.get("const")]))
-    if entry["type"] == "array":
-        return entries_of(entry, headings)
-    if entry["type"] == "object":
-        return "table"
-    return {"string": "text", "boolean": "`true`, `false`"}.get(entry["type"], "") or number_of(entry)
-
-
-def entries_of(entry: dict[str, Any], headings: dict[str, str]) -> str:
-    """An array in words: of so many numbers, or of any number of entries."""
-    if "prefixItems" in entry:
-        kinds = list(dict.fromkeys(value_of(one, headings) for one in entry["prefixItems"]))
-        assert len(kinds) == 1, "an array of different kinds has no words here"
-        return f"{len(entry['prefixItems'])} {kinds[0].replace('number', 'numbers', 1)}"
-    if "$ref" in entry["items"]:
-        return f"tables {table_of(entry['items']['$ref'], headings)}"
-    kind = value_of(entry["items"], headings)
-    return "tables" if kind == "table" else f"list of ({kind})" if kind[0].isdecimal() else f"list of {kind}"
-
-
-def table_of(reference: str, headings: dict[str, str]) -> str:
-    """The heading of a table that a key holds, its first words alone."""
-    return headings[reference.rsplit("/", 1)[1]].split(" of ")[0]
-
-
-def number_of(entry: dict[str, Any]) -> str:
-    """A number's kind and limits; those that only catch slips of the pen are left out."""
-    kind = "whole number" if entry["type"] == "integer" else "number"
-    low, high = max(entry.get("minimum", -LARGEST), entry.get("ge", -LARGEST)), min(entry.get("maximum", LARGEST), entry.get("le", LARGEST))
-    above, below = entry.get("exclusiveMinimum", -LARGEST), entry.get("exclusiveMaximum", LARGEST)
-    least = f"> {above:g}" if above >= low and above > -LARGEST else f"≥ {low:g}" if low > -LARGEST else ""
-    most = f"< {below:g}" if below <= high and below < LARGEST else f"≤ {high:g}" if high < PEN else ""
-    return " ".join([kind, ", ".join(limit for limit in (least, most) if limit)]).strip()
-
-
-def default_of(entry: dict[str, Any]) -> str:
-    """The value that holds where a key is left out; a dash where there is none."""
-    value = entry.get("default")
-    if value in (None, "", [], {}) or isinstance(value, dict):
-        return "–"
-    return f"`{json.dumps(value)}`"
+def table_of(headings: dict[str, str]) -> Callable[[str], str]:
+    """How a table of the schema is called among these headings: by the first words of its heading."""
+    return lambda name: headings[name].split(" of ")[0]
 
 
 def yade_part() -> Iterator[str]:

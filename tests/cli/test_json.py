@@ -12,7 +12,7 @@ from comparison.cli.commands import main
 from comparison.cli.exit_codes import AGREE, USAGE
 
 VALUES = {"SCENE": "two_pads", "DIR|SCENE": "two_pads", "SHELL": "bash"}  # of what a command must be given, by its name in the help
-OUTPUTS = {"FIG": "figure.png", "PAGE": "page.html", "MOVIE": "movie.gif"}
+OUTPUTS = {"SCENE": "scene.toml", "FIG": "figure.png", "PAGE": "page.html", "MOVIE": "movie.gif"}
 CAMPAIGN = "campaign.toml"
 PREFERRED = ("no_yade",)  # switches that spare time
 

@@ -21,7 +21,7 @@ from comparison.cli.exit_codes import AGREE, CANNOT_STAND
 from la_core import exchange
 from la_core.errors import SceneError, visible
 from la_core.exchange import checksummed_file
-from la_core.scene import scene
+from la_core.scene import reading, scene
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
 
@@ -192,7 +192,7 @@ def test_a_scene_s_text_and_blocks_are_limited(tmp_path: Path, two_pads: str, mo
         patch.setattr(scene, "MOST_BLOCKS", 20)
         with pytest.raises(SceneError, match="has more than 20 blocks; use fewer or larger blocks"):
             load_scene(path)
-    monkeypatch.setattr(scene, "LARGEST_FILE", 100)
+    monkeypatch.setattr(reading, "LARGEST_FILE", 100)
     with pytest.raises(SceneError, match="larger than 100 bytes"):
         load_scene(path)
 

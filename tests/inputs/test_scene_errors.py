@@ -23,7 +23,7 @@ def refusal(path: Path) -> str:
         assemble(load_scene(path))
     message = str(error.value)
     assert message.startswith(str(path))
-    assert "\n" not in message and "pydantic" not in message and "constrained" not in message
+    assert all(line.startswith("  ") for line in message.splitlines()[1:]) and "pydantic" not in message and "constrained" not in message
     return message
 
 
@@ -71,11 +71,10 @@ CHANGED = {
         (SHAPE, prism("[[0.0, 0.0], [1.0, 0.0]]")),
         'block "block".prism.profile = [[0.0, 0.0], [1.0, 0.0]]: has too few entries, 2 where at least 3 belong',
     ),
-    "prism not convex": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.0], [0.5, 0.1], [0.5, 0.5]]")), 'block "block": the profile is not convex'),
-    "prism that crosses itself": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.5], [1.0, 0.0], [0.0, 0.5]]")), 'block "block": the profile is not'),
+    "prism that crosses itself": ((SHAPE, prism("[[0.0, 0.0], [1.0, 0.5], [1.0, 0.0], [0.0, 0.5]]")), 'block "block": the profile crosses'),
     "prism wound twice": (
         (SHAPE, prism("[[0, 0], [1, 0.1], [1.2, 1], [0.5, 1.5], [-0.2, 1], [0.1, 0.05], [0.9, 0], [1.1, 1], [0.5, 1.4]]")),
-        'block "block": the profile is not convex',
+        'block "block": the profile crosses itself',
     ),
     "flat polyhedron": (
         (SHAPE, "polyhedron = { vertices = [[0, 0, 0], [1, 0, 0], [1, 0.2, 0], [0, 0.2, 0]] }"),

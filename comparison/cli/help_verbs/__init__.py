@@ -1,1 +1,1 @@
-"""Verbs that help the user: doctor, completion, tutorial."""
+"""Verbs that help the user: new, schema, doctor, completion, tutorial."""

@@ -11,7 +11,7 @@ from comparison.cli import arguments
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.cli.help_verbs.tutorial import NAMES
-from la_core.scene import shipped
+from la_core.scene import SOURCE_FORMATS, shipped, starter_names, tables_of_schema
 
 _BASH = """
 # $1: the word so far; "_file" in the name has bash treat folders as folders
@@ -57,12 +57,14 @@ def _set_completions(parser: argparse.ArgumentParser) -> None:
     scene, campaign = _named_or_file("scene", shipped.names()), _named_or_file("campaign", shipped_campaigns())
     of_kind = {"SCENE": scene, "DIR|SCENE": scene, "FILE": campaign} | dict.fromkeys(("DIR", "DIR1", "DIR2", "FOLDER"), shtab.DIRECTORY)
     formats = {"FIG": arguments.FIGURE_FORMATS, "MOVIE": arguments.MOVING_FORMATS, "PAGE": arguments.PAGE_FORMATS}
+    formats["SOURCE"] = SOURCE_FORMATS
     of_kind |= {kind: shtab.glob(*(f"*{ending}" for ending in endings)) for kind, endings in formats.items()}
+    words = {"NAME": NAMES, "KIND": starter_names(), "TABLE": tables_of_schema()}
     for action in actions(parser):
         if action.metavar in of_kind:
             action.complete = of_kind[action.metavar]  # type: ignore[attr-defined]  # where shtab looks
-        elif action.metavar == "NAME":
-            action.choices = NAMES
+        elif action.metavar in words:
+            action.choices = words[action.metavar]
 
 
 def _named_or_file(kind: str, known: Iterable[str]) -> dict[str, Any]:

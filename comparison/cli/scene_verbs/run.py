@@ -26,6 +26,8 @@ def execute(context: Context) -> int:
     """Run every scene in a folder of its own and write the report; an invalid scene is refused before the first run."""
     options = context.options
     models = _models(options)
+    for model in models:
+        context.warn(model.scene)
     comparisons: list[dict[str, Any]] = []
     made = _side_by_side(models, context) if min(options.workers, len(models)) > 1 else _in_turn(models, context)
     try:

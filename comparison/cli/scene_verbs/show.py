@@ -14,6 +14,7 @@ def execute(context: Context) -> int:
     """Draw a scene and print its facts; raises SceneError."""
     options = context.options
     scene = load_scene(shipped.find(options.scene))
+    context.warn(scene)
     decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
     save(assembly_figure(scene, decided.assembly), figure)
@@ -22,6 +23,8 @@ def execute(context: Context) -> int:
         context.print_json(facts | {"figure": str(figure)})
     else:
         context.out.print(tables.facts_table(scene.title, facts))
+        if facts["geometry"] is not None:
+            context.out.print(tables.changes_table(facts["geometry"]))
         context.out.print(tables.effects_table(facts["effects"], options.long))
         context.narrator.print(f"drawn in {figure}", markup=False)
     return AGREE

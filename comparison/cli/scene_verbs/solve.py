@@ -46,6 +46,7 @@ def execute(context: Context) -> int:
     scene = load_scene(shipped.find(options.scene))
     if options.accuracy is not None:
         scene = with_accuracy(scene, options.accuracy)
+    context.warn(scene)
     narrator.print(f"{scene.name}: limit analysis, free blocks: {int(scene.blocks.free.sum())}", markup=False)
     with _BoundsFirst(context) as narration:
         analysis = _analysed(scene, context, narration)

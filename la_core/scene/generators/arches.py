@@ -1,21 +1,61 @@
-"""Arches and barrel vaults: a ring of straight-sided voussoirs in the xz plane, drawn out along y."""
+"""Arches and barrel vaults: rings of straight-sided voussoirs in the xz plane, drawn out along y, and turned in plan.
+
+The joints of a ring stand at equal lengths along its inner face: a circle, a pointed arch, an ellipse or a basket arch.
+"""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
+from scipy.optimize import brentq
+from scipy.special import ellipeinc
+
 from la_core.geometry import Shape, prism
+from la_core.scene.generators.placing import Corner, turned
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.curved import Arch, Ring, Vault
 
-RadialJoint = tuple[tuple[float, float], tuple[float, float]]  # intrados and extrados (x, z) of a radial joint, m
+
+@dataclass(frozen=True)
+class Station:
+    """A joint across a ring: a line that leaves the inner face at right angles.
+
+    Attributes
+    ----------
+    foot : Corner
+        Point on the line within the arch, such as the centre of its circle, m.
+    angle : float
+        Direction of the line from the vertical, positive to the right, rad.
+    inner : float
+        Distance of the inner face from the foot, m.
+    circle : tuple of float or None
+        At the apex of a pointed arch, where two circles meet on a vertical joint: distance of their centres from the middle and their
+        radius, m. None elsewhere.
+    """
+
+    foot: Corner
+    angle: float
+    inner: float
+    circle: tuple[float, float] | None = None
+
+    def at(self, depth: float) -> Corner:
+        """The point of the joint at a depth (m) within the ring, from its inner face."""
+        along = self.inner + depth
+        if self.circle is not None:
+            apart, radius = self.circle
+            along = math.sqrt((radius + depth) ** 2 - apart**2)
+        return self.foot[0] + along * math.sin(self.angle), self.foot[1] + along * math.cos(self.angle)
 
 
 def arch_blocks(arch: Arch) -> Iterator[NamedShape]:
-    """Voussoirs from the left springing to the right one, then the springers, if the table has them."""
-    joints, y = _joints(arch), arch.centre[1]
-    for number, (left, right) in enumerate(pairwise(joints), 1):
-        yield NamedShape(f"{arch.name} {number}", "free", arch.density, _voussoir(left, right, (y, y + arch.depth)))
+    """Voussoirs from the left springing to the right one, ring by ring from the inner one; then the springers, if the table has them."""
+    joints, y = stations(arch), (0.0, arch.depth)
+    for ring in range(arch.rings):
+        layer = arch.thickness * ring / arch.rings, arch.thickness * (ring + 1) / arch.rings
+        for number, (left, right) in enumerate(pairwise(joints), 1):
+            name = f"{arch.name} {number}" if arch.rings == 1 else f"{arch.name} {ring + 1}.{number}"
+            yield NamedShape(name, "free", arch.density, _voussoir(arch, left, right, layer, y))
     yield from _springers(arch, arch.name, joints, arch.depth)
 
 
@@ -24,42 +64,116 @@ def vault_blocks(vault: Vault) -> Iterator[NamedShape]:
 
     In running bond the second, fourth, ... course begins and ends with half voussoirs.
     """
-    joints = _joints(vault)
+    joints = stations(vault)
     for course, (left, right) in enumerate(pairwise(joints), 1):
         halves = vault.bond == "running" and course % 2 == 0
         inner = [ring + 0.5 for ring in range(vault.rings)] if halves else range(1, vault.rings)
-        ends = [vault.centre[1] + vault.length * place / vault.rings for place in (0, *inner, vault.rings)]
+        ends = [vault.length * place / vault.rings for place in (0, *inner, vault.rings)]
         for number, y in enumerate(pairwise(ends), 1):
-            yield NamedShape(f"{vault.name} {course}.{number}", "free", vault.density, _voussoir(left, right, y))
+            shape = _voussoir(vault, left, right, (0.0, vault.thickness), y)
+            yield NamedShape(f"{vault.name} {course}.{number}", "free", vault.density, shape)
     yield from _springers(vault, vault.name, joints, vault.length)
 
 
-def _joints(ring: Ring) -> list[RadialJoint]:
-    """Radial joints from the left springing to the right one."""
-    half = math.radians(ring.embrace) / 2.0
-    angles = [-half + 2.0 * half * k / ring.voussoirs for k in range(ring.voussoirs + 1)]
-    return [_joint(ring, angle) for angle in angles]
+def _voussoir(ring: Ring, left: Station, right: Station, layer: Sequence[float], y: Sequence[float]) -> Shape:
+    """Solid between two joints and two depths within the ring (m), from y[0] to y[1] beyond the ring's centre (m)."""
+    return _placed(ring, [left.at(layer[0]), right.at(layer[0]), right.at(layer[1]), left.at(layer[1])], y)
 
 
-def _joint(ring: Ring, angle: float) -> RadialJoint:
-    """Intrados and extrados (x, z), m, of the radial joint at `angle` (rad) from the crown, positive to the right."""
-    radii = (ring.radius - ring.thickness / 2.0, ring.radius + ring.thickness / 2.0)
-    inner, outer = ((ring.centre[0] + r * math.sin(angle), ring.centre[2] + r * math.cos(angle)) for r in radii)
-    return inner, outer
+def _placed(ring: Ring, profile: Sequence[tuple[float, float]], y: Sequence[float]) -> Shape:
+    """Solid of a profile about the ring's centre, m."""
+    x0, y0, z0 = ring.centre
+    return turned(prism([(x0 + x, z0 + z) for x, z in profile], (y0 + y[0], y0 + y[1])), ring.centre, ring.angle)
 
 
-def _voussoir(left: RadialJoint, right: RadialJoint, y: Sequence[float]) -> Shape:
-    return prism([left[0], right[0], right[1], left[1]], y)
-
-
-def _springers(ring: Ring, name: str, joints: list[RadialJoint], depth: float) -> Iterator[NamedShape]:
+def _springers(ring: Ring, name: str, joints: list[Station], depth: float) -> Iterator[NamedShape]:
     """One held block behind each springing joint: as long as `depth` (m) along y and as thick as the ring."""
     if ring.springers is None:
         return
-    half = math.radians(ring.embrace) / 2.0
-    y = (ring.centre[1], ring.centre[1] + depth)
-    for side, angle, joint in (("left", -half, joints[0]), ("right", half, joints[-1])):
-        away = math.copysign(ring.thickness, angle)
-        beyond = [(px + away * math.cos(angle), pz - away * math.sin(angle)) for px, pz in joint]
-        shape = prism([joint[0], joint[1], beyond[1], beyond[0]], y)
+    for side, joint in (("left", joints[0]), ("right", joints[-1])):
+        away = math.copysign(ring.thickness, joint.angle)
+        face = [joint.at(0.0), joint.at(ring.thickness)]
+        beyond = [(x + away * math.cos(joint.angle), z - away * math.sin(joint.angle)) for x, z in face]
+        shape = _placed(ring, [face[0], face[1], beyond[1], beyond[0]], (0.0, depth))
         yield NamedShape(f"{name} springer {side}", getattr(ring.springers, side), ring.density, shape)
+
+
+@dataclass(frozen=True)
+class _Arc:
+    """A part of a circle right of the middle, from the angle `start` to `end` from the vertical, rad, outward positive."""
+
+    centre: Corner
+    radius: float
+    start: float
+    end: float
+
+    @property
+    def length(self) -> float:
+        return self.radius * (self.end - self.start)
+
+
+def stations(ring: Ring) -> list[Station]:
+    """Joints of a ring from the left springing to the right one, about its centre in the xz plane, m; symmetric about the middle."""
+    right, half = _right_half(ring)
+    lengths = [half * (2.0 * k / ring.voussoirs - 1.0) for k in range(ring.voussoirs + 1)]
+    joints = [right(abs(length)) if 2 * k != ring.voussoirs else _middle(ring, right) for k, length in enumerate(lengths)]
+    return [_mirrored(joint) if length < 0.0 else joint for joint, length in zip(joints, lengths, strict=True)]
+
+
+def _mirrored(joint: Station) -> Station:
+    return Station((-joint.foot[0], joint.foot[1]), -joint.angle, joint.inner, joint.circle)
+
+
+def _middle(ring: Ring, right: Callable[[float], Station]) -> Station:
+    """The joint at the crown; at the apex of a pointed arch it is vertical."""
+    if ring.shape != "pointed":
+        return right(0.0)
+    assert ring.span is not None and ring.rise is not None  # the schema demands both
+    radius = (ring.span**2 / 4.0 + ring.rise**2) / ring.span
+    return Station((0.0, 0.0), 0.0, ring.rise, (radius - ring.span / 2.0, radius))
+
+
+def _right_half(ring: Ring) -> tuple[Callable[[float], Station], float]:
+    """The joint at a length from the crown along the right half of the inner face, and the length of that half, m."""
+    if ring.radius is not None:
+        return _along([_Arc((0.0, 0.0), ring.radius - ring.thickness / 2.0, 0.0, math.radians(ring.embrace) / 2.0)])
+    assert ring.span is not None and ring.rise is not None  # the schema demands both
+    a, b = ring.span / 2.0, ring.rise
+    if ring.shape == "elliptical":
+        return _along_ellipse(a, b)
+    if ring.shape == "pointed":
+        radius = (a**2 + b**2) / ring.span
+        return _along([_Arc((a - radius, 0.0), radius, math.asin((radius - a) / radius), math.pi / 2.0)])
+    if ring.shape == "circular":
+        radius = (a**2 + b**2) / (2.0 * b)
+        return _along([_Arc((0.0, b - radius), radius, 0.0, math.atan2(a, radius - b))])
+    small = (b - (2.0 - math.sqrt(3.0)) * a) / (math.sqrt(3.0) - 1.0)  # three sixths of a circle that touch each other with one tangent
+    great = 2.0 * a - small
+    turn = math.pi / 6.0
+    return _along([_Arc((0.0, b - great), great, 0.0, turn), _Arc((a - small, 0.0), small, turn, math.pi / 2.0)])
+
+
+def _along(arcs: list[_Arc]) -> tuple[Callable[[float], Station], float]:
+    """Joints along arcs that follow each other from the crown."""
+
+    def at(length: float) -> Station:
+        for arc in arcs:
+            if length <= arc.length or arc is arcs[-1]:
+                break
+            length -= arc.length
+        return Station(arc.centre, min(arc.start + length / arc.radius, arc.end), arc.radius)
+
+    return at, sum(arc.length for arc in arcs)
+
+
+def _along_ellipse(a: float, b: float) -> tuple[Callable[[float], Station], float]:
+    """Joints along a quarter of an ellipse with the half span `a` and the rise `b`, m."""
+    flatness = 1.0 - (b / a) ** 2  # below 0 for an ellipse higher than wide
+    half = a * float(ellipeinc(math.pi / 2.0, flatness))
+
+    def at(length: float) -> Station:
+        place = min(length, half)
+        turn = math.pi / 2.0 if place >= half else brentq(lambda t: a * ellipeinc(t, flatness) - place, 0.0, math.pi / 2.0, xtol=1e-14)
+        return Station((a * math.sin(turn), b * math.cos(turn)), math.atan2(b * math.sin(turn), a * math.cos(turn)), 0.0)
+
+    return at, half

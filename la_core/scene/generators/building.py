@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.errors import SceneError
-from la_core.geometry import Shape, box
-from la_core.scene.generators.courses import ON_LINE, Face, Piece, Span
+from la_core.geometry import Shape, box, prism
+from la_core.scene.generators.arched_heads import arched_head
+from la_core.scene.generators.courses import ON_LINE, Face, Span
 from la_core.scene.generators.wall import NamedShape, piece_shape
 from la_core.scene.schema.masonry import SIDES, Building
 
@@ -50,16 +51,22 @@ def building_blocks(building: Building) -> Iterator[NamedShape]:
     length, thickness, height = building.block
     lines = _lines(building)
     for line in lines:
-        face = Face(f'building "{building.name}": {line.side}', line.span[1] - line.span[0], height, building.courses, length)
+        face = Face.upright(f'building "{building.name}": {line.side}', line.span[1] - line.span[0], height, building.courses, length)
         openings = [opening for opening in building.opening if opening.side == line.side]
         for course in range(building.courses):
             through = (line.axis == 0) == (course % 2 == 0)
             added = sum(f.mass for f in building.floor if f.course == course + 1 and line.side in (f.sides or (line.side,)))
             pieces = face.pieces(course, 0.0 if through else length / 2.0, () if through else line.nodes, openings)
             for number, piece in enumerate(pieces, 1):
-                shape = _placed(building, line, piece, course)
+                flat = piece_shape(piece, 0.0, (0.0, thickness), (face.lines[course], face.lines[course + 1]))
+                shape = _placed(building, line, flat)
                 name = f"{building.name} {line.side} {course + 1}.{number}"
                 yield NamedShape(name, "free", building.density, shape, added_density=added / (thickness * height))
+        arches = (opening for opening in openings if opening.head == "arch")
+        for opening, head in enumerate((arched_head(face.where, face.lines, face.opening_courses(one)[1], one) for one in arches), 1):
+            for number, profile in enumerate(head.voussoirs, 1):
+                name = f"{building.name} {line.side} arch {opening}.{number}"
+                yield NamedShape(name, "free", building.density, _placed(building, line, prism(profile, (0.0, thickness))))
     if building.foundation:
         yield from _foundation(building, lines)
 
@@ -84,10 +91,9 @@ def _lines(building: Building) -> list[Line]:
     return lines
 
 
-def _placed(building: Building, line: Line, piece: Piece, course: int) -> Shape:
-    """A piece of a course in space; a wall along y is one along x after a quarter turn about z."""
-    thickness, height = building.block[1:]
-    flat = piece_shape(piece, 0.0, (0.0, thickness), (course * height, (course + 1) * height))
+def _placed(building: Building, line: Line, flat: Shape) -> Shape:
+    """A solid of a wall along x from the origin, in its place; a wall along y is one along x after a quarter turn about z."""
+    thickness = building.block[1]
     across, along, up = flat.vertices[:, 1], flat.vertices[:, 0], flat.vertices[:, 2]
     plan = np.stack([along, across] if line.axis == 0 else [thickness - across, along], axis=1)
     return Shape(np.column_stack([plan + line.low, up]) + building.origin, flat.faces)

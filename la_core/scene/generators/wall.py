@@ -1,11 +1,14 @@
 """Blocks of a `[[wall]]` table, the same as a user could have typed."""
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from la_core.geometry import Shape, box, prism
-from la_core.scene.generators.courses import Face, Piece
-from la_core.scene.schema.masonry import Wall
+from la_core.scene.generators.arched_heads import ArchedHead, arched_head
+from la_core.scene.generators.courses import ON_LINE, Face, Piece
+from la_core.scene.generators.placing import leaning, turned
+from la_core.scene.schema.masonry import Footing, Wall
 
 
 @dataclass(frozen=True)
@@ -21,9 +24,11 @@ class NamedShape:
     density : float or None
         Density, kg/m3; None for the density of the scene's stone.
     shape : Shape
-        Convex shape.
+        Shape.
     added_density : float
         Carried mass, such as a floor's, over the volume of the block, kg/m3.
+    joint : float
+        Greatest width of the open joints around the block, which are to be closed, m; 0 where they are drawn closed.
     """
 
     name: str
@@ -31,21 +36,102 @@ class NamedShape:
     density: float | None
     shape: Shape
     added_density: float = 0.0
+    joint: float = 0.0
 
 
 def wall_blocks(wall: Wall) -> Iterator[NamedShape]:
-    """Blocks of a wall, course by course from the bottom, leaf by leaf, left to right; heads bridge openings through all leaves."""
-    length, depth, height = wall.block
-    x0, y0, z0 = wall.origin
-    face = Face(f'wall "{wall.name}"', wall.per_course * length, height, wall.courses, length)
-    for course in range(wall.courses):
-        z = (z0 + course * height, z0 + (course + 1) * height)
+    """Blocks of a wall, course by course from the bottom, leaf by leaf, left to right; then voussoirs of arches, and the footing.
+
+    Heads bridge openings through all leaves.
+    """
+    face = wall_face(wall)
+    for course in range(face.courses):
         number = 0
         for leaves, pieces in _layers(wall, face, course):
-            y = (y0 + leaves[0] * depth, y0 + leaves[1] * depth)
             for piece in pieces:
                 number += 1
-                yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, piece_shape(piece, x0, y, z))
+                shape = _solid(wall, face, piece, course, leaves)
+                yield NamedShape(f"{wall.name} {course + 1}.{number}", "free", wall.density, shape)
+    for opening, head in enumerate(_arches(wall, face), 1):
+        for number, profile in enumerate(head.voussoirs, 1):
+            name = f"{wall.name} arch {opening}.{number}"
+            yield NamedShape(name, "free", wall.density, _leaning(wall, face, profile))
+    if wall.footing:
+        yield from footing_blocks(wall.name, wall.footing, wall.origin, (wall.length, wall.leaves * wall.block[1]), wall.angle)
+
+
+def wall_face(wall: Wall) -> Face:
+    """The wall seen from its front: course lines, and where the wall begins and ends along each of them."""
+    heights = wall.heights or (wall.block[2],)
+    lines = (
+        [wall.block[2] * course for course in range(wall.courses + 1)]
+        if not wall.heights
+        else [0.0, *itertools.accumulate(heights[course % len(heights)] for course in range(wall.courses))]
+    )
+    top, (start, end) = lines[-1], wall.rake
+    ends = [(start * line / top, wall.length - end * line / top) for line in lines]
+    if wall.gable is not None:
+        count = max(1, round(wall.gable / (top / wall.courses)))
+        low, high = ends[-1]
+        middle = (low + high) / 2.0
+        for k in range(1, count + 1):
+            share = k / count
+            lines.append(top + wall.gable * share)
+            ends.append((low + share * (middle - low), high + share * (middle - high)))
+        ends[-1] = middle, middle
+    return Face(f'wall "{wall.name}"', wall.length, tuple(lines), wall.block[0], tuple(ends))
+
+
+def footing_blocks(
+    name: str, footing: Footing, origin: tuple[float, float, float], size: tuple[float, float], angle: float
+) -> Iterator[NamedShape]:
+    """Strip of ground under a structure, cut where a part of it settles.
+
+    Parameters
+    ----------
+    name : str
+        Name of the structure, the prefix of the blocks' names.
+    footing : Footing
+        Height and settling part.
+    origin : tuple of float
+        Lower left front corner of the structure, m.
+    size : tuple of float
+        Length and depth of the structure, m.
+    angle : float
+        Direction of the structure in plan, degrees.
+    """
+    x0, y0, z0 = origin
+    low, high = footing.settling or (0.0, 0.0)
+    near = ON_LINE * size[0]
+    cuts = [0.0, *(cut for cut in (low, high) if near < cut < size[0] - near), size[0]]
+    for number, (start, end) in enumerate(itertools.pairwise(cuts), 1):
+        settles = low < (start + end) / 2.0 < high
+        shape = box((x0 + start, y0, z0 - footing.height), (x0 + end, y0 + size[1], z0))
+        yield NamedShape(f"{name} footing {number}", "support" if settles else "fixed", None, turned(shape, origin, angle))
+
+
+def _arches(wall: Wall, face: Face) -> Iterator[ArchedHead]:
+    for opening in wall.opening:
+        if opening.head == "arch":
+            yield arched_head(face.where, face.lines, face.opening_courses(opening)[1], opening)
+
+
+def _solid(wall: Wall, face: Face, piece: Piece, course: int, leaves: tuple[int, int]) -> Shape:
+    """A piece of a course in space; a box or a prism where the wall is upright."""
+    depth, (x0, y0, z0) = wall.block[1], wall.origin
+    low, high = face.lines[course : course + 2]
+    if any(wall.taper):
+        return _leaning(wall, face, piece.corners(low, high))
+    shape = piece_shape(piece, x0, (y0 + leaves[0] * depth, y0 + leaves[1] * depth), (z0 + low, z0 + high))
+    return turned(shape, wall.origin, wall.angle)
+
+
+def _leaning(wall: Wall, face: Face, profile: Sequence[tuple[float, float]]) -> Shape:
+    """A profile of the wall's face in space, through a wall of one leaf."""
+    (x0, y0, z0), (front, back) = wall.origin, wall.taper
+    foot, head = (y0, y0 + wall.block[1]), (y0 + front, y0 + wall.block[1] - back)
+    shape = leaning([(x0 + x, z0 + z) for x, z in profile], foot, head, (z0, z0 + face.lines[-1]))
+    return turned(shape, wall.origin, wall.angle)
 
 
 def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, int], list[Piece]]]:
@@ -70,7 +156,7 @@ def _layers(wall: Wall, face: Face, course: int) -> Iterator[tuple[tuple[int, in
 
 def _is_head(face: Face, wall: Wall, course: int, piece: Piece) -> bool:
     """Whether a piece is a lintel or belongs to a flat arch or its skewbacks."""
-    above = [opening for opening in wall.opening if face.opening_courses(opening)[1] == course]
+    above = [opening for opening in wall.opening if opening.head != "arch" and face.opening_courses(opening)[1] == course]
     return piece.foot != piece.head or any(piece.head[0] <= opening.from_[0] and piece.head[1] >= opening.to[0] for opening in above)
 
 
@@ -88,7 +174,6 @@ def piece_shape(piece: Piece, x0: float, y: tuple[float, float], z: tuple[float,
     z : tuple of float
         Bottom and top, m.
     """
-    (left, right), (top_left, top_right) = piece.foot, piece.head
     if piece.foot == piece.head:
-        return box((x0 + left, y[0], z[0]), (x0 + right, y[1], z[1]))
-    return prism([(x0 + left, z[0]), (x0 + right, z[0]), (x0 + top_right, z[1]), (x0 + top_left, z[1])], y)
+        return box((x0 + piece.foot[0], y[0], z[0]), (x0 + piece.foot[1], y[1], z[1]))
+    return prism([(x0 + along, up) for along, up in piece.corners(*z)], y)

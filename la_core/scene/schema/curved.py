@@ -1,12 +1,19 @@
 """Tables of curved masonry in a scene file: arches, barrel vaults and domes."""
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from la_core.scene.schema.masonry import ROUND
 from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Positive, Real, Table, Vector, described
 
 WIDEST = 120.0  # degrees that one voussoir may span: wider ones are slivers about their centre
+FEWEST = 3  # voussoirs of a ring given by its span: fewer have a joint that is no joint of the shape
+BASKET = (2.0 - math.sqrt(3.0)) / 2.0  # rise over span of a basket arch of three sixths of a circle whose small circles vanish
+RISES = {  # of each shape, over the span; a flat ellipse needs no limit but that of its name
+    "circular": (1e-3, 0.5), "pointed": (0.5, math.inf), "elliptical": (1e-2, math.inf), "basket": (1.05 * BASKET, 0.5),
+}  # fmt: skip
 ON_JOINT = 1e-9  # of a lune: sectors this close to a whole number of lunes end on a joint
 
 
@@ -18,15 +25,27 @@ class Springers(Table):
 
 
 class Ring(Table):
-    """Straight-sided voussoirs with radial joints in the xz plane, numbered from the left springing."""
+    """Straight-sided voussoirs with joints across the ring in the xz plane, numbered from the left springing.
 
-    centre: Vector = described("centre of the circle; the depth or the length starts at its y", "m")
-    radius: Positive = described("radius of the ring's mid line", "m")
-    thickness: Positive = described("of the ring, along the radius; less than twice the radius", "m")
-    voussoirs: Count = described("number of voussoirs of a ring; one may span at most 120 degrees")
-    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = described(
-        "angle that the ring spans: 180 is semicircular, less is segmental", "degrees", default=180.0
+    A circular ring is given by the radius of its mid line, or by the clear span and rise of its inner face, as all other shapes are.
+    """
+
+    centre: Vector = described(
+        "centre of the circle, or with a `span` the middle between the springings; the depth or the length starts at its y", "m"
     )
+    shape: Literal["circular", "pointed", "elliptical", "basket"] = described(
+        "circular; pointed: two circles that meet above the middle; elliptical; basket: three circles, flatter than a semicircle",
+        default="circular",
+    )
+    radius: Positive | None = described("radius of a circular ring's mid line, in place of `span` and `rise`", "m", default=None)
+    span: Positive | None = described("clear width between the springings", "m", default=None)
+    rise: Positive | None = described("clear height of the crown above the springings", "m", default=None)
+    thickness: Positive = described("of the ring, across it; less than twice the radius", "m")
+    voussoirs: Count = described("number of voussoirs of a ring, of equal length on the inner face; one may span at most 120 degrees")
+    embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = described(
+        "angle that a ring with a `radius` spans: 180 is semicircular, less is segmental", "degrees", default=180.0
+    )
+    angle: Real = described("direction of the span in plan: 0 runs along x, 90 along y; turned about `centre`", "degrees", default=0.0)
     springers: Springers | None = described(
         "held blocks behind the two springing joints; without it you place them as [[block]]", default=None
     )
@@ -34,18 +53,45 @@ class Ring(Table):
 
     @model_validator(mode="after")
     def _is_a_ring(self) -> Self:
-        if self.thickness >= 2.0 * self.radius:
-            raise ValueError("`thickness` must be less than twice `radius`")
-        if self.embrace / self.voussoirs > WIDEST:
+        if (self.radius is None) != (self.span is not None and self.rise is not None) or (self.span is None) != (self.rise is None):
+            raise ValueError("needs either a `radius`, or both `span` and `rise`")
+        if self.radius is not None:
+            if self.shape != "circular":
+                raise ValueError(f"the shape {self.shape} needs `span` and `rise` in place of `radius`")
+            if self.thickness >= 2.0 * self.radius:
+                raise ValueError("`thickness` must be less than twice `radius`")
+        elif "embrace" in self.model_fields_set:
+            raise ValueError("`embrace` goes with `radius`; `span` and `rise` give the angle")
+        if self.radius is not None and self.embrace / self.voussoirs > WIDEST:
             raise ValueError(f"a voussoir may span at most {WIDEST:g} degrees; take more `voussoirs`")
+        if self.radius is None and self.voussoirs < FEWEST:
+            raise ValueError(f"needs at least {FEWEST} `voussoirs`")
+        return self
+
+    @model_validator(mode="after")
+    def _has_the_rise_of_its_shape(self) -> Self:
+        if self.span is None or self.rise is None:
+            return self
+        slenderness = self.rise / self.span
+        low, high = RISES[self.shape]
+        if not low * (1.0 - ROUND) <= slenderness <= high * (1.0 + ROUND):
+            limits = f"{low * self.span:.4g} m" + (f" to {high * self.span:.4g} m" if high < math.inf else " or more")
+            raise ValueError(f"the `rise` of the shape {self.shape} over this `span` is {limits}")
         return self
 
 
 class Arch(Ring):
-    """One ring of a given depth along y."""
+    """An arch of a given depth along y, in one ring or in several rings, one around the other."""
 
     name: Name = described("prefix of the voussoirs' names, before their numbers", default="arch")
     depth: Positive = described("along y", "m")
+    rings: Count = described("rings of equal thickness, one around the other, between which the arch can slide and open", default=1)
+
+    @model_validator(mode="after")
+    def _is_bounded_in_rings(self) -> Self:
+        if self.voussoirs * self.rings > MOST_BLOCKS:
+            raise ValueError(f"`voussoirs` times `rings` may be at most {MOST_BLOCKS}")
+        return self
 
 
 class Vault(Ring):

@@ -4,8 +4,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, Pair, Positive, Table, Vector, described
+from la_core.scene.schema.types import MOST_BLOCKS, Count, Name, NotNegative, Pair, Positive, Real, Table, Vector, described
 
+ROUND = 1e-9  # of a length: round-off in values that users divide by hand
 SIDES = {  # walls of a plan: which axis each runs along
     "rectangle": {"south": "x", "east": "y", "north": "x", "west": "y"},
     "L": {"south": "x", "west": "y"},
@@ -20,12 +21,20 @@ class Opening(Table):
     from_: Pair = described("lower left corner: along the wall, up; the height lies on a course line", "m", alias="from")
     to: Pair = described("upper right corner; at least one course must remain above it for the head", "m")
     bearing: Positive = described(
-        "length by which the head extends beyond the opening on either side; of a flat arch, at its upper edge", "m"
+        "length by which the head extends beyond the opening on either side; of a flat arch, at its upper edge; "
+        "of an arch, at its springing if it is a semicircle, else one course higher",
+        "m",
     )
-    head: Literal["lintel", "flat arch"] = described(
-        "a lintel in one piece, or a flat arch of voussoirs between skewbacks", default="lintel"
+    head: Literal["lintel", "flat arch", "arch"] = described(
+        "a lintel in one piece; a flat arch of voussoirs between skewbacks; or an arch over the opening, with voussoirs cut to the courses",
+        default="lintel",
     )
-    voussoirs: Count = described("number of voussoirs; only with a flat arch", default=5)
+    voussoirs: Count = described("number of voussoirs of a flat arch or an arch", default=5)
+    rise: Positive | None = described(
+        "needed for an arch, and only there: height of its crown above the opening; half the opening's width makes a semicircle",
+        "m",
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _has_area(self) -> Self:
@@ -36,12 +45,35 @@ class Opening(Table):
     @model_validator(mode="after")
     def _has_voussoirs_in_an_arch(self) -> Self:
         if self.head == "lintel" and "voussoirs" in self.model_fields_set:
-            raise ValueError('`voussoirs` go with `head = "flat arch"`')
+            raise ValueError('`voussoirs` go with `head = "flat arch"` or `head = "arch"`')
+        if (self.head == "arch") != (self.rise is not None):
+            raise ValueError('`head = "arch"` needs a `rise`, and only an arch has one')
+        if self.rise is not None and self.rise > (self.to[0] - self.from_[0]) / 2.0 * (1.0 + ROUND):
+            raise ValueError("the `rise` of an arch over an opening is at most half the opening's width, that of a semicircle")
+        return self
+
+
+class Footing(Table):
+    """A strip of ground under a wall, as long and as deep as its foot; a part of it may settle."""
+
+    height: Positive = described("height of the strip", "m")
+    settling: Pair | None = described(
+        "from, to along the wall: the part that moves with the settlement; the rest is fixed", "m", default=None
+    )
+
+    @model_validator(mode="after")
+    def _settles_forwards(self) -> Self:
+        if self.settling is not None and self.settling[1] <= self.settling[0]:
+            raise ValueError("the second entry of `settling` must be greater than the first")
         return self
 
 
 class Wall(Table):
-    """Courses of equal blocks along x, bottom course first; of two or three leaves, tied by courses of headers."""
+    """Courses of blocks, bottom course first, along x or in any other direction; its faces and its ends may lean, and a gable may end it.
+
+    A wall of two or three leaves is tied by courses of headers. A wall of one block per course is a pier. A wall across another one, with
+    an end that leans, is a buttress.
+    """
 
     name: Name = described(
         "prefix of the blocks' names, before their numbers: wall 3.2 is the second block of the third course", default="wall"
@@ -50,7 +82,18 @@ class Wall(Table):
     origin: Vector = described("lower left front corner of the wall", "m")
     block: tuple[Positive, Positive, Positive] = described("length (x), depth (y) of one leaf, height (z) of a block", "m")
     per_course: Count = described("blocks in a full course: the length of the wall over that of a block")
-    courses: Count = described("number of courses")
+    courses: Count = described("number of courses, without those of a gable")
+    heights: tuple[Positive, ...] = described(
+        "heights of the courses from the bottom up, in place of that of a block; repeated where there are more courses", "m", default=()
+    )
+    angle: Real = described("direction of the wall in plan: 0 runs along x, 90 along y; turned about `origin`", "degrees", default=0.0)
+    taper: tuple[NotNegative, NotNegative] = described(
+        "distances by which the front and the back face lean inward from foot to top", "m", default=(0.0, 0.0)
+    )
+    rake: tuple[NotNegative, NotNegative] = described(
+        "distances by which the start and the end of the wall lean inward from foot to top, as at a buttress", "m", default=(0.0, 0.0)
+    )
+    gable: Positive | None = described("height of a gable on top: courses between two slopes that meet above the middle", "m", default=None)
     first: Literal["full", "half"] = described("the block that the bottom course of a running bond starts with", default="full")
     leaves: Annotated[Count, Field(le=3)] = described("leaves side by side in depth", default=1)
     headers_every: Count | None = described(
@@ -60,6 +103,27 @@ class Wall(Table):
     )
     density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
     opening: tuple[Opening, ...] = described("doors and windows", default=())
+    footing: Footing | None = described("ground under the wall, part of it settling; without it you place it as [[block]]", default=None)
+
+    @property
+    def length(self) -> float:
+        """Length of the wall at its foot, m."""
+        return self.per_course * self.block[0]
+
+    @model_validator(mode="after")
+    def _leans_within_itself(self) -> Self:
+        leans = any(self.taper) or any(self.rake) or self.gable is not None
+        if self.leaves > 1 and (leans or any(opening.head == "arch" for opening in self.opening)):
+            raise ValueError("`taper`, `rake`, `gable` and openings under an arch go with one leaf")
+        if sum(self.taper) >= self.block[1]:
+            raise ValueError("the entries of `taper` together must be less than the depth of a `block`")
+        if sum(self.rake) >= self.length:
+            raise ValueError("the entries of `rake` together must be less than the length of the wall")
+        if self.footing is not None and self.footing.settling is not None:
+            low, high = self.footing.settling
+            if low < 0.0 or high > self.length * (1.0 + ROUND):
+                raise ValueError(f"`settling` of the footing must lie within the wall's length, 0 to {self.length:g} m")
+        return self
 
     @model_validator(mode="after")
     def _starts_half_in_running_bond(self) -> Self:

@@ -11,13 +11,14 @@ FORMATS = (".obj", ".ply", ".stl", ".json")
 FOLDER_FORMATS = (".ply", ".stl")  # of a folder with one body per file
 
 
-def _within_the_scene_s_folder(file: str) -> str:
+def within_the_scene_s_folder(file: str) -> str:
+    """Return the path of a file of a scene; raises ValueError for a path that leaves the scene's folder."""
     if "://" in file:
-        raise ValueError("is an address; a mesh is a file beside the scene")
+        raise ValueError("is an address; only a file beside the scene is read")
     if PurePosixPath(file).is_absolute() or PureWindowsPath(file).drive or "\\" in file:
-        raise ValueError("must be a path relative to the scene file, with forward slashes, so that scene and mesh can be moved together")
+        raise ValueError("must be a path relative to the scene file, with forward slashes, so that scene and file can be moved together")
     if ".." in PurePosixPath(file).parts:
-        raise ValueError("leads out of the scene's folder by `..`; put the mesh beside the scene or below it")
+        raise ValueError("leads out of the scene's folder by `..`; put the file beside the scene or below it")
     return file
 
 
@@ -37,7 +38,7 @@ class Mesh(Table):
     `fixed` and `support` are shell-style patterns of the names that the bodies have in the file; all others are free.
     """
 
-    file: Annotated[Name, AfterValidator(_within_the_scene_s_folder)] = described(
+    file: Annotated[Name, AfterValidator(within_the_scene_s_folder)] = described(
         "an .obj, .ply, .stl or .json file, or a folder of .ply or .stl files; a path from the scene's folder on, and within it"
     )
     name: Text = described("prefix of the bodies' names, for scenes with several meshes", default="")

@@ -5,8 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.scene.schema.curved import Arch, Dome, Vault
+from la_core.scene.schema.drawing import Drawing, Geometry
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh
+from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
     Count,
@@ -51,7 +53,7 @@ class Joint(Table):
 
     friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
     inset: NotNegative = described(
-        "distance by which contact points are drawn in from the edges of a joint, in both methods; at most half the shortest joint",
+        "distance by which contact points are drawn in from the edges of a joint, in both methods; less in joints shorter than four insets",
         "m",
         default=0.001,
     )
@@ -71,9 +73,9 @@ class Box(Table):
 
 
 class Prism(Table):
-    """Convex (x, z) profile, in either orientation, extruded from y[0] to y[1], m."""
+    """An (x, z) profile, in either orientation, extruded from y[0] to y[1], m; it need not be convex."""
 
-    profile: Annotated[tuple[Pair, ...], Field(min_length=3)] = described("corners (x, z) in order, convex", "m")
+    profile: Annotated[tuple[Pair, ...], Field(min_length=3)] = described("corners (x, z) in order", "m")
     y: Pair = described("from, to", "m")
 
     @model_validator(mode="after")
@@ -90,7 +92,7 @@ class Polyhedron(Table):
 
 
 class Block(Table):
-    """One convex block; role "support" moves with the settlement, "fixed" is the ground."""
+    """One block; role "support" moves with the settlement, "fixed" is the ground."""
 
     name: Name = described("unique in the scene; reports and messages use it")
     role: Role = described("free: may move; fixed: ground; support: moves with the settlement", default="free")
@@ -195,7 +197,10 @@ class SceneFile(Table):
     arch: tuple[Arch, ...] = described("arches", default=())
     vault: tuple[Vault, ...] = described("barrel vaults", default=())
     dome: tuple[Dome, ...] = described("domes", default=())
+    rubble: tuple[Rubble, ...] = described("walls of irregular stones", default=())
     mesh: tuple[Mesh, ...] = described("imported blocks", default=())
+    drawing: tuple[Drawing, ...] = described("blocks from the outlines of a drawing", default=())
+    geometry: Geometry = described("errors of the coordinates", default=Geometry())
     settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
     live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
     path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
@@ -208,7 +213,8 @@ class SceneFile(Table):
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
         if (self.settlement is None) == (self.live is None):
-            raise ValueError("needs either a [settlement] or a [live] table")
+            both = "it has both" if self.live is not None else "it has neither"
+            raise ValueError(f"needs either a [settlement] or a [live] table; {both}")
         return self
 
     @model_validator(mode="after")

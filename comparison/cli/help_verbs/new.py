@@ -1,0 +1,60 @@
+"""`crosscheck new`: write a commented scene to start from, of a kind of structure or for a drawing or a file of bodies."""
+
+from pathlib import Path
+
+from comparison.cli.context import Context
+from comparison.cli.exit_codes import AGREE
+from comparison.cli.tables import new_table, plain
+from la_core.errors import SceneError
+from la_core.scene import load_scene, scene_from_file, starter_names, starter_purpose, starter_text
+
+
+def execute(context: Context) -> int:
+    """Write the scene, or list the kinds where neither a kind nor a file is named; a file that exists is never replaced."""
+    options = context.options
+    if options.source is not None:
+        return write_from(context, options.source)
+    if options.kind is None:
+        return _list(context)
+    path = options.output or Path(f"{options.kind}.toml")
+    _write(context, options.kind, starter_text(options.kind), path)
+    context.narrator.print(f"next: `crosscheck show {path}` draws it, `crosscheck solve {path}` solves it", markup=False)
+    return AGREE
+
+
+def write_from(context: Context, source: Path) -> int:
+    """Write a scene for a file beside it, and say whether it can be read."""
+    path = context.options.output or source.with_suffix(".toml")
+    _write(context, "from file", scene_from_file(source, path.parent), path)
+    try:
+        blocks = len(load_scene(path).blocks)
+    except SceneError as error:
+        context.narrator.print(f"it must be corrected before it can be read: {error}", markup=False)
+    else:
+        context.narrator.print(f"{blocks} blocks; check the lines marked CHECK, then `crosscheck show {path}` draws it", markup=False)
+    return AGREE
+
+
+def _write(context: Context, kind: str, text: str, path: Path) -> None:
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError as error:
+        raise SceneError(str(path), "exists already and is not replaced", hint="name another file with -o") from error
+    if context.options.json:
+        context.print_json({"kind": kind, "file": str(path)})
+    else:
+        context.out.print(f"written: {path}", markup=False)
+
+
+def _list(context: Context) -> int:
+    """Print every kind with what its scene shows."""
+    kinds = {kind: starter_purpose(kind) for kind in starter_names()}
+    if context.options.json:
+        context.print_json({"kinds": kinds})
+        return AGREE
+    table = new_table("kind", "what it shows")
+    for kind, purpose in kinds.items():
+        table.add_row(kind, plain(purpose))
+    context.out.print(table)
+    return AGREE

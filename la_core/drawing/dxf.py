@@ -1,0 +1,88 @@
+"""Outlines of a DXF file, by ezdxf: polylines with arcs, lines, circles and splines, also within inserted blocks."""
+
+import io
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from la_core.drawing.outlines import Drawn
+
+INSERT_UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 14: 1e-1}  # $INSUNITS of a DXF header, in m
+COLOURS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "white"}
+BY_BLOCK, BY_LAYER = 0, 256
+CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
+MOST_ENTITIES = 500_000
+DEEPEST = 20  # inserts within inserts
+LEAST_CHORDS = 2  # of a curve
+DWG = b"AC10"  # the first bytes of a DWG file
+
+
+def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
+    """Outlines and lines in the model space of a DXF file; parameters and errors are those of `read_outlines`."""
+    if content.startswith(DWG):
+        raise ValueError("is a DWG file; save it as DXF")
+    from ezdxf import recover  # noqa: PLC0415 - an optional extra
+
+    try:
+        document, _ = recover.read(io.BytesIO(content))
+        scale = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
+    except Exception as error:  # any error of a reader of foreign bytes
+        raise ValueError(f"is not a whole DXF file: {_words(error)}") from error
+    if scale is None:
+        raise ValueError('does not say its unit; state it: unit = "mm"')
+    drawn = Drawn(scale)
+    try:
+        for number, (entity, layer, colour) in enumerate(_entities(document.modelspace(), document, "0", "white", 0)):
+            if number >= MOST_ENTITIES:
+                raise ValueError(f"has more than {MOST_ENTITIES} entities")
+            _add(drawn, entity, (layer, colour), scale, sagitta)
+    except ValueError:
+        raise
+    except Exception as error:
+        raise ValueError(f"holds an entity that cannot be read: {_words(error)}") from error
+    return drawn
+
+
+def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int) -> Iterator[tuple[Any, str, str]]:
+    """Every entity with its layer and colour, those of inserted blocks in place; layer 0 of a block is the layer of its insert."""
+    if depth > DEEPEST:
+        raise ValueError(f"has inserts more than {DEEPEST} deep")
+    for entity in entities:
+        own = str(entity.dxf.get("layer", "0"))
+        where = layer if own == "0" and depth else own
+        drawn_in = _colour(entity, document, where, colour)
+        if entity.dxftype() != "INSERT":
+            yield entity, where, drawn_in
+            continue
+        for insert in entity.multi_insert() if entity.mcount > 1 else (entity,):
+            yield from _entities(insert.virtual_entities(), document, where, drawn_in, depth + 1)
+
+
+def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitta: float) -> None:
+    from ezdxf import path  # noqa: PLC0415
+
+    kind = entity.dxftype()
+    if kind not in CURVES:
+        drawn.ignore(kind)
+        return
+    curve = path.make_path(entity)
+    points = np.array([(point.x, point.y) for point in curve.flattening(sagitta / scale, LEAST_CHORDS)], dtype=float).reshape(-1, 2)
+    closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
+    drawn.add(scale * points, closed, *place)
+
+
+def _colour(entity: Any, document: Any, layer: str, of_block: str) -> str:
+    """Name or number of an entity's colour, its layer's or its block's; "#rrggbb" for a true colour."""
+    if entity.dxf.hasattr("true_color"):
+        return f"#{int(entity.dxf.true_color) & 0xFFFFFF:06x}"
+    number = int(entity.dxf.get("color", BY_LAYER))
+    if number == BY_BLOCK:
+        return of_block
+    if number == BY_LAYER and layer in document.layers:
+        number = abs(int(document.layers.get(layer).dxf.get("color", 7)))
+    return COLOURS.get(number, str(number))
+
+
+def _words(error: Exception) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -1,0 +1,31 @@
+"""Read a drawing by the ending of its name."""
+
+from la_core.drawing.dxf import read_dxf
+from la_core.drawing.outlines import Drawn
+from la_core.drawing.svg import read_svg
+
+DRAWING_FORMATS = (".dxf", ".svg")
+
+
+def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: float) -> Drawn:
+    """Read the outlines of a drawing.
+
+    Parameters
+    ----------
+    suffix : str
+        Ending of the file's name, one of DRAWING_FORMATS.
+    content : bytes
+        Content of the file; nothing else that it names is opened.
+    unit : float or None
+        Metres per unit of the drawing; None takes the file's own unit.
+    sagitta : float
+        Largest distance between a curve and the chords that replace it, m.
+
+    Raises
+    ------
+    ValueError
+        The content is damaged, has no unit, or is too large; the message says so.
+    ImportError
+        The reader of DXF files is not installed.
+    """
+    return (read_svg if suffix.lower() == ".svg" else read_dxf)(content, unit, sagitta)

@@ -1,0 +1,143 @@
+"""The `d` attribute of an SVG path as polylines; curves become chords."""
+
+import math
+import re
+
+import numpy as np
+
+TOKEN = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+MOST_CHORDS = 200  # of one curve
+
+
+def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
+    """Every subpath as points (n, 2), and whether it is closed.
+
+    Parameters
+    ----------
+    text : str
+        Commands of the path.
+    sagitta : float
+        Largest distance between a curve and its chords, in the units of the path.
+
+    Raises
+    ------
+    ValueError
+        The commands do not follow SVG's grammar.
+    """
+    lines: list[tuple[np.ndarray, bool]] = []
+    points: list[np.ndarray] = []
+    handle = at = start = np.zeros(2)
+    for command, numbers in _commands(text):
+        kind = command.upper()
+        base = at if command.islower() else np.zeros(2)
+        if kind == "M":
+            _finish(lines, points, closed=False)
+            at = start = base + numbers
+            points = [at]
+        elif kind == "Z":
+            _finish(lines, points, closed=True)
+            at, points = start, [start]
+        else:
+            before, control = at, handle
+            at, handle, new = _drawn(kind, numbers, base, before, control, sagitta)
+            points += new
+            continue
+        handle = at
+    _finish(lines, points, closed=False)
+    return lines
+
+
+def _finish(lines: list[tuple[np.ndarray, bool]], points: list[np.ndarray], closed: bool) -> None:
+    if len(points) > 1:
+        lines.append((np.array(points), closed))
+
+
+def _commands(text: str) -> list[tuple[str, np.ndarray]]:
+    """Commands with their numbers, repeated ones written out."""
+    found: list[tuple[str, np.ndarray]] = []
+    command, numbers = "", list[float]()
+
+    def flush() -> None:
+        if not command:
+            if numbers:
+                raise ValueError("has a path that begins with a number")
+            return
+        takes = TAKES[command.upper()]
+        if takes == 0 or len(numbers) % takes or not numbers:
+            if takes == 0 and not numbers:
+                found.append((command, np.zeros(0)))
+                return
+            raise ValueError(f"has a path whose command {command} has {len(numbers)} numbers")
+        for k in range(0, len(numbers), takes):
+            repeated = {"M": "L", "m": "l"}.get(command, command) if k else command
+            found.append((repeated, np.array(numbers[k : k + takes])))
+
+    for letter, number in TOKEN.findall(text):
+        if letter:
+            flush()
+            command, numbers = letter, []
+        else:
+            numbers.append(float(number))
+    flush()
+    if found and found[0][0].upper() != "M":
+        raise ValueError("has a path that does not begin with M")
+    return found
+
+
+def _drawn(
+    kind: str, numbers: np.ndarray, base: np.ndarray, before: np.ndarray, control: np.ndarray, sagitta: float
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """End of a command, its last control point, and its points after the first."""
+    if kind in "HV":
+        axis = "HV".index(kind)
+        end = before.copy()
+        end[axis] = base[axis] + numbers[0]
+        return end, end, [end]
+    if kind == "L":
+        end = base + numbers
+        return end, end, [end]
+    if kind == "A":
+        end = base + numbers[5:]
+        return end, end, _arc(before, numbers[:5], end, sagitta)
+    mirrored = 2.0 * before - control
+    corners = [base + numbers[k : k + 2] for k in range(0, len(numbers), 2)]
+    corners = [before, *([mirrored] if kind in "ST" else []), *corners]
+    return corners[-1], corners[-2], _bezier(np.array(corners), sagitta)
+
+
+def _bezier(corners: np.ndarray, sagitta: float) -> list[np.ndarray]:
+    """Chords of a Bézier curve of degree 2 or 3; the second difference of its corners bounds the distance from them."""
+    degree = len(corners) - 1
+    bend = np.abs(np.diff(corners, 2, axis=0)).max()
+    count = math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * sagitta))) if sagitta > 0.0 and np.isfinite(bend) else 1
+    share = np.linspace(0.0, 1.0, min(MOST_CHORDS, max(1, count)) + 1)[1:, None]
+    weights = [math.comb(degree, k) * share**k * (1.0 - share) ** (degree - k) for k in range(degree + 1)]
+    return list(sum(weight * corner for weight, corner in zip(weights, corners, strict=True)))
+
+
+def _arc(start: np.ndarray, shape: np.ndarray, end: np.ndarray, sagitta: float) -> list[np.ndarray]:
+    """Chords of an elliptical arc (W3C, SVG 1.1, appendix F.6)."""
+    rx, ry, degrees, large, sweep = shape.tolist()
+    rx, ry, turn = abs(rx), abs(ry), math.radians(degrees)
+    if rx == 0.0 or ry == 0.0 or np.array_equal(start, end):
+        return [end]
+    turned = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    half = turned @ (start - end) / 2.0
+    reach = math.hypot(half[0] / rx, half[1] / ry)
+    if reach > 1.0:
+        rx, ry = rx * reach, ry * reach
+    unit = half / (rx, ry)
+    square = float(unit @ unit)
+    away = math.sqrt(max(0.0, 1.0 / square - 1.0)) if square > 0.0 else 0.0
+    centre = (away if bool(large) != bool(sweep) else -away) * np.array([unit[1], -unit[0]])
+    first, last = unit - centre, -unit - centre
+    angle = math.atan2(first[1], first[0])
+    span = math.atan2(last[1], last[0]) - angle
+    span += 2.0 * math.pi * ((sweep and span < 0.0) - (not sweep and span > 0.0))
+    radius = max(rx, ry)
+    each = 2.0 * math.acos(1.0 - sagitta / radius) if 0.0 < sagitta < radius else math.pi / 4.0
+    angles = angle + np.linspace(0.0, span, min(MOST_CHORDS, max(1, math.ceil(abs(span) / each))) + 1)[1:]
+    points = (np.column_stack([np.cos(angles), np.sin(angles)]) + centre) * (rx, ry) @ turned + (start + end) / 2.0
+    points[-1] = end
+    return list(points)

@@ -1,0 +1,106 @@
+"""Division of a profile that is not convex into convex parts.
+
+From a corner that turns inwards a straight cut leads to another corner or to an edge, such that the corner turns
+inwards on neither side of it. Of all such cuts the shortest is taken, where one that ends at a second inward corner
+counts half its length, and both sides are divided further. Every cut removes an inward corner and makes none, so the
+division ends.
+"""
+
+import numpy as np
+
+FLATNESS = 1e-9  # of the size: corners closer than this to a line lie on it
+AT_CORNER = 1e-6  # of the size: a cut that ends so close to a corner ends there
+
+
+def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
+    """Convex parts (m, 2) of a simple profile (n, 2) whose corners turn to the left; a convex profile is its own part."""
+    left, parts = [profile], []
+    while left:
+        points = without_straight_corners(left.pop())
+        inward = np.flatnonzero(_turns(points) < 0.0)
+        if not len(inward):
+            parts.append(points)
+            continue
+        left += _cut(points, inward)
+    return parts
+
+
+def without_straight_corners(points: np.ndarray) -> np.ndarray:
+    """The profile (n, 2) without corners that lie on the line between their neighbours, or twice on one point."""
+    size = np.ptp(points, axis=0).max()
+    while len(points) > 2:
+        arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+        reach = np.maximum(np.hypot(*arm_in.T), np.hypot(*arm_out.T))
+        straight = np.abs(_turns(points)) <= FLATNESS * size * reach
+        if not straight.any():
+            break
+        # Of neighbours only every other one goes at once: each is judged by its neighbours.
+        first = int(np.argmax(straight))
+        points = np.delete(points, first, axis=0)
+    return points
+
+
+def _turns(points: np.ndarray) -> np.ndarray:
+    """Cross product (n,) of the edges before and after each corner: negative where the corner turns inwards."""
+    arm_in, arm_out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    return np.asarray(arm_in[:, 0] * arm_out[:, 1] - arm_in[:, 1] * arm_out[:, 0])
+
+
+def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
+    """Both sides of the shortest cut that begins at an inward corner."""
+    best: tuple[float, int, int, np.ndarray | None] = (np.inf, 0, 0, None)
+    for corner in inward.tolist():
+        for length, edge, meeting in _cuts_from(points, corner):
+            cost = length / 2.0 if (points[inward] == meeting).all(axis=1).any() else length
+            if cost < best[0]:
+                best = (cost, corner, edge, meeting)
+    _, corner, edge, end = best
+    if end is None:
+        raise ValueError("the profile cannot be divided into convex parts")
+    count = len(points)
+    rolled = np.roll(points, -corner, axis=0)  # the inward corner comes first
+    after = (edge - corner) % count  # the cut ends on the edge from this corner to the next
+    meets_corner = np.array_equal(end, rolled[(after + 1) % count])
+    one = np.concatenate([rolled[: after + 1], end[None]])
+    other = np.concatenate([rolled[:1], end[None], rolled[after + 1 + meets_corner :]])
+    return [one, other]
+
+
+def _cuts_from(points: np.ndarray, corner: int) -> list[tuple[float, int, np.ndarray]]:
+    """Cuts from a corner that turn inwards on neither side: length, edge where each ends, and end (2,)."""
+    origin, size = points[corner], np.ptp(points, axis=0).max()
+    edge_in, edge_out = origin - points[corner - 1], points[(corner + 1) % len(points)] - origin
+    directions = np.concatenate([[edge_in, -edge_out], points - origin])
+    unit = directions / np.maximum(np.hypot(*directions.T), np.finfo(float).tiny)[:, None]
+    slack = FLATNESS * size
+    to_left = edge_in[0] * unit[:, 1] - edge_in[1] * unit[:, 0] >= -slack
+    to_right = unit[:, 1] * edge_out[0] - unit[:, 0] * edge_out[1] >= -slack
+    found = []
+    for direction in unit[to_left & to_right & (np.hypot(*directions.T) > slack)]:
+        hit = _first_hit(points, corner, direction, size)
+        if hit is not None:
+            found.append(hit)
+    return found
+
+
+def _first_hit(points: np.ndarray, corner: int, direction: np.ndarray, size: float) -> tuple[float, int, np.ndarray] | None:
+    """Length, edge and end of the ray from a corner to the first edge that it meets."""
+    origin, following = points[corner], np.roll(points, -1, axis=0)
+    along, across = points - origin, following - points
+    steepness = direction[0] * across[:, 1] - direction[1] * across[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = (along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / steepness
+        share = (along[:, 0] * direction[1] - along[:, 1] * direction[0]) / steepness
+    reach = np.hypot(*across.T)
+    slack = AT_CORNER * size / np.maximum(reach, AT_CORNER * size)
+    meets = (distance > AT_CORNER * size) & (share >= -slack) & (share <= 1.0 + slack) & (np.abs(steepness) > FLATNESS * reach)
+    meets[[corner, corner - 1]] = False
+    if not meets.any():
+        return None
+    edge = int(np.argmin(np.where(meets, distance, np.inf)))
+    end = origin + distance[edge] * direction
+    for place, at in ((edge, points[edge]), ((edge + 1) % len(points), following[edge])):
+        if np.hypot(*(end - at)) <= AT_CORNER * size:
+            edge, end = (place - 1) % len(points), at  # the edge that ends at this corner
+            break
+    return float(np.hypot(*(end - origin))), edge, end

@@ -1,0 +1,206 @@
+"""Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import scipy.spatial
+
+from la_core.errors import SceneError
+from la_core.geometry import Blocks, Shape, compound, near_pairs, overlaps, polyhedron
+from la_core.repair.facing import Facing, facing_faces
+from la_core.repair.planes import common_planes
+from la_core.repair.repairs import Repairs, Unclosed
+
+PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do not determine a corner along their line
+MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
+PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
+FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
+SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
+OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
+ROUNDS = 4  # a cut may uncover another overlap
+CLOSED = 1e-6  # m: a smaller gap was closed already
+
+
+def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float, joints: np.ndarray) -> tuple[list[Shape], Repairs]:
+    """Make blocks touch that nearly touch, and remove overlaps.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Name of each of the B blocks, for messages.
+    shapes : sequence of Shape
+        Shape of each block.
+    tolerance : float
+        Largest error of the coordinates, m.
+    joints : (B,) array
+        Largest width of the open joints of each block, m; 0 where its joints are drawn closed.
+
+    Returns
+    -------
+    list of Shape
+        The repaired shapes.
+    Repairs
+        What was changed, and what could not be repaired.
+
+    Raises
+    ------
+    SceneError
+        A corner would move too far, or blocks overlap by more than the tolerance.
+    """
+    blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), shapes)
+    parts, owner = blocks.parts, blocks.part_block
+    reach = joints + 2.0 * tolerance
+    pairs = facing_faces(parts, owner, reach[owner])
+    limit = (FIT * tolerance + joints / 2.0)[owner[parts.face_block]]
+    normal, offset, closed = common_planes(parts, pairs, _twins(parts, owner), limit)
+    moved = _moved_vertices(parts, normal, offset)
+    distance = np.linalg.norm(moved - parts.vertices, axis=1)
+    vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
+    farthest = int(np.argmax(distance))
+    _refuse_far(parts, owner, distance, MOST_MOVE * (tolerance + joints.max() / 2.0), vertex_part)
+    pieces = _pieces(parts, moved, normal, offset)
+    cut = 0
+    for _ in range(ROUNDS):
+        made = _cut_overlaps(names, pieces, owner, float(reach.max()))
+        cut += made
+        if not made:
+            break
+    repaired = [compound([pieces[part] for part in np.flatnonzero(owner == block)]) for block in range(len(shapes))]
+    widest = pairs.gap[pairs.widest]
+    repairs = Repairs(
+        tolerance=tolerance,
+        joint_width=float(joints.max()),
+        largest_move=float(distance[farthest]),
+        moved_block=names[owner[vertex_part[farthest]]] if distance[farthest] > 0.0 else "",
+        gaps_closed=int(np.sum(closed & (widest > CLOSED))),
+        overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
+        overlaps_cut=cut,
+        shortest_joint=SHORTEST * tolerance,
+        unclosed=_unclosed(names, parts, owner, pairs, closed, tolerance),
+    )
+    return repaired, repairs
+
+
+def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
+    """Pairs (T, 2) of faces of one compound block that lie on one plane."""
+    found: list[tuple[int, int]] = []
+    counts = np.bincount(owner)
+    for block in np.flatnonzero(counts > 1):
+        faces = np.flatnonzero(owner[parts.face_block] == block)
+        normal, offset = parts.face_normal[faces], parts.face_offset[faces]
+        size = float(np.ptp(parts.vertices[parts.face_vertex[parts.face_start[faces[0]] : parts.face_start[faces[-1] + 1]]], axis=0).max())
+        level = (normal @ normal.T > 1.0 - PLANE) & (np.abs(offset[:, None] - offset[None, :]) < PLANE * size)
+        found += [(int(faces[i]), int(faces[j])) for i, j in np.argwhere(np.triu(level, 1))]
+    return np.array(found, dtype=int).reshape(-1, 2)
+
+
+def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Vertices (V, 3), each moved the least way onto all planes of its faces, m."""
+    face = np.repeat(np.arange(len(normal)), np.diff(parts.face_start))
+    lack = offset[face] - np.sum(normal[face] * parts.vertices[parts.face_vertex], axis=1)
+    matrix, right = np.zeros((len(parts.vertices), 3, 3)), np.zeros((len(parts.vertices), 3))
+    np.add.at(matrix, parts.face_vertex, normal[face][:, :, None] * normal[face][:, None, :])
+    np.add.at(right, parts.face_vertex, normal[face] * lack[:, None])
+    values, axes = np.linalg.eigh(matrix)
+    inverse = np.where(values > PARALLEL * values[:, -1:], 1.0 / np.maximum(values, np.finfo(float).tiny), 0.0)
+    return np.asarray(parts.vertices + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
+
+
+def _refuse_far(parts: Blocks, owner: np.ndarray, distance: np.ndarray, limit: float, vertex_part: np.ndarray) -> None:
+    worst = int(np.argmax(distance))
+    if distance[worst] > limit:
+        where = ", ".join(f"{value:.4g}" for value in parts.vertices[worst])
+        rule = f"its vertex at ({where}) would have to move {distance[worst]:.3g} m to close its joints, more than {limit:.3g} m"
+        raise SceneError(f'block "{parts.names[vertex_part[worst]]}"', rule, hint="correct it in the drawing, or take a larger tolerance")
+
+
+def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> list[Shape]:
+    """The parts with moved vertices; a part that would be folded keeps only those planes that still bound it."""
+    size = np.linalg.norm(parts.high - parts.low, axis=1)
+    following = np.arange(1, len(parts.face_vertex) + 1)
+    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
+    edge = np.linalg.norm(moved[parts.face_vertex[following]] - moved[parts.face_vertex], axis=1)
+    shortest = np.minimum.reduceat(edge, parts.face_start[:-1][parts.part_face_start[:-1]])
+    shapes = []
+    for part, name in enumerate(parts.names):
+        first, last = parts.vertex_start[part], parts.vertex_start[part + 1]
+        low, high = parts.part_face_start[part], parts.part_face_start[part + 1]
+        beyond = moved[first:last] @ normal[low:high].T - offset[low:high]
+        if beyond.max() <= PLANE * size[part] < shortest[part]:
+            bounds = parts.face_start[low : high + 1].tolist()
+            loops = tuple(tuple((parts.face_vertex[i:j] - first).tolist()) for i, j in pairwise(bounds))
+            shapes.append(Shape(moved[first:last], loops))
+        else:
+            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), name))
+    return shapes
+
+
+def _between(normal: np.ndarray, offset: np.ndarray, inside: np.ndarray, name: str) -> Shape:
+    """The convex body behind all these planes; `inside` (3,) is a point of it."""
+    try:
+        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), inside)
+        return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist())
+    except (scipy.spatial.QhullError, ValueError) as error:
+        hint = "take a smaller tolerance, or remove the block"
+        raise SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint) from error
+
+
+def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> int:
+    """Cut every part that overlaps another block, in place, along the face of the other that it passes least; their number."""
+    parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+    size = np.linalg.norm(parts.high - parts.low, axis=1)
+    pairs = near_pairs(parts, np.zeros(len(parts)))
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    changed: set[int] = set()
+    count = 0
+    for a, b, depth in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
+        if depth > most:
+            pair = f'blocks "{parts.names[a]}" and "{parts.names[b]}"'
+            raise SceneError(pair, f"overlap by about {depth:.3g} m, more than the tolerance can remove", hint="correct the drawing")
+        if a in changed or b in changed:
+            count += 1  # found again in the next round
+            continue
+        _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
+        faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
+        normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
+        offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
+        own = pieces[cut].vertices
+        below = own[own @ plane[:3] > plane[3]]  # what stays lies beyond the plane
+        inside = below.mean(axis=0) if len(below) else own.mean(axis=0)
+        centre = parts.centroid[cut]
+        pieces[cut] = _between(normal, offset, centre if centre @ plane[:3] > plane[3] else 0.5 * (inside + centre), parts.names[cut])
+        changed.add(cut)
+        count += 1
+    return count
+
+
+def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:
+    """The face of part a that part b passes the least: how far (negative), the plane (4,), and b."""
+    faces = slice(parts.part_face_start[a], parts.part_face_start[a + 1])
+    vertices = parts.vertices[parts.vertex_start[b] : parts.vertex_start[b + 1]]
+    height = (vertices @ parts.face_normal[faces].T - parts.face_offset[faces]).min(axis=0)
+    best = int(np.argmax(height))
+    return float(height[best]), np.append(parts.face_normal[faces][best], parts.face_offset[faces][best]), b
+
+
+def _unclosed(
+    names: Sequence[str], parts: Blocks, owner: np.ndarray, pairs: Facing, closed: np.ndarray, tolerance: float
+) -> tuple[Unclosed, ...]:
+    """Pairs that stay apart although their joint would be longer than the tolerance, the widest first."""
+    widest = pairs.widest
+    blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
+    extent = np.zeros(len(pairs))
+    ring = np.repeat(np.arange(len(pairs)), np.diff(pairs.start))
+    centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
+    np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
+    open_pairs = np.flatnonzero(~closed & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))
+    order = open_pairs[np.argsort(-np.abs(pairs.gap[widest[open_pairs]]), kind="stable")]
+    return tuple(
+        Unclosed(
+            (names[blocks[0][k]], names[blocks[1][k]]),
+            tuple(float(value) for value in pairs.middle[widest[k]]),  # type: ignore[arg-type]
+            float(pairs.gap[widest[k]]),
+        )
+        for k in order
+    )

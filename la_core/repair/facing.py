@@ -1,0 +1,140 @@
+"""Pairs of faces that lie opposite each other and nearly touch."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from la_core.geometry import Blocks, group_members, near_pairs, overlap_of, plane_axes, polygons_of
+
+WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
+TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
+LEAST_OVERLAP = 1e-6  # of the face: less is an edge
+
+
+@dataclass(frozen=True)
+class Facing:
+    """The L pairs of faces that lie opposite each other, with the polygons in which they overlap.
+
+    Attributes
+    ----------
+    face_a, face_b : (L,) arrays of int
+        The faces.
+    angle : (L,) array
+        Angle between them, rad.
+    area : (L,) array
+        Area of the overlap, m2.
+    middle : (Q, 3) array
+        Corners of the overlap, pair after pair, half way between both faces, m.
+    gap : (Q,) array
+        Distance between the faces there, m; negative where the blocks overlap.
+    start : (L + 1,) array of int
+        Pair i has middle[start[i]:start[i + 1]].
+    aligned : (A, 2) array of int
+        Opposite faces that lie beside each other instead, nearly on one plane and nearly touching, as where four corners meet.
+    """
+
+    face_a: np.ndarray
+    face_b: np.ndarray
+    angle: np.ndarray
+    area: np.ndarray
+    middle: np.ndarray
+    gap: np.ndarray
+    start: np.ndarray
+    aligned: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.face_a)
+
+    @property
+    def widest(self) -> np.ndarray:
+        """Index (L,) of the corner of each pair where its faces are farthest apart, or overlap the most."""
+        owner = np.repeat(np.arange(len(self)), np.diff(self.start))
+        order = np.lexsort((np.abs(self.gap), owner))
+        return np.asarray(order[self.start[1:] - 1])
+
+
+def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
+    """Find all pairs of faces that lie opposite each other at a distance of at most `reach`, and overlap seen along their normal.
+
+    Parameters
+    ----------
+    parts : Blocks
+        P convex parts.
+    owner : (P,) array of int
+        Block of each part. Parts of one block count as opposite only where they touch.
+    reach : (P,) array
+        Largest distance from another part, m; of two parts the greater one counts.
+    """
+    size = np.linalg.norm(parts.high - parts.low, axis=1)
+    pairs = near_pairs(parts, np.full(len(parts), reach.max()))
+    same = owner[pairs[:, 0]] == owner[pairs[:, 1]]
+    limit = np.where(same, TOUCH * size[pairs[:, 0]], reach[pairs].max(axis=1))
+    face_start = parts.part_face_start
+    counts = np.diff(face_start)
+    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
+    of_b = counts[pairs[pair, 1]]
+    face_a, face_b = face_start[pairs[pair, 0]] + place // of_b, face_start[pairs[pair, 1]] + place % of_b
+    cosine = -np.sum(parts.face_normal[face_a] * parts.face_normal[face_b], axis=1)
+    first = parts.vertices[parts.face_vertex[parts.face_start[face_b]]]
+    height = np.abs(np.sum(first * parts.face_normal[face_a], axis=1) - parts.face_offset[face_a])
+    slope = np.sqrt(np.maximum(0.0, 1.0 - np.minimum(cosine, 1.0) ** 2)) * size[pairs[pair]].sum(axis=1)
+    near = (cosine >= WEDGE) & (height <= limit[pair] + slope)
+    pair, face_a, face_b, cosine = pair[near], face_a[near], face_b[near], cosine[near]
+    overlap, corners, ring = _overlaps(parts, face_a, face_b, 0.0)
+    beside = np.setdiff1d(np.flatnonzero(~same[pair]), overlap)
+    aligned = _aligned(parts, face_a[beside], face_b[beside], limit[pair[beside]])
+    pair, face_a, face_b, cosine = pair[overlap], face_a[overlap], face_b[overlap], cosine[overlap]
+    normal_a, normal_b = parts.face_normal[face_a], parts.face_normal[face_b]
+    gap = parts.face_offset[face_b[ring]] - np.sum(normal_b[ring] * corners, axis=1)
+    gap /= np.sum(normal_b * normal_a, axis=1)[ring]
+    widest = np.zeros(len(pair))
+    np.maximum.at(widest, ring, np.abs(gap))
+    kept = widest <= limit[pair]
+    of_kept = kept[ring]
+    sizes = np.bincount(ring, minlength=len(pair))[kept]
+    middle = corners + 0.5 * gap[:, None] * normal_a[ring]
+    polygons = _polygons(parts, face_a[kept], face_a[kept]), _polygons(parts, face_b[kept], face_a[kept])
+    area = shapely.area(overlap_of(*polygons)) if kept.any() else np.zeros(0)
+    angle = np.arccos(np.clip(cosine[kept], -1.0, 1.0))
+    start = np.concatenate([[0], np.cumsum(sizes)])
+    return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start, aligned)
+
+
+def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Faces (N,) as polygons, seen along the normals of the faces `plane` (N,), from the first corners of these."""
+    first, second = plane_axes(parts.face_normal[plane])
+    origin = parts.vertices[parts.face_vertex[parts.face_start[plane]]]
+    sizes = np.diff(parts.face_start)[face]
+    row, place = group_members(sizes)
+    arm = parts.vertices[parts.face_vertex[parts.face_start[face[row]] + place]] - origin[row]
+    return polygons_of(np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1), sizes)
+
+
+def _aligned(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Pairs (A, 2) of the faces that would overlap if face b were larger by `reach` (N,), m, and lie as near to one plane there."""
+    found, corners, ring = _overlaps(parts, face_a, face_b, reach)
+    gap = parts.face_offset[face_b[found][ring]] - np.sum(parts.face_normal[face_b[found][ring]] * corners, axis=1)
+    widest = np.zeros(len(found))
+    np.maximum.at(widest, ring, np.abs(gap))
+    level = found[widest <= reach[found]]
+    return np.stack([face_a[level], face_b[level]], axis=1)
+
+
+def _overlaps(
+    parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, grown: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of faces that overlap: their indices, the corners (Q, 3) of the overlaps on face a, and the row of each corner (Q,).
+
+    grown: distance by which the faces b are larger, m.
+    """
+    polygons, others = _polygons(parts, face_a, face_a), _polygons(parts, face_b, face_a)
+    overlap = overlap_of(polygons, shapely.buffer(others, grown, join_style="mitre") if np.any(grown) else others)
+    is_polygon = shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON
+    found = np.flatnonzero(is_polygon & (shapely.area(overlap) > LEAST_OVERLAP * shapely.area(polygons)))
+    flat, row = shapely.get_coordinates(overlap[found], return_index=True)
+    closing = np.append(row[1:] != row[:-1], True) if len(row) else np.zeros(0, dtype=bool)
+    flat, row = flat[~closing], row[~closing]
+    first, second = plane_axes(parts.face_normal[face_a[found]])
+    origin = parts.vertices[parts.face_vertex[parts.face_start[face_a[found]]]]
+    return found, origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row], row

@@ -1,0 +1,135 @@
+"""Common planes of faces that face each other, as far as a tolerance allows.
+
+A bed joint lies on one plane, because every block of a course lies on several blocks below. So faces are gathered in
+groups: the pair that is most nearly parallel first, then every pair whose two groups still have a common plane, and at
+last faces that lie beside each other. The plane is fitted to the points half way between the faces.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from la_core.geometry import Blocks
+from la_core.repair.facing import Facing
+
+OWN_CORNERS = 1e-3  # weight of the corners of the faces beside the points half way: they decide where an overlap is a mere strip
+ROUNDS = 3  # a pair refused at first may fit once its groups have grown
+SAME_ANGLE = 0.01  # rad: pairs this near to each other in angle are ordered by the size of their overlap
+
+
+@dataclass
+class Group:
+    """Faces with a common plane, while groups grow; the sums are those of weighted points."""
+
+    weight: float
+    first: np.ndarray
+    second: np.ndarray
+    normal: np.ndarray
+    offset: float
+    faces: list[int]
+    signs: list[float]
+    corners: list[np.ndarray] = field(default_factory=list)
+    limits: list[np.ndarray] = field(default_factory=list)
+
+
+def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gather faces on common planes.
+
+    Parameters
+    ----------
+    parts : Blocks
+        Convex parts with F faces.
+    pairs : Facing
+        L pairs of faces that face each other.
+    twins : (T, 2) array of int
+        Pairs of faces of one block that lie on one plane and must stay there.
+    limit : (F,) array
+        Largest distance of the corners of each face from the common plane, m.
+
+    Returns
+    -------
+    normal : (F, 3) array
+        Unit normal of each face, also of those that are in no group.
+    offset : (F,) array
+        Offset of its plane, m.
+    closed : (L,) array of bool
+        Pairs that now lie on one plane.
+    """
+    members = np.unique(np.concatenate([pairs.face_a, pairs.face_b, pairs.aligned.ravel(), twins.ravel()]))
+    groups = {
+        face: _single(parts, face, area, limit[face]) for face, area in zip(members.tolist(), face_areas(parts)[members], strict=True)
+    }
+    place = {face: face for face in groups}  # group of each face, named by its first one
+
+    def join(face: int, other: int, sums: tuple[float, np.ndarray, np.ndarray], opposite: bool) -> bool:
+        one, two = groups[place[face]], groups[place[other]]
+        sign = _sign(one, face) * _sign(two, other) * (-1.0 if opposite else 1.0)
+        if one is two:
+            return sign > 0.0
+        joined = _joined(one, two, sign, sums)
+        if joined is None:
+            return False
+        number = place[one.faces[0]]
+        groups[number] = joined
+        for member in two.faces:
+            place[member] = number
+        return True
+
+    nothing = (0.0, np.zeros(3), np.zeros((3, 3)))
+    for face, other in twins.tolist():
+        join(face, other, nothing, opposite=False)
+    closed = np.zeros(len(pairs), dtype=bool)
+    left = np.lexsort((-pairs.area, np.floor(pairs.angle / SAME_ANGLE)))
+    for _ in range(ROUNDS):
+        for k in left.tolist():
+            points = pairs.middle[pairs.start[k] : pairs.start[k + 1]]
+            share = pairs.area[k] / len(points)
+            sums = (float(pairs.area[k]), share * points.sum(axis=0), share * points.T @ points)
+            closed[k] = join(int(pairs.face_a[k]), int(pairs.face_b[k]), sums, opposite=True)
+        if not closed[left].any() or closed.all():
+            break
+        left = left[~closed[left]]
+    for face, other in pairs.aligned.tolist():
+        join(face, other, nothing, opposite=True)
+    normal, offset = parts.face_normal.copy(), parts.face_offset.copy()
+    for number in set(place.values()):
+        group = groups[number]
+        if len(group.faces) > 1:
+            signs = np.array(group.signs)
+            normal[group.faces], offset[group.faces] = signs[:, None] * group.normal, signs * group.offset
+    return normal, offset, closed
+
+
+def face_areas(parts: Blocks) -> np.ndarray:
+    """Area (F,) of every face, m2."""
+    following = np.arange(1, len(parts.face_vertex) + 1)
+    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
+    first = np.repeat(parts.face_start[:-1], np.diff(parts.face_start))
+    origin = parts.vertices[parts.face_vertex[first]]
+    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[following]] - origin
+    return 0.5 * np.linalg.norm(np.add.reduceat(np.cross(corner, after), parts.face_start[:-1]), axis=1)
+
+
+def _single(parts: Blocks, face: int, area: float, limit: float) -> Group:
+    corners = parts.vertices[parts.face_vertex[parts.face_start[face] : parts.face_start[face + 1]]]
+    share = OWN_CORNERS * area / len(corners)
+    sums = share * len(corners), share * corners.sum(axis=0), share * corners.T @ corners
+    return Group(*sums, parts.face_normal[face], parts.face_offset[face], [face], [1.0], [corners], [np.full(len(corners), limit)])
+
+
+def _sign(group: Group, face: int) -> float:
+    return group.signs[group.faces.index(face)]
+
+
+def _joined(one: Group, two: Group, sign: float, sums: tuple[float, np.ndarray, np.ndarray]) -> Group | None:
+    """Both groups on one plane, or None where a corner would lie too far from it. sign: of the second group's normals in the first."""
+    weight, first, second = one.weight + two.weight + sums[0], one.first + two.first + sums[1], one.second + two.second + sums[2]
+    centre = first / weight
+    corners, limits = one.corners + two.corners, one.limits + two.limits
+    points = np.concatenate(corners)
+    _, axes = np.linalg.eigh(second / weight - np.outer(centre, centre))
+    normal = axes[:, 0] * (1.0 if axes[:, 0] @ one.normal >= 0.0 else -1.0)
+    if np.any(np.abs((points - centre) @ normal) > np.concatenate(limits)):
+        return None
+    signs = one.signs + [sign * other for other in two.signs]
+    return Group(weight, first, second, normal, float(normal @ centre), one.faces + two.faces, signs, corners, limits)

@@ -1,0 +1,176 @@
+"""A commented scene for a drawing or a file of bodies, with what the file does not say guessed and marked."""
+
+import importlib.util
+import json
+import math
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+import shapely
+
+from la_core.drawing import DRAWING_FORMATS, UNITS, Cleaned, cleaned, read_outlines
+from la_core.errors import SceneError
+from la_core.scene.generators.drawings import INSTALL_DRAWING
+from la_core.scene.generators.mesh import mesh_blocks, read_files
+from la_core.scene.schema.mesh import FORMATS, Mesh
+from la_core.scene.schema.types import LARGEST_FILE
+
+SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
+WORDS = {  # of which a layer's or a body's name may consist, for each list; the first list counts
+    "ignore": ("dim", "text", "bema", "hatch", "schraff", "axis", "achs", "frame", "rahmen", "defpoints", "note", "quote"),
+    "openings": ("opening", "window", "door", "void", "fenster", "öffnung", "oeffnung", "aperture", "finestr", "hueco"),
+    "support": ("support", "settl", "sink", "setz", "cediment", "asient", "tassement"),
+    "ground": ("ground", "earth", "foundation", "footing", "boden", "fundament", "terren", "suelo", "fondazion", "cimient"),
+}
+THICKNESS = 0.4  # m, written where a drawing cannot say it
+TOLERANCE = 0.003  # m
+LARGEST_SIZE = 500.0  # m: a larger structure is drawn in mm
+WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no joint; closer ones need no mortar
+WEDGE = 1.3  # of the width of a joint at its narrow end
+SHARE_OF_JOINTS = 0.3  # of all neighbours have open joints where a drawing has any
+SETTLING = 1.0 / 3.0  # of the length of a base that is put under a structure without one
+CURVE = 0.005  # m
+
+
+def scene_from_file(source: Path, folder: Path) -> str:
+    """Text of a scene in `folder` for a drawing (DXF, SVG) or for bodies (OBJ, PLY, STL, COMPAS); raises SceneError."""
+    try:
+        relative = source.resolve().relative_to(folder.resolve())
+    except ValueError as error:
+        raise SceneError(
+            str(source), f"does not lie in {folder} or below it", hint="a scene stands beside its files or above them"
+        ) from error
+    place = PurePosixPath(relative.as_posix())
+    suffix = source.suffix.lower()
+    if suffix in DRAWING_FORMATS:
+        return _drawing_text(source, place)
+    if suffix in FORMATS or source.is_dir():
+        return _mesh_text(place, folder)
+    known = ", ".join(SOURCE_FORMATS)
+    raise SceneError(str(source), "is neither a drawing nor a file of bodies", hint=f"files end in {known}; DWG must be saved as DXF")
+
+
+def _drawing_text(source: Path, place: PurePosixPath) -> str:
+    content = _content(source)
+    if source.suffix.lower() == ".dxf" and importlib.util.find_spec("ezdxf") is None:
+        raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
+    try:
+        unit, said = _unit(source.suffix, content)
+        drawn = read_outlines(source.suffix, content, UNITS[unit], CURVE)
+        layers = sorted({layer for layer, _ in drawn.places})
+        lists = {key: [layer for layer in layers if _list_of(layer) == key] for key in WORDS}
+        clean = cleaned(drawn.without(lambda layer, _: layer in lists["ignore"]), TOLERANCE)
+    except ValueError as error:
+        raise SceneError(str(source), str(error)) from error
+    if not clean.outlines:
+        raise SceneError(str(source), "holds no closed outline", hint=f"it has {clean.loose} lines that enclose nothing")
+    counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers}
+    counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
+    joints = _joint_width(clean)
+    points = np.concatenate([outline.points for outline in clean.outlines if outline.layer not in lists["openings"]] or [np.zeros((1, 2))])
+    rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
+    rows.append(f'unit      = "{unit}"{"" if said else "  # CHECK: the file does not say it"}')
+    rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
+    rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
+    rows.append(f"# closed outlines on each layer: {counted}")
+    rows += [f"{key:9} = {_array(names)}" for key, names in lists.items() if names]
+    held = lists["ground"] + lists["support"]
+    low, high = points.min(axis=0), points.max(axis=0)
+    base = [] if held else _base((low[0], 0.0), (high[0], THICKNESS), float(low[1]) - joints / 2.0)
+    return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
+
+
+def _content(source: Path) -> bytes:
+    try:
+        with source.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise SceneError(str(source), f"cannot be read: {error.strerror}") from error
+    if len(content) > LARGEST_FILE:
+        raise SceneError(str(source), f"larger than {LARGEST_FILE} bytes", hint="save only the layers of the elevation")
+    return content
+
+
+def _unit(suffix: str, content: bytes) -> tuple[str, bool]:
+    """Unit of a drawing, and whether the file says it; a structure of more than 500 m is one in mm."""
+    try:
+        metres = read_outlines(suffix, content, None, CURVE).unit
+        return min(
+            UNITS, key=lambda name: abs(math.log(UNITS[name] / metres))
+        ) if metres in UNITS.values() else "mm", metres in UNITS.values()
+    except ValueError:
+        drawn = read_outlines(suffix, content, 1.0, CURVE)
+        points = [outline.points for outline in drawn.outlines] + [line for lines in drawn.lines.values() for line in lines]
+        size = float(np.ptp(np.concatenate(points), axis=0).max()) if points else 0.0
+        return "mm" if size > LARGEST_SIZE else "m", False
+
+
+def _list_of(name: str) -> str:
+    """The list of a `[[drawing]]` that a layer's name suggests; "" for none."""
+    return next((key for key, words in WORDS.items() if any(word in name.lower() for word in words)), "")
+
+
+def _joint_width(clean: Cleaned) -> float:
+    """Greatest width of the open joints between outlines, m, with a margin; 0 where most neighbours touch."""
+    polygons = np.array([shapely.Polygon(outline.points) for outline in clean.outlines])
+    first, second = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=WIDEST_JOINT)
+    pairs = first < second
+    width = shapely.distance(polygons[first[pairs]], polygons[second[pairs]])
+    is_open = width > LEAST_JOINT
+    if not len(width) or is_open.mean() < SHARE_OF_JOINTS:
+        return 0.0
+    return math.ceil(1e3 * (WEDGE * float(np.median(width[is_open])) + TOLERANCE)) / 1e3
+
+
+def _mesh_text(place: PurePosixPath, folder: Path) -> str:
+    table = Mesh(file=str(place))
+    bodies = mesh_blocks(table, read_files(table, folder))
+    vertices = np.concatenate([body.shape.vertices for body in bodies])
+    scale = 1e-3 if float(np.ptp(vertices, axis=0).max()) > LARGEST_SIZE else 1.0
+    lists = {key: [body.name for body in bodies if _list_of(body.name) == key] for key in ("ground", "support")}
+    rows = ["[[mesh]]", f"file  = {_quoted(str(place))}"]
+    rows.append(f"scale = {scale:g}   # metres per unit, CHECK: 0.001 for mm")
+    rows.append("# turn = { axis = [1, 0, 0], degrees = 90 }   # where y is up in the file")
+    rows += [f"{key} = {_array(lists[name])}" for key, name in (("fixed", "ground"), ("support", "support")) if lists[name]]
+    held = lists["ground"] or lists["support"] or any(body.role != "free" for body in bodies)
+    low, high = scale * vertices.min(axis=0), scale * vertices.max(axis=0)
+    base = [] if held else _base((low[0], low[1]), (high[0], high[1]), float(low[2]))
+    return _text(place.name, rows, base, has_support=bool(lists["support"]) or not held)
+
+
+def _base(low: tuple[float, float], high: tuple[float, float], top: float) -> list[str]:
+    """Two blocks under a structure that has no ground: the right one settles."""
+    split = high[0] - SETTLING * (high[0] - low[0])
+    depth = 0.1 * (high[0] - low[0])
+    rows = ["# CHECK: no ground was found, so this base was added; its right third settles"]
+    for name, role, left, right in (("base", "fixed", low[0], split), ("settling base", "support", split, high[0])):
+        corners = f"from = [{left:.6g}, {low[1]:.6g}, {top - depth:.6g}], to = [{right:.6g}, {high[1]:.6g}, {top:.6g}]"
+        rows += ["[[block]]", f'name = "{name}"', f'role = "{role}"', f"box  = {{ {corners} }}", ""]
+    return rows
+
+
+def _text(name: str, table: list[str], base: list[str], has_support: bool) -> str:
+    motion = ["[settlement]", "direction = [0.0, 0.0, -1.0]   # the support moves down"]
+    push = [
+        "# No support was found, so the structure is pushed sideways. For a settlement name the part that moves",
+        "# in `support`, and write [settlement] direction = [0.0, 0.0, -1.0] in place of [live].",
+        "[live]",
+        "direction = [1.0, 0.0, 0.0]",
+    ]
+    rows = [f"title = {_quoted(name)}", "# Written by `crosscheck new --from`. Check every line marked CHECK.", ""]
+    rows += ["[stone]", "density = 2000.0   # kg/m3, CHECK", "", "[joint]", "friction = 0.6   # tan(phi), CHECK", ""]
+    rows += ["[geometry]", f"tolerance = {TOLERANCE}   # m, error of the coordinates; `crosscheck show` lists what it changes", ""]
+    return "\n".join([*rows, *table, "", *base, *(motion if has_support else push)]) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _array(names: list[str]) -> str:
+    return "[" + ", ".join(_quoted(_literal(name)) for name in names) + "]"
+
+
+def _literal(name: str) -> str:
+    """A pattern that only this name matches."""
+    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)

@@ -1,0 +1,165 @@
+"""Blocks of a `[[drawing]]` table, and what was left out of the drawing."""
+
+import importlib.util
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import numpy as np
+import shapely
+
+from la_core.drawing import UNITS, Cleaned, Outline, cleaned, read_outlines
+from la_core.errors import SceneError, nearest
+from la_core.geometry import prism
+from la_core.scene.generators.mesh import MeshFile
+from la_core.scene.generators.wall import NamedShape
+from la_core.scene.schema.drawing import Drawing
+from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
+
+INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
+COLOUR = "colour:"
+LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
+ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
+
+
+@dataclass(frozen=True)
+class DrawnBlocks:
+    """What became of the outlines of a drawing.
+
+    Attributes
+    ----------
+    file : str
+        Path of the drawing.
+    unit : float
+        Its unit, m.
+    blocks, compounds : int
+        Blocks in all, and those that are not convex.
+    openings : int
+        Outlines in which nothing is built.
+    doubles, specks, loose_lines, straightened, in_openings : int
+        Outlines drawn twice, outlines without area, lines that enclose nothing, outlines that are convex within the
+        tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
+    ignored : dict of int
+        Number of entities of each kind that are no outlines, such as texts.
+    """
+
+    file: str
+    unit: float
+    blocks: int
+    compounds: int
+    openings: int
+    doubles: int
+    specks: int
+    loose_lines: int
+    straightened: int
+    in_openings: int
+    ignored: dict[str, int]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The same as plain values."""
+        return asdict(self)
+
+
+def read_drawing(table: Drawing, folder: Path) -> MeshFile:
+    """Read the file of a drawing in the scene's folder; raises SceneError for a file that is missing, a link out of it, or too large."""
+    root = folder.resolve()
+    path = root / table.file
+    try:
+        if not path.resolve().is_relative_to(root):
+            raise SceneError(_at(table), "is a link that leads out of the scene's folder", hint="put a copy of the drawing there")
+        if path.exists() and not path.is_file():
+            raise SceneError(_at(table), "is not a file")
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:  # Python raises ValueError for an impossible file name
+        reason = getattr(error, "strerror", None) or error
+        raise SceneError(_at(table), f"cannot be read: {reason}", hint="the path is relative to the scene file") from error
+    if len(content) > LARGEST_FILE:
+        raise SceneError(_at(table), f"larger than {LARGEST_FILE} bytes", hint="save only the layers of the elevation")
+    return MeshFile(PurePosixPath(table.file), content, of_folder=False)
+
+
+def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[list[NamedShape], DrawnBlocks]:
+    """Blocks of a drawing from the content of its file; raises SceneError with the file and the fault.
+
+    tolerance: largest error of the coordinates, m; 0 for none.
+    """
+    suffix = file.path.suffix.lower()
+    if suffix == ".dxf" and importlib.util.find_spec("ezdxf") is None:
+        raise SceneError(_at(table), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
+    try:
+        drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta)
+        _refuse_unmatched(table, drawn.places)
+        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance)
+    except ValueError as error:
+        raise SceneError(_at(table), str(error)) from error
+    lists = _lists(table, clean)
+    opened = [outline for outline, place in zip(clean.outlines, lists, strict=True) if place == "openings"]
+    built = [(outline, ROLES_OF[place]) for outline, place in zip(clean.outlines, lists, strict=True) if place in ROLES_OF]
+    outside = _outside([outline for outline, _ in built], opened)
+    built = [one for one, is_outside in zip(built, outside, strict=True) if is_outside]
+    if not built:
+        rule = "holds no closed outline" if not clean.outlines else "holds no outline of a block"
+        raise SceneError(_at(table), rule, hint=f"it has {clean.loose} lines that enclose nothing")
+    if len(built) > MOST_BLOCKS:
+        raise SceneError(_at(table), f"holds {len(built)} outlines; at most {MOST_BLOCKS} are allowed")
+    shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
+    compounds = sum(len(named.shape.parts) > 1 for named in shapes)
+    counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
+    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, drawn.ignored)
+
+
+def _at(table: Drawing) -> str:
+    return f'drawing "{table.file}"'
+
+
+def _names(patterns: Iterable[str], place: tuple[str, str]) -> bool:
+    """Whether a pattern names the layer, or with COLOUR before it the colour, of a place in the drawing."""
+    layer, colour = place
+    return any(fnmatchcase(colour, p.removeprefix(COLOUR)) if p.startswith(COLOUR) else fnmatchcase(layer, p) for p in patterns)
+
+
+def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
+    valid = [*sorted({layer for layer, _ in places}), *sorted({f"{COLOUR}{colour}" for _, colour in places})]
+    for key in LISTS:
+        for pattern in getattr(table, key):
+            if not any(_names((pattern,), place) for place in places):
+                rule = "no outline is on such a layer or of such a colour"
+                raise SceneError(f"{_at(table)}.{key}", rule, value=pattern, hint=nearest(pattern, valid[:20], "layers"))
+
+
+def _lists(table: Drawing, clean: Cleaned) -> list[str]:
+    """The list of the table that names each outline; "blocks" where none does and the table lists no blocks."""
+    every = {key: getattr(table, key) for key in LISTS} | {"blocks": table.blocks or ("*",)}
+    places = [(outline.layer, outline.colour) for outline in clean.outlines]
+    return [next((key for key, patterns in every.items() if _names(patterns, place)), "ignore") for place in places]
+
+
+def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
+    """Mask of the outlines that do not lie in an opening."""
+    if not openings or not outlines:
+        return np.ones(len(outlines), dtype=bool)
+    polygons = shapely.polygons([shapely.linearrings(outline.points) for outline in outlines])
+    holes = shapely.union_all([shapely.Polygon(outline.points) for outline in openings])
+    return ~np.asarray(shapely.contains_properly(holes, shapely.point_on_surface(polygons)))
+
+
+def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedShape:
+    thickness = next(
+        (value for pattern, value in table.thickness_of.items() if _names((pattern,), (outline.layer, outline.colour))), table.thickness
+    )
+    profile = outline.points + np.array(table.shift)
+    name = f"{table.name} {number}"
+    x, z = profile.mean(axis=0)
+    if not np.abs(profile).max() <= LARGEST:
+        raise SceneError(
+            _at(table), f'the outline on layer "{outline.layer}" lies beyond {LARGEST:g} m', hint="state the unit of the drawing"
+        )
+    try:
+        shape = prism(profile.tolist(), (0.0, thickness))
+    except ValueError as error:
+        where = f'{_at(table)}: block "{name}" on layer "{outline.layer}", near ({x:.4g}, {z:.4g}) m'
+        raise SceneError(where, str(error)) from error
+    return NamedShape(name, role, table.density, shape, joint=table.joints)

@@ -1,0 +1,127 @@
+"""Lines of a TOML text on which its tables and keys stand; the standard library's parser does not keep them."""
+
+import bisect
+import re
+from collections.abc import Sequence
+
+KeyPath = tuple[str | int, ...]  # names of keys and places in arrays, from the top of the file
+
+_BLANK = re.compile(r"(?:[\s,]|#[^\n]*)*")
+_TEXT = re.compile(r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'', re.DOTALL)
+_KEY_PART = re.compile(r'"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|[A-Za-z0-9_-]+')
+_SCALAR = re.compile(r"[^,\]}\n#]*")
+
+
+def key_lines(text: str) -> dict[KeyPath, int]:
+    """Line, from 1, of every table, key and array entry of a valid TOML text; arrays of tables count as arrays."""
+    return _Scan(text).lines
+
+
+def line_of(lines: dict[KeyPath, int], place: Sequence[str | int]) -> int | None:
+    """Line of a key, or of the nearest table around it that the text has; None where it has none of them.
+
+    lines: from `key_lines`.
+    """
+    around = (tuple(place[:length]) for length in range(len(place), 0, -1))
+    return next((lines[path] for path in around if path in lines), None)
+
+
+class _Scan:
+    """One walk through a text that `tomllib` accepts; on any other text it ends early and knows fewer lines."""
+
+    def __init__(self, text: str) -> None:
+        self.lines: dict[KeyPath, int] = {}
+        self._text, self._at = text, 0
+        self._ends = [match.start() for match in re.finditer("\n", text)]
+        self._counts: dict[KeyPath, int] = {}  # entries so far of each array of tables
+        self._document()
+
+    def _document(self) -> None:
+        table: KeyPath = ()
+        while self._skip_blank():
+            before = self._at
+            if self._next("[["):
+                table = self._header(repeats=True)
+            elif self._next("["):
+                table = self._header(repeats=False)
+            else:
+                self._pair(table)
+            if self._at == before:
+                return
+
+    def _header(self, repeats: bool) -> KeyPath:
+        line = self._line()
+        path: KeyPath = ()
+        names = self._dotted()
+        for place, name in enumerate(names):
+            path = (*path, name)
+            if repeats and place == len(names) - 1:
+                self.lines.setdefault(path, line)
+                self._counts[path] = self._counts.get(path, -1) + 1
+            if path in self._counts:
+                path = (*path, self._counts[path])
+        self.lines.setdefault(path, line)
+        while self._next("]"):
+            pass
+        return path
+
+    def _pair(self, table: KeyPath) -> None:
+        line, path = self._line(), table
+        for name in self._dotted():
+            path = (*path, name)
+            self.lines.setdefault(path, line)
+        if path != table and self._next("="):
+            self._value(path)
+
+    def _value(self, path: KeyPath) -> None:
+        self._skip_blank()
+        if self._next("["):
+            place = 0
+            while self._skip_blank() and not self._next("]"):
+                self.lines[(*path, place)], before = self._line(), self._at
+                self._value((*path, place))
+                place += 1
+                if self._at == before:
+                    return
+        elif self._next("{"):
+            while self._skip_blank() and not self._next("}"):
+                before = self._at
+                self._pair(path)
+                if self._at == before:
+                    return
+        else:
+            match = _TEXT.match(self._text, self._at) or _SCALAR.match(self._text, self._at)
+            assert match is not None  # a scalar may be empty
+            self._at = match.end()
+
+    def _dotted(self) -> list[str]:
+        names: list[str] = []
+        while match := _KEY_PART.match(self._text, self._at):
+            names.append(match[0].strip("\"'"))
+            self._at = match.end()
+            if not self._next("."):
+                break
+        self._next(" ")
+        return names
+
+    def _next(self, mark: str) -> bool:
+        """Whether the mark comes next, after spaces; it is then passed, with the spaces behind it."""
+        at = self._at
+        while self._text[at : at + 1] in (" ", "\t"):
+            at += 1
+        if not self._text.startswith(mark, at):
+            return False
+        self._at = at + len(mark)
+        while self._text[self._at : self._at + 1] in (" ", "\t"):
+            self._at += 1
+        return True
+
+    def _skip_blank(self) -> bool:
+        """Pass spaces, ends of lines, commas and comments; whether anything follows them."""
+        match = _BLANK.match(self._text, self._at)
+        assert match is not None  # it may be empty
+        self._at = match.end()
+        return self._at < len(self._text)
+
+    def _line(self) -> int:
+        return bisect.bisect_left(self._ends, self._at) + 1

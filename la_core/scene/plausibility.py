@@ -1,0 +1,108 @@
+"""Warnings about values that are allowed but seldom meant: an angle for friction, another unit, a motion upward."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from la_core.geometry import ROLES, Blocks
+
+FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
+DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
+SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
+WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome
+GRAVITY = (5.0, 15.0)  # m/s2: of the earth, with room for inclined models
+UPWARD = 1e-6  # of the motion: round-off in a direction that is meant to be level
+NAMED = 3  # blocks named in one warning
+
+
+def implausible(
+    blocks: Blocks, densities: Sequence[float | None], friction: float, gravity: np.ndarray, twist: np.ndarray | None
+) -> tuple[str, ...]:
+    """Return one sentence for each value of a scene that is probably a slip.
+
+    Parameters
+    ----------
+    blocks : Blocks
+        Blocks of the scene.
+    densities : sequence of float or None
+        Density of each block as the scene gives it, without floors, kg/m3; None where it gives none.
+    friction : float
+        Friction coefficient, tan(phi).
+    gravity : ndarray, shape (3,)
+        Acceleration of gravity, m/s2.
+    twist : ndarray, shape (6,), or None
+        Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
+    """
+    return (
+        *_of_friction(friction),
+        *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
+        *_of_sizes(blocks),
+        *_of_gravity(gravity),
+        *_of_weight(blocks, gravity),
+        *_of_motion(blocks, gravity, twist),
+    )
+
+
+def _of_friction(friction: float) -> Iterator[str]:
+    if friction > FRICTION:
+        angle = ""
+        if 5.0 <= friction < 90.0:
+            angle = f"; if it is an angle, write its tangent: {friction:g} degrees is {math.tan(math.radians(friction)):.3f}"
+        yield f"joint.friction = {friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75{angle}."
+
+
+def _of_densities(densities: Sequence[float]) -> Iterator[str]:
+    low, high = DENSITY
+    for density in sorted({density for density in densities if not low <= density <= high}):
+        unit = ""
+        if 10.0 <= density <= 40.0:
+            unit = f"; if it is a weight in kN/m3, write {1000.0 * density / 9.81:.0f}"
+        elif 0.5 <= density <= 4.0:
+            unit = f"; if it is in t/m3, write {1000.0 * density:.0f}"
+        yield f"density = {density:g} kg/m3 lies outside {low:g} to {high:g}{unit}."
+
+
+def _of_sizes(blocks: Blocks) -> Iterator[str]:
+    extent = blocks.high - blocks.low
+    (low, high), where = SIZE, blocks.free
+    long, thin = np.flatnonzero(where & (extent.max(axis=1) > high)), np.flatnonzero(where & (extent.min(axis=1) < low))
+    if len(long):
+        yield f"{_named(blocks, long)} longer than {high:g} m (up to {extent[long].max():.4g} m); coordinates are in metres."
+    if len(thin):
+        least = 1e3 * extent[thin].min()
+        yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
+
+
+def _named(blocks: Blocks, some: np.ndarray) -> str:
+    names = ", ".join(f'"{blocks.names[k]}"' for k in some[:NAMED])
+    if len(some) == 1:
+        return f"block {names} is"
+    return f"{len(some)} blocks ({names}{', ...' if len(some) > NAMED else ''}) are"
+
+
+def _of_gravity(gravity: np.ndarray) -> Iterator[str]:
+    low, high = GRAVITY
+    size = float(np.linalg.norm(gravity))
+    if not low <= size <= high:
+        yield f"gravity is {size:.4g} m/s2, and that of the earth is 9.81."
+    if gravity[2] > 0.0:
+        yield "gravity points upward, along z; its z is negative on earth."
+
+
+def _of_weight(blocks: Blocks, gravity: np.ndarray) -> Iterator[str]:
+    weight = float(blocks.mass[blocks.free].sum() * np.linalg.norm(gravity))
+    low, high = WEIGHT
+    if not low <= weight <= high:
+        beyond = "more than any known building of masonry" if weight > high else "less than that of a model of small pieces"
+        yield f"the free blocks weigh {weight:.3g} N, {beyond}; are coordinates in metres and densities in kg/m3?"
+
+
+def _of_motion(blocks: Blocks, gravity: np.ndarray, twist: np.ndarray | None) -> Iterator[str]:
+    supports = blocks.role == ROLES["support"]
+    if twist is None or not supports.any():
+        return
+    velocity = twist[:3] + np.cross(twist[3:], blocks.centroid[supports])
+    sinks = np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity
+    if sinks < -UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max():
+        yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."

@@ -1,0 +1,246 @@
+"""Drawings: outlines of DXF and SVG become the blocks that a user would have typed, or are refused in words."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import wall_drawings as drawn
+from wall_drawings import WALL, dxf, insert, lines, polyline
+
+from comparison.cli.commands import main
+from la_core.analysis.stage import analyse
+from la_core.errors import SceneError
+from la_core.geometry import find_interfaces
+from la_core.limit.problem import Drive
+from la_core.scene import Scene, build, load_scene
+
+SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
+ABOVE = [(0, 500), (1000, 500), (1000, 1000), (0, 1000)]
+CROSSED = [(0, 0), (1000, 500), (1000, 0), (0, 500)]
+BASE = [(0, -100), (1000, -100), (1000, 0), (0, 0)]
+ROUND_OFF = 1e-9
+
+
+def scene_of(folder: Path, content: bytes, suffix: str = ".dxf", tables: dict[str, Any] | None = None, **drawing: Any) -> Scene:
+    """A scene with one drawing in a folder; a live load needs no support."""
+    folder.mkdir(exist_ok=True)
+    (folder / f"wall{suffix}").write_bytes(content)
+    table = {"file": f"wall{suffix}", "thickness": 0.3, **drawing}
+    whole = {"stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "drawing": [table], **(tables or {})}
+    return build({"live": {"direction": [1.0, 0.0, 0.0]}} | whole if "settlement" not in whole else whole, "wall", folder)
+
+
+def areas(scene: Scene) -> list[float]:
+    """Area of the outline of every block, m2."""
+    return (scene.blocks.volume / 0.3).tolist()
+
+
+SETTLING = {"settlement": {"direction": [0.0, 0.0, -1.0]}}
+ROLES = {"ground": ["GROUND"], "support": ["SETT*"], "joints": 0.012}
+
+
+@pytest.mark.parametrize(("content", "suffix"), [(drawn.wall_dxf(), ".dxf"), (drawn.wall_svg(), ".svg")])
+def test_a_drawn_wall_is_the_wall_of_whole_blocks(content: bytes, suffix: str, tmp_path: Path) -> None:
+    """Polylines, lines, an insert and 10 mm joints, against the same blocks drawn without joints."""
+    scene = scene_of(tmp_path, content, suffix, SETTLING, **ROLES)
+    typed = typed_wall()
+    assert [len(scene.blocks), len(typed.blocks)] == [9, 9]
+    assert [one.doubles for one in scene.drawn] == [1 if suffix == ".dxf" else 0]
+    counts = [len(find_interfaces(one.blocks)) for one in (scene, typed)]
+    assert counts[0] == counts[1]
+    inner = scene.repairs.largest_move
+    assert inner == pytest.approx(0.005 * np.sqrt(2.0), rel=1e-3)  # half a joint along x and half a joint along z
+    values = [analyse(one).bounds[Drive.YIELDING].value / one.weight for one in (scene, typed)]
+    assert values[0] == pytest.approx(values[1], rel=0.02)  # the outer faces stay 5 mm within
+
+
+def typed_wall() -> Scene:
+    """The blocks of the drawing with half a joint, 5 mm, added wherever an outline ends 5 mm beside a joint's middle."""
+    boxes = []
+    for layer, role in (("GROUND", "fixed"), ("SETTLING", "support"), ("BRICKS", "free")):
+        for k, outline in enumerate(WALL[layer]):
+            low, high = np.min(outline, axis=0), np.max(outline, axis=0)
+            (x0, z0), (x1, z1) = np.where(low % 10 == 5, low - 5, low) / 1e3, np.where(high % 10 == 5, high + 5, high) / 1e3
+            boxes.append({"name": f"{layer} {k}", "role": role, "box": {"from": [x0, 0.0, z0], "to": [x1, 0.3, z1]}})
+    return build({"stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "block": boxes, **SETTLING})
+
+
+ONE_OUTLINE = {
+    "polyline": polyline(SQUARE, "A"),
+    "polyline that ends where it begins": polyline([*SQUARE, SQUARE[0]], "A", closed=False),
+    "polyline the other way round": polyline(SQUARE[::-1], "A"),
+    "corner on an edge": polyline([(0, 0), (400, 0), (1000, 0), (1000, 500), (0, 500)], "A"),
+    "lines": lines(SQUARE, "A"),
+    "lines that stop a little short": lines([(0.05, 0), (1000, 0.05), (1000, 499.95), (0, 500)], "A"),
+    "two polylines": polyline(SQUARE[:3], "A", closed=False) + polyline([SQUARE[2], SQUARE[3], SQUARE[0]], "A", closed=False),
+    "drawn twice": polyline(SQUARE, "A") + polyline([(x + 1, z) for x, z in SQUARE], "A"),
+    "a speck beside it": polyline(SQUARE, "A") + polyline([(0, 600), (0.1, 600), (0, 600.1)], "A"),
+}
+
+
+@pytest.mark.parametrize("name", ONE_OUTLINE)
+def test_one_outline_is_one_block(name: str, tmp_path: Path) -> None:
+    scene = scene_of(
+        tmp_path, dxf([polyline(BASE, "GROUND"), ONE_OUTLINE[name]]), ground=["GROUND"], tables={"geometry": {"tolerance": 0.001}}
+    )
+    assert areas(scene) == pytest.approx([0.1, 0.5], rel=1e-3)
+
+
+@pytest.mark.parametrize(("code", "metres"), [(1, 0.0254), (2, 0.3048), (4, 1e-3), (5, 1e-2), (6, 1.0), (14, 0.1)])
+def test_the_unit_is_the_file_s(code: int, metres: float, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, dxf([polyline(BASE, "GROUND"), polyline(SQUARE, "A")], unit=code), ground=["GROUND"])
+    assert areas(scene) == pytest.approx([1e5 * metres**2, 5e5 * metres**2], rel=ROUND_OFF)
+
+
+def test_a_stated_unit_counts(tmp_path: Path) -> None:
+    content = dxf([polyline(BASE, "GROUND"), polyline(SQUARE, "A")], unit=None)
+    assert areas(scene_of(tmp_path, content, ground=["GROUND"], unit="cm")) == pytest.approx([10.0, 50.0], rel=ROUND_OFF)
+
+
+def test_inserts_repeat_a_block_on_their_own_layer(tmp_path: Path) -> None:
+    content = dxf(
+        [polyline([(0, -100), (3000, -100), (3000, 0), (0, 0)], "GROUND"), insert("B", (0, 0), "A", 3, 1000.0)],
+        blocks={"B": polyline(SQUARE, "0")},
+    )
+    scene = scene_of(tmp_path, content, ground=["GROUND"], blocks=["A"])
+    assert scene.blocks.centroid[1:, 0] == pytest.approx([0.5, 1.5, 2.5], rel=ROUND_OFF)
+
+
+def test_layers_and_colours_say_what_an_outline_is(tmp_path: Path) -> None:
+    hole, inside = [(2000, 0), (3000, 0), (3000, 1000), (2000, 1000)], [(2100, 100), (2200, 100), (2200, 200), (2100, 200)]
+    content = dxf(
+        [
+            polyline(BASE, "G", 5),
+            polyline(SQUARE, "A", 1),
+            polyline(ABOVE, "A", 3),
+            polyline(hole, "O"),
+            polyline(inside, "A", 1),
+            polyline(SQUARE, "N"),
+        ]
+    )
+    table = {"ground": ["colour:blue"], "openings": ["O"], "ignore": ["N"], "thickness_of": {"colour:green": 0.2}}
+    scene = scene_of(tmp_path, content, **table)
+    assert scene.blocks.volume == pytest.approx([0.03, 0.15, 0.1], rel=ROUND_OFF)
+    assert scene.blocks.free.tolist() == [False, True, True]
+    assert (scene.drawn[0].openings, scene.drawn[0].in_openings) == (1, 1)
+
+
+def test_arcs_become_chords_within_the_sagitta(tmp_path: Path) -> None:
+    """A half circle of 1 m on a base: its area lies below the circle's by the chords' segments."""
+    content = dxf(
+        [polyline([(-1000, -100), (1000, -100), (1000, 0), (-1000, 0)], "G"), polyline([(-1000, 0), (1000, 0)], "A", bulges=[0.0, 1.0])]
+    )
+    for sagitta in (0.02, 0.002):
+        area = areas(scene_of(tmp_path, content, ground=["G"], sagitta=sagitta))[1]
+        assert np.pi / 2.0 - np.pi * sagitta <= area <= np.pi / 2.0
+
+
+PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" viewBox="0 0 2000 2000">'
+SVG = PAGE + '<g id="G">{ground}</g><g id="A">{shape}</g></svg>'
+SHAPES = {
+    "rect": ('<rect x="0" y="-500" width="1000" height="500"/>', 0.5),
+    "polygon": ('<polygon points="0,0 1000,0 1000,-500 0,-500"/>', 0.5),
+    "relative path": ('<path d="m0,0h1000v-500h-1000z"/>', 0.5),
+    "path without commas": ('<path d="M0 0L1000 0 1000-500 0-500Z"/>', 0.5),
+    "two subpaths": ('<path d="M0,0h500v-500h-500z m500,0h500v-500h-500z"/>', 0.25),
+    "half a circle": ('<path d="M0,0h1000a500,500 0 0 0 -1000,0z"/>', np.pi / 8.0),
+    "scaled": ('<g transform="scale(2)"><rect x="0" y="-250" width="500" height="250"/></g>', 0.5),
+    "turned": ('<g transform="rotate(-90) translate(0,0)"><rect x="0" y="0" width="500" height="1000"/></g>', 0.5),
+    "cubic": ('<path d="M0,0H1000V-500C1000,-500 0,-500 0,-500z"/>', 0.5),
+    "quadratic": ('<path d="M0,0H1000Q500,-1000 0,0z"/>', 1.0 / 3.0),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_shapes_of_svg(name: str, tmp_path: Path) -> None:
+    shape, area = SHAPES[name]
+    content = SVG.format(ground='<rect x="0" y="0" width="1000" height="100"/>', shape=shape).encode()
+    scene = scene_of(tmp_path, content, ".svg", ground=["G"], sagitta=0.001)
+    assert areas(scene)[:2] == pytest.approx([0.1, area], rel=5e-3)
+    assert scene.blocks.centroid[1, 2] > 0.0  # z is up
+
+
+REFUSED = {
+    "no unit": (dxf([polyline(SQUARE, "A")], unit=None), {}, 'does not say its unit; state it: unit = "mm"'),
+    "DWG": (b"AC1032 and bytes", {}, "is a DWG file; save it as DXF"),
+    "not DXF": (b"hello", {}, "is not a whole DXF file"),
+    "nothing in it": (dxf([]), {}, "holds no closed outline"),
+    "loose lines": (dxf([drawn.line((0, 0), (1, 1), "A")]), {}, "holds no closed outline; it has 1 lines that enclose nothing"),
+    "no such layer": (dxf([polyline(SQUARE, "BRICK")]), {"ground": ["BRICKS"]}, 'ground = \'BRICKS\': no outline is on such a layer'),
+    "crossing": (dxf([polyline(CROSSED, "A")]), {}, 'layer "A", near (0.5, 0.25): the outline crosses itself'),
+    "insert of itself": (dxf([insert("B", (0, 0), "A")], blocks={"B": insert("B", (1, 1), "0")}), {}, 'drawing "wall.dxf": '),
+}  # fmt: skip
+REFUSED_SVG = {
+    "not XML": (b"hello", "is not a whole SVG file"),
+    "another XML": (b"<html/>", "is not an SVG file: its first element is <html>"),
+    "entities": (b'<!DOCTYPE svg [<!ENTITY a "b">]><svg/>', "defines entities"),
+    "no unit": (b'<svg width="100" height="100"/>', "does not say its unit"),
+    "broken path": (b'<svg width="1mm"><path d="M 1 2 3"/></svg>', "has a path whose command M has 3 numbers"),
+    "path of letters": (b'<svg width="1mm"><path d="L 1 2"/></svg>', "has a path that does not begin with M"),
+    "no number": (b'<svg width="1mm"><rect width="wide"/></svg>', 'width = "wide", which is no number'),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_bad_dxf_is_refused_in_words(name: str, tmp_path: Path) -> None:
+    content, table, words = REFUSED[name]
+    with pytest.raises(SceneError) as error:
+        scene_of(tmp_path, content, **table)
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", REFUSED_SVG)
+def test_a_bad_svg_is_refused_in_words(name: str, tmp_path: Path) -> None:
+    content, words = REFUSED_SVG[name]
+    with pytest.raises(SceneError) as error:
+        scene_of(tmp_path, content, ".svg")
+    assert words in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_missing_drawing_and_a_link_out_of_the_folder_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=r'drawing "other\.dxf": cannot be read'):
+        scene_of(tmp_path, b"", file="other.dxf")
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "inner" / "out.dxf").symlink_to(tmp_path / "wall.dxf")
+    with pytest.raises(SceneError, match="a link that leads out of the scene's folder"):
+        scene_of(tmp_path / "inner", b"", file="out.dxf")
+
+
+# --- crosscheck new --from ---------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_for_a_drawing_is_written_and_can_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "wall.dxf").write_bytes(drawn.wall_dxf())
+    assert main(["new", "--from", str(tmp_path / "wall.dxf")]) == 0
+    scene = load_scene(tmp_path / "wall.toml")
+    assert len(scene.blocks) == 9 and scene.support_twist is not None
+    assert not scene.repairs.unclosed and scene.repairs.gaps_closed == 14
+    assert main(["new", "--from", str(tmp_path / "wall.dxf")]) == 2
+    assert "exists already and is not replaced" in capsys.readouterr().err
+
+
+def test_a_structure_without_ground_gets_a_base(tmp_path: Path) -> None:
+    (tmp_path / "stones.svg").write_bytes(SVG.format(ground="", shape=SHAPES["polygon"][0]).encode())
+    assert main(["new", "-q", "--from", str(tmp_path / "stones.svg")]) == 0
+    scene = load_scene(tmp_path / "stones.toml")
+    assert set(scene.blocks.names) == {"base", "settling base", "block 1"}
+    assert len(find_interfaces(scene.blocks)) == 2
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0])
+def test_bodies_become_a_scene_without_typing(unit: float, tmp_path: Path) -> None:
+    import test_mesh as meshes
+
+    bodies = {name: unit * 2.0 * np.asarray(vertices) for name, (vertices, _) in meshes.wall().items()}
+    (tmp_path / "bodies.obj").write_text(meshes.obj(bodies))
+    assert main(["new", "-q", "--from", str(tmp_path / "bodies.obj")]) == 0
+    scene = load_scene(tmp_path / "bodies.toml")
+    assert len(scene.blocks) >= len(bodies)
+    assert 0.1 < np.ptp(scene.blocks.vertices, axis=0).max() < 100.0
+
+
+@pytest.mark.parametrize(("name", "words"), [("wall.dwg", "is neither a drawing nor a file of bodies"), ("none.dxf", "cannot be read")])
+def test_what_is_no_drawing_is_refused(name: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "--from", str(tmp_path / name)]) == 2
+    assert words in capsys.readouterr().err

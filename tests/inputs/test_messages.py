@@ -1,0 +1,165 @@
+"""Messages about a scene file: all errors at once, each with its line and a next step; and what is no scene at all."""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from la_core.errors import SceneError
+from la_core.scene import shipped
+from la_core.scene.line_numbers import key_lines, line_of
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import starter_names, starter_text
+from la_core.scene.variants import build
+
+WriteScene = Callable[[str], Path]
+
+MANY = """title = "Many mistakes"
+[stone]
+density = -1.0
+[joint]
+fricton = 0.6
+[[wall]]
+origin = [0.0, 0.0, 0.0]
+block = [0.4, 0.2, 0.2]
+per_course = 4
+courses = 4
+opening = [
+  { from = [0.4, 0.2], to = [0.8, 0.4] },
+]
+[[wall]]
+bond = "english"
+origin = [0.0, 0.0, 0.0]
+block = [0.4, 0.2, 0.2]
+per_course = 4
+courses = 4
+[settlement]
+direction = [0.0, 0.0, -1.0]
+"""
+EXPECTED = """6 errors
+  line 3: stone.density = -1.0: must be greater than 0
+  line 5: joint.fricton: unknown key; did you mean "friction"?
+  line 6: wall[1].bond: missing; choose "running" or "stack": running: every other course is shifted by half a block; stack: vertical
+  line 12: wall[1].opening[1].bearing: missing; needed: length by which the head extends beyond the opening on either side; of a
+  line 15: wall[2].bond = 'english': must be 'running' or 'stack'
+"""
+
+
+def message(path: Path) -> str:
+    with pytest.raises(SceneError) as error:
+        load_scene(path)
+    return str(error.value).removeprefix(f"{path}: ")
+
+
+def test_all_errors_of_a_file_come_at_once_each_with_its_line(write_scene: WriteScene) -> None:
+    told = message(write_scene(MANY + "[live]\n")).splitlines()
+    for line, start in zip(told, EXPECTED.splitlines(), strict=False):
+        assert line.startswith(start), line
+    assert told[-1] == "  line 22: live.direction: missing; needed: direction of the load, of any length"
+
+
+def test_what_cannot_be_built_is_told_of_every_table(write_scene: WriteScene, two_pads: str) -> None:
+    bad = '[[block]]\nname = "{}"\nprism = {{ profile = [[0, 0], [1, 0], [2, 0]], y = [0, 1] }}\n'
+    told = message(write_scene(f"{two_pads}\n{bad.format('first')}{bad.format('second')}"))
+    first = len(two_pads.splitlines()) + 2
+    assert told.splitlines() == [
+        "2 errors",
+        f'  line {first}: block "first": the profile has no area',
+        f'  line {first + 3}: block "second": the profile has no area',
+    ]
+
+
+def test_of_very_many_errors_the_rest_is_counted(write_scene: WriteScene, two_pads: str) -> None:
+    told = message(write_scene(two_pads + "".join(f'[[block]]\nname = "{k}"\ndensity = -1.0\n' for k in range(50)))).splitlines()
+    assert (told[0], len(told), told[-1]) == ("50 errors", 22, "  and 30 more")
+
+
+def test_a_scene_made_in_code_has_no_lines() -> None:
+    with pytest.raises(SceneError) as error:
+        build({"joint": {"friction": -1.0}, "settlement": {"direction": [0, 0, -1]}})
+    assert "line" not in str(error.value)
+
+
+def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(write_scene: WriteScene, two_pads: str) -> None:
+    told = message(write_scene(two_pads.replace("direction = [0.0", "qqq = 1\ndirection = [0.0")))
+    assert "settlement.qqq: unknown key; valid keys: direction, axis, point\n" in told
+    assert "\n  direction  direction of a translation, of any length; down is [0, 0, -1]\n" in told
+    assert told.endswith("\n  point      a point on that axis (m)")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("= 0.6", "= 0,6", "write numbers with a decimal point, 0.6"),
+        ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction of an angle is its tangent"),
+        ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is its tangent, 0.700"),
+        ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),
+        ("= 2200.0", '= "2200 kg/m3"', "write the number alone, without quotes and unit: 2200"),
+        ("= 2200.0", '= "2200,5"', "write the number alone, without quotes: 2200.5"),
+        ("[1.0, 0.2, 0.5]", "[1,0, 0,2, 0,5]", "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"),
+        ('= "support"', "= support", "write text in quotes"),
+        ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: unknown key; joints have none: they open without force"),
+        ("[settlement]", "[[load]]\nforce = 1\n[settlement]", "load: unknown key; loads are the blocks' weights"),
+        ("[settlement]", "[live]\ndirection = [1, 0, 0]\n[settlement]", "needs either a [settlement] or a [live] table; it has both"),
+    ],
+)
+def test_a_common_slip_is_recognised(old: str, new: str, expected: str, tmp_path: Path, two_pads: str) -> None:
+    assert old in two_pads
+    path = tmp_path / "slip.toml"
+    path.write_text(two_pads.replace(old, new, 1), encoding="utf-8")
+    assert expected in message(path)
+
+
+def test_a_file_in_another_encoding_is_to_be_saved_as_utf_8(tmp_path: Path, two_pads: str) -> None:
+    path = tmp_path / "latin.toml"
+    path.write_bytes(f'# A comment\ntitle = "façade"\n{two_pads}'.encode("latin-1"))
+    assert message(path).startswith("not UTF-8 text (byte 23, line 2); save the file in the encoding UTF-8")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "source"),
+    [
+        ("wall.obj", "a mesh", "wall.obj"),
+        ("WALL.STL", "a mesh", "WALL.STL"),
+        ("plan.dxf", "a drawing", "plan.dxf"),
+        ("plan.svg", "a drawing", "plan.svg"),
+        ("plan.dwg", "a drawing", "plan.dxf"),
+        ("a.png", "a drawing or a picture", None),
+    ],
+)
+def test_a_mesh_or_a_drawing_in_place_of_a_scene_says_what_to_do(name: str, kind: str, source: str | None, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_bytes(b"v 0 0 0\n")
+    told = message(path)
+    assert told.startswith(f"is {kind}, not a scene; ")
+    if source is None:
+        assert "`crosscheck new` lists kinds" in told
+    else:
+        assert f"`crosscheck new --from {tmp_path / source}` writes a scene for it" in told.replace("then writes", "writes")
+
+
+def test_a_line_is_that_of_the_key_or_of_the_nearest_table_around_it() -> None:
+    text = (
+        'a.b = 1 # x = 2\n[t]\n"k" = """\nx = 1\n"""\nl = [ # c\n  [1, 2],\n  { m = 3 },\n]\n[[u.v]]\n[[u.v]]\nw = \'#\'\n[u.v.z]\ny = 1\n'
+    )
+    lines = key_lines(text)
+    places = {("a", "b"): 1, ("t", "k"): 3, ("t", "l", 0, 1): 7, ("t", "l", 1, "m"): 8, ("u", "v", 1, "w"): 12, ("u", "v", 1, "z", "y"): 14}
+    assert {place: lines[place] for place in places} == places
+    assert line_of(lines, ("u", "v", 0, "missing")) == 10 and line_of(lines, ("nowhere",)) is None
+
+
+@pytest.mark.parametrize(
+    "text", [*map(starter_text, starter_names()), *(shipped.find(name).read_text("utf-8") for name in shipped.names())]
+)
+def test_every_key_of_a_scene_has_its_line(text: str) -> None:
+    """The scan finds the places that the standard library's parser finds, and each on a line with the key's name."""
+
+    def places(value: object, place: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
+        inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+        return [place, *(found for key, one in inner for found in places(one, (*place, key)))]
+
+    lines = key_lines(text)
+    assert set(lines) == set(places(tomllib.loads(text))) - {()}
+    rows = text.splitlines()
+    assert all(str(place[-1]) in rows[line - 1] for place, line in lines.items() if isinstance(place[-1], str))

@@ -1,0 +1,105 @@
+"""Values that are allowed but seldom meant: each brings a warning, in every place where a user looks, and never an error."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import scenes
+
+from comparison.cli.commands import main
+from comparison.report.report import write_report
+from la_core.scene import shipped
+from la_core.scene.scene import load_scene
+
+WriteScene = Callable[[str], Path]
+AS_SEEN = {  # what is changed in the example of two pads, and what the warning must say
+    "an angle for friction": (("friction = 0.6", "friction = 35.0"), "joint.friction = 35 is above 1.2", "35 degrees is 0.700"),
+    "friction beyond stone": (("friction = 0.6", "friction = 1.5"), "joint.friction = 1.5 is above 1.2"),
+    "a weight for density": (("2200.0", "18.0"), "density = 18 kg/m3 lies outside 500 to 4000", "kN/m3, write 1835"),
+    "tonnes for density": (("2200.0", "2.2"), "density = 2.2 kg/m3 lies outside", "t/m3, write 2200"),
+    "a heavy stone": (("2200.0", "9000.0"), "density = 9000 kg/m3 lies outside 500 to 4000"),
+    "a lift": (("0.0, -1.0]", "0.0, 1.0]"), "the support moves against gravity"),
+    "gravity of the moon": (("-9.81", "-1.62"), "gravity is 1.62 m/s2"),
+}
+WALL_OF_MILLIMETRES = """
+[stone]
+density = 2000.0
+[joint]
+friction = 0.6
+[[wall]]
+bond = "stack"
+origin = [0.0, 0.0, 0.0]
+block = [600.0, 400.0, 300.0]
+per_course = 2
+courses = 2
+footing = { height = 300.0, settling = [600.0, 1200.0] }
+[settlement]
+direction = [0.0, 0.0, -1.0]
+"""
+
+
+def changed(text: str, swap: tuple[str, str]) -> str:
+    assert text.count(swap[0]) == 1, swap
+    return text.replace(*swap)
+
+
+def warnings_of(path: Path) -> str:
+    return " ".join(load_scene(path).warnings)
+
+
+@pytest.mark.parametrize("case", AS_SEEN)
+def test_an_implausible_value_brings_one_warning_that_says_what_may_be_meant(case: str, write_scene: WriteScene, two_pads: str) -> None:
+    swap, *expected = AS_SEEN[case]
+    scene = load_scene(write_scene(changed(two_pads, swap)))
+    assert len(scene.warnings) == 1
+    assert all(words in scene.warnings[0] for words in expected)
+
+
+@pytest.mark.parametrize("name", [name for name in shipped.names() if name not in shipped.LONG])
+def test_no_shipped_scene_brings_a_warning(name: str) -> None:
+    assert scenes.shipped(name).warnings == ()
+
+
+def test_a_floor_on_a_block_is_no_heavy_stone() -> None:
+    """The mass of a floor belongs to blocks in the model, and not to their stone."""
+    scene = scenes.shipped("building_corner")
+    assert scene.blocks.density.max() > 4000.0 and scene.warnings == ()
+
+
+def test_a_wall_in_millimetres_is_longer_than_any_block_and_heavier_than_any_building(write_scene: WriteScene) -> None:
+    told = warnings_of(write_scene(WALL_OF_MILLIMETRES))
+    assert '4 blocks ("wall 1.1", "wall 1.2", "wall 2.1", ...) are longer than 10 m (up to 600 m)' in told
+    assert "weigh 5.65e+12 N, more than any known building" in told
+
+
+def test_a_block_thinner_than_a_tile_is_named(write_scene: WriteScene, two_pads: str) -> None:
+    told = warnings_of(write_scene(changed(two_pads, ("to = [1.0, 0.2, 0.5]", "to = [1.0, 0.2, 0.005]"))))
+    assert told == 'block "block" is thinner than 10 mm (down to 5 mm); coordinates are in metres.'
+
+
+def test_ground_may_be_long_and_a_spreading_or_turning_support_is_no_lift(write_scene: WriteScene, two_pads: str) -> None:
+    text = changed(two_pads, ("from = [0.0, 0.0, -0.1]", "from = [-20.0, 0.0, -0.1]"))
+    for motion in ("direction = [1.0, 0.0, 0.0]", "axis = [0.0, 1.0, 0.0]\npoint = [0.4, 0.0, 0.0]"):
+        assert warnings_of(write_scene(changed(text, ("direction = [0.0, 0.0, -1.0]", motion)))) == ""
+    backward = "axis = [0.0, -1.0, 0.0]\npoint = [0.4, 0.0, 0.0]"
+    assert "against gravity" in warnings_of(write_scene(changed(text, ("direction = [0.0, 0.0, -1.0]", backward))))
+
+
+def test_a_warning_stands_in_every_answer_and_in_the_report(
+    write_scene: WriteScene, two_pads: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = write_scene(changed(two_pads, ("friction = 0.6", "friction = 2.0")))
+    results = tmp_path / "results"
+    for command in (["show"], ["solve", "--results", str(results)], ["run", "--no-yade", "-o", str(results)]):
+        assert main([command[0], str(path), "-q", "--json", *command[1:]]) == 0
+        printed = capsys.readouterr()
+        assert f"warning: {path.stem}: joint.friction = 2 is above 1.2" in printed.err
+        said = json.loads(printed.out)
+        (warning,) = said["warnings"] if "warnings" in said else said["comparisons"][0]["warnings"]
+        assert warning.startswith("joint.friction = 2")
+    comparison = json.loads((results / path.stem / "comparison.json").read_text(encoding="utf-8"))
+    write_report(results, [comparison], {})
+    for page in ("report.html", "report.md"):
+        assert "Warning: joint.friction = 2 is above 1.2" in (results / page).read_text(encoding="utf-8").replace("\\", "")

@@ -1,0 +1,143 @@
+"""The tolerance of the geometry: surveyed walls close again, every change is reported, and what cannot be repaired is named."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import scenes
+
+from la_core.analysis.modelling import structural_model
+from la_core.analysis.stage import analyse
+from la_core.errors import SceneError
+from la_core.geometry import find_interfaces
+from la_core.limit.problem import Drive
+from la_core.scene import Scene
+
+LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
+ROUND_OFF = 1e-9
+
+
+def surveyed(
+    courses: int,
+    per_course: int,
+    error: float,
+    seed: int = 0,
+    digits: int = 12,
+    joint: float = 0.0,
+    tolerance: float = 0.0,
+    bond: str = "running",
+) -> Scene:
+    """A wall whose corners are wrong by up to `error`, m, each by itself, then rounded."""
+    chance, parts, width = (
+        np.random.default_rng(seed),
+        list(scenes.base(round(per_course * 2 / 3) * LENGTH, per_course * LENGTH, DEPTH)),
+        LENGTH / 2,
+    )
+    for course in range(courses):
+        first = 1 if course % 2 and bond == "running" else 2
+        ends = [0.0, *(np.arange(first, 2 * per_course, 2) * width).tolist(), per_course * LENGTH]
+        for number, (left, right) in enumerate(pairwise(ends), 1):
+            low, high = course * HEIGHT, (course + 1) * HEIGHT
+            grown = np.array([(left, low), (right, low), (right, high), (left, high)])
+            drawn = grown + joint / 2.0 * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) + chance.uniform(-error, error, (4, 2))
+            parts.append(scenes.block(f"{course}.{number}", prism=(np.round(drawn, digits).tolist(), (0.0, DEPTH))))
+    if tolerance:
+        parts.append(scenes.table("geometry", tolerance=tolerance))
+    return scenes.build(*parts)
+
+
+def joints(scene: Scene) -> list[tuple[str, str]]:
+    """Pairs of blocks with a joint that counts."""
+    found = structural_model(scene).assembly.interfaces
+    return sorted((scene.blocks.names[a], scene.blocks.names[b]) for a, b in zip(found.block_a, found.block_b, strict=True))
+
+
+def reaction(scene: Scene) -> float:
+    return analyse(scene).bounds[Drive.YIELDING].value / scene.weight
+
+
+@pytest.mark.parametrize(("error", "tolerance"), [(0.0005, 0.001), (0.002, 0.003), (0.004, 0.005), (0.005, 0.005)])
+@pytest.mark.parametrize(("seed", "bond"), [(1, "running"), (2, "running"), (3, "stack")])
+def test_a_surveyed_wall_has_the_joints_of_the_true_one(error: float, tolerance: float, seed: int, bond: str) -> None:
+    """In stack bond four corners meet, and errors make joints of some millimetres between blocks that meet in a corner only."""
+    true, survey = surveyed(6, 8, 0.0, bond=bond), surveyed(6, 8, error, seed, tolerance=tolerance, bond=bond)
+    assert joints(survey) == joints(true)
+    repairs = survey.repairs
+    assert 0.0 < repairs.largest_move < 3.0 * tolerance and repairs.moved_block in survey.blocks.names
+    assert not repairs.unclosed and repairs.gaps_closed + repairs.overlaps_closed > 0.9 * len(joints(true))
+    assert reaction(survey) == pytest.approx(reaction(true), rel=0.05)
+
+
+@pytest.mark.parametrize("digits", [2, 3])
+def test_rounded_coordinates_close_again(digits: int) -> None:
+    turned = surveyed(5, 6, 0.4 * 10.0**-digits, digits=digits, tolerance=10.0**-digits)
+    assert joints(turned) == joints(surveyed(5, 6, 0.0))
+
+
+def test_a_true_wall_stays_as_it_is() -> None:
+    plain, repaired = surveyed(4, 5, 0.0), surveyed(4, 5, 0.0, tolerance=0.005)
+    assert repaired.blocks.vertices == pytest.approx(plain.blocks.vertices, abs=ROUND_OFF)
+    assert repaired.repairs.largest_move < ROUND_OFF
+    assert (repaired.repairs.gaps_closed, repaired.repairs.overlaps_closed, repaired.repairs.overlaps_cut) == (0, 0, 0)
+    assert plain.repairs is None
+
+
+def test_mortar_within_the_tolerance_is_closed_in_its_middle() -> None:
+    """Two blocks 4 mm apart and 4 mm above the ground: every face moves by 2 mm."""
+    pads = scenes.base(0.5, 1.0, 1.0)
+    blocks = [scenes.box("a", (0.0, 0.0, 0.004), (0.498, 1.0, 0.5)), scenes.box("b", (0.502, 0.0, 0.004), (1.0, 1.0, 0.5))]
+    scene = scenes.build(*pads, *blocks, scenes.table("geometry", tolerance=0.0025))
+    place = dict(zip(scene.blocks.names, zip(scene.blocks.low, scene.blocks.high, strict=True), strict=True))
+    assert place["a"][1][0] == pytest.approx(0.5, abs=1e-6) == place["b"][0][0]
+    assert [place[name][0][2] for name in "ab"] == pytest.approx([0.002, 0.002], abs=1e-6)
+    assert scene.repairs.gaps_closed == 3
+    assert scene.repairs.largest_move == pytest.approx(0.002 * np.sqrt(2.0), rel=1e-4)
+
+
+def test_what_is_wider_than_the_tolerance_stays_open() -> None:
+    pads = scenes.base(0.5, 1.0, 1.0)
+    scene = scenes.build(*pads, scenes.box("a", (0.0, 0.0, 0.02), (1.0, 1.0, 0.5)), scenes.table("geometry", tolerance=0.005))
+    with pytest.raises(SceneError, match=r'block "a": touches nothing'):
+        find_interfaces(scene.blocks)
+
+
+def test_an_overlap_beyond_the_tolerance_is_refused() -> None:
+    with pytest.raises(SceneError, match=r'"fixed base" and "a": overlap by about 0.05 m, more than the tolerance'):
+        scenes.build(*scenes.base(0.5, 1.0), scenes.box("a", (0.0, 0.0, -0.05), (1.0, 1.0, 0.5)), scenes.table("geometry", tolerance=0.005))
+
+
+def test_a_short_joint_within_the_tolerance_goes() -> None:
+    """A block that rests on two pads, on the second one by 3 mm only."""
+    pads = [
+        scenes.box("fixed", (0.0, 0.0, -0.5), (0.997, 1.0, 0.0), "fixed"),
+        scenes.box("settling", (0.997, 0.0, -0.5), (2.0, 1.0, 0.0), "support"),
+    ]
+    blocks = [scenes.box("a", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), scenes.box("b", (1.0, 0.0, 0.0), (2.0, 1.0, 0.5))]
+    counts = {}
+    for tolerance in (0.001, 0.002):
+        analysis = analyse(scenes.build(*pads, *blocks, scenes.table("geometry", tolerance=tolerance)))
+        counts[tolerance] = len(analysis.whole.interfaces)
+    assert counts == {0.001: 4, 0.002: 3}
+
+
+def test_what_cannot_lie_on_one_plane_is_named_with_its_corner() -> None:
+    """The last metre of a bed of five falls by 9.9 mm: the block upon it cannot lie on both within 5 mm."""
+    pads = [scenes.block("fixed", "fixed", prism=([(0, -1), (4, -1), (4, 0), (0, 0)], (0.0, 1.0)))]
+    pads.append(scenes.block("settling", "support", prism=([(4, -1), (5, -1), (5, -0.0099), (4, 0)], (0.0, 1.0))))
+    scene = scenes.build(*pads, scenes.box("a", (0.0, 0.0, 0.0), (5.0, 1.0, 0.5)), scenes.table("geometry", tolerance=0.005))
+    (unclosed,) = scene.repairs.unclosed
+    assert set(unclosed.blocks) == {"settling", "a"}
+    assert unclosed.gap == pytest.approx(0.0099, rel=0.01)
+    assert unclosed.vertex[0] == pytest.approx(5.0, abs=0.01)
+
+
+def test_bodies_in_space_close_too() -> None:
+    """Boxes of a pile of three by two by two with errors in all directions."""
+    chance, parts = np.random.default_rng(3), [scenes.box("ground", (0.0, 0.0, -0.5), (0.75, 1.0, 0.0), "fixed")]
+    parts.append(scenes.box("settling", (0.75, 0.0, -0.5), (1.5, 1.0, 0.0), "support"))
+    for i, j, k in np.ndindex(3, 2, 2):
+        corners = np.array(np.meshgrid([i, i + 1], [j, j + 1], [k, k + 1])).T.reshape(-1, 3) * 0.5
+        low, high = corners.min(axis=0) + chance.uniform(-0.002, 0.002, 3), corners.max(axis=0) + chance.uniform(-0.002, 0.002, 3)
+        parts.append(scenes.box(f"{i}{j}{k}", low, high))
+    scene = scenes.build(*parts, scenes.table("geometry", tolerance=0.004))
+    assert len(joints(scene)) == 8 + 6 + 8 + 6

@@ -1,0 +1,107 @@
+"""The faces that contact spheres touch, as YADE bodies: boxes, polyhedra, and slabs with one face."""
+
+import numpy as np
+from yade import Body, Box
+
+from yade_scripts.case import FREE, Case
+from yade_scripts.sphere_placement import box_extents
+
+try:
+    from yade.minieigenHP import Quaternion, Vector3
+except ImportError:  # YADE before 2022 kept them in a package of their own
+    from minieigen import Quaternion, Vector3
+try:
+    from yade import Polyhedra
+except ImportError:  # YADE built without CGAL, as Debian 13 has it: boxes alone offer faces
+    Polyhedra = None
+
+_FREE_FACE, _HELD_FACE = 0b101, 0b010  # masks, see `bodies`
+_LEVEL = 1e-4  # of the block's size: contact points farther apart along a normal lie on two faces
+_SHAPE_TOLERANCE = 1e-9  # of the block's size
+
+
+class YadeError(Exception):
+    """YADE built something other than the case; the message says what."""
+
+
+def faces_of(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
+    """Return the massless bodies that other blocks' spheres touch, each with the indices of its contact points.
+
+    As a rule it is one body, the block's solid. With small displacements, one box for each face in contact replaces a polyhedron:
+    a step is then three to seven times as fast, because YADE searches polyhedra triangle by triangle.
+    """
+    touching = np.flatnonzero(case.target == block)
+    if case.boxes[block] is not None or (case.displacement == "finite" and len(case.parts[block]) == 1):
+        return [(_solid(case, block, case.vertices[block]), touching)]
+    if case.displacement == "finite":
+        nearest = _nearest_parts(case, block, touching)
+        return [(_solid(case, block, points), touching[nearest == part]) for part, points in enumerate(case.parts[block])]
+    outward = np.where(case.block_a[touching] == block, 1.0, -1.0)[:, None] * case.normal[touching]
+    normals, which = np.unique(outward, axis=0, return_inverse=True)
+    served = [touching[which.ravel() == face] for face in range(len(normals))]
+    return [
+        (_slab(case, block, normal, level[0]), level)
+        for normal, points in zip(normals, served, strict=True)
+        for level in _levels(case, block, normal, points)
+    ]
+
+
+def _levels(case: Case, block: int, outward: np.ndarray, points: np.ndarray) -> list[np.ndarray]:
+    """Return the contact points of one normal (3,), those on one plane together: a convex block has one face of a normal."""
+    if len(case.parts[block]) == 1:
+        return [points]
+    height = case.position[points] @ outward
+    order = np.argsort(height, kind="stable")
+    steps = np.flatnonzero(np.diff(height[order]) > _LEVEL * np.ptp(case.vertices[block], axis=0).max())
+    return [points[np.sort(level)] for level in np.split(order, steps + 1)]
+
+
+def _nearest_parts(case: Case, block: int, touching: np.ndarray) -> np.ndarray:
+    """Return for each contact point in `touching` (n,) the convex part of the block whose bounding box it lies in, or is nearest to."""
+    low = np.array([points.min(axis=0) for points in case.parts[block]])
+    high = np.array([points.max(axis=0) for points in case.parts[block]])
+    place = case.position[touching][:, None]
+    return np.linalg.norm(np.maximum(np.maximum(low - place, place - high), 0.0), axis=2).argmin(axis=1)
+
+
+def _slab(case: Case, block: int, outward: np.ndarray, contact: int) -> Body:
+    """Return a box around the block whose top is the plane with the normal `outward` (3,) through the contact point."""
+    turn = Quaternion()
+    turn.setFromTwoVectors(Vector3.UnitZ, Vector3(outward))
+    axes = np.array(turn.toRotationMatrix()).reshape(3, 3)
+    points = case.vertices[block] @ axes
+    low, high = points.min(axis=0), points.max(axis=0)
+    high[2] = case.position[contact] @ outward
+    body = Body()
+    body.shape = Box(extents=0.5 * (high - low))
+    body.state.pos, body.state.ori = axes @ (0.5 * (low + high)), turn
+    return body
+
+
+def _solid(case: Case, block: int, vertices: np.ndarray) -> Body:
+    """Return the solid of a convex part with these vertices (n, 3), a box or a polyhedron; raises YadeError where YADE cannot build it."""
+    body = Body()
+    box = box_extents(vertices)
+    if box is not None:
+        body.shape = Box(extents=0.5 * (box[1] - box[0]))
+        body.state.pos = 0.5 * (box[0] + box[1])
+    elif Polyhedra is None:
+        raise YadeError(
+            f"block {block} is not a box along the axes, and this YADE was built without polyhedra (CGAL); use a YADE with them, such as "
+            'Debian 12\'s, or set displacement = "small" in [effects] where no new contact can form'
+        )
+    else:
+        # YADE moves a polyhedron's vertices to its centroid and turns them to its principal axes; the pose undoes that.
+        body.shape = Polyhedra(v=[Vector3(vertex) for vertex in vertices])
+        body.state.pos, body.state.ori = body.shape.GetCentroid(), body.shape.GetOri()
+        _check_polyhedron(block, vertices, body)
+    body.mask = _FREE_FACE if case.role[block] == FREE else _HELD_FACE
+    return body
+
+
+def _check_polyhedron(block: int, wanted: np.ndarray, body: Body) -> None:
+    placed = np.array([body.state.pos + body.state.ori * vertex for vertex in body.shape.v])
+    gaps = np.linalg.norm(wanted[:, None, :] - placed[None, :, :], axis=2)
+    error = max(gaps.min(axis=0).max(), gaps.min(axis=1).max())
+    if len(placed) != len(wanted) or error > _SHAPE_TOLERANCE * np.ptp(wanted, axis=0).max():
+        raise YadeError(f"block {block}: YADE's polyhedron has {len(placed)} vertices, up to {error:.3g} m off the block's {len(wanted)}")
