@@ -28,8 +28,9 @@ MOST_DOUBLINGS = 4  # of the travel, where the curve is not flat
 ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value
 LAST_VISCOSITY = 1e-6  # after annealing
 # Unknowns of a large structure. Its joints are smooth at first, because their instabilities would take most of the time: a wall
-# of 1,024 blocks took 250 steps of sharp joints to a twelfth of the travel, and 20 steps of smooth ones to the whole travel.
-LARGE = 1500.0
+# of 1,024 blocks took 250 steps of sharp joints to a twelfth of the travel, and 20 of smooth ones to all of it.
+LARGE = 2500.0
+BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last as the square of that
 # Over the first viscosity: force over which joints part and slip at first, in mean contact forces; the force at the end; the
 # stretch on which they become sharp, over the travel before.
 SMOOTH, SMOOTH_END, SHARPENED = 3000.0, 1e-3, 0.3
@@ -136,10 +137,10 @@ def predict(
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     followed: list[_Followed] = []
     for number, viscosity in enumerate((*settings.viscosities, settings.viscosities[-1] / 10.0), start=1):
-        if number > len(settings.viscosities) and (is_large(joints) or not _disagree(followed) or followed[-1].exhausted):
+        if number > len(settings.viscosities) and ((len(joints.weights) > LARGE) or not _disagree(followed) or followed[-1].exhausted):
             break
         send = sender(joints, report, viscosity, number, max(number, len(settings.viscosities)))
-        if is_large(joints):
+        if len(joints.weights) > LARGE:
             one = _follow_large(joints, tangent, -rest.progress, viscosity, settings, send)
         else:
             least = max((path.plateau.travel for path in followed), default=0.0)
@@ -166,18 +167,15 @@ def _value_at_rest(joints: ElasticJoints, rest: State) -> float:
     return 0.0 if joints.live else joints.value_in_units(joints.reaction(rest.joints.force))
 
 
-def is_large(joints: ElasticJoints) -> bool:
-    """Whether the joints of the structure are smooth at first."""
-    return len(joints.weights) > LARGE
-
-
 def _follow(
     joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, least_travel: float, send: Sender
 ) -> _Followed | None:
     """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on."""
     end = first_travel(joints)
     least, longest = max(end, least_travel), 2.0**settings.doublings * end
-    path = QuasiStaticPath(joints, tangent, rest, Falling(first, min(first, LAST_VISCOSITY), ANNEALED * end), settings.finer)
+    more = max(len(joints.weights) / BIG, 1.0) ** 2
+    viscosity = Falling(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
+    path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
     while True:
         for point in path.advance_to(end, _effort(joints, settings)):
             send(point.progress, end, point.value)
@@ -233,7 +231,7 @@ def _disagree(followed: list[_Followed]) -> bool:
 def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Followed]) -> CoulombSolution:
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
-    groups = [list(range(len(followed)))] if is_large(joints) else plateau.groups([path.plateau.value for path in followed])
+    groups = [list(range(len(followed)))] if (len(joints.weights) > LARGE) else plateau.groups([path.plateau.value for path in followed])
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)

@@ -154,7 +154,7 @@ def test_results_of_several_scenes_and_of_what_cannot_move_are_refused(
     assert "name one of the folders: a, b" in capsys.readouterr().err
     text = two_pads.replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]").replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
     (tmp_path / "falls.toml").write_text(text.split("[expected]", maxsplit=1)[0])
-    assert main(["run", str(tmp_path / "falls.toml"), "-o", str(tmp_path / "one"), "--no-yade", "-q"]) == 0
+    assert main(["run", str(tmp_path / "falls.toml"), "-o", str(tmp_path / "one"), "--no-yade", "-q"]) == 5
     assert main(["animate", str(tmp_path / "one"), "-q"]) == 2  # the only scene in its folder
     assert "nothing moves" in capsys.readouterr().err
 
