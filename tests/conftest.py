@@ -1,6 +1,7 @@
 """Shared fixtures."""
 
 import functools
+import os
 import shutil
 import signal
 import tomllib
@@ -24,6 +25,7 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.scene import shipped
 from la_core.scene.scene import Scene, load_scene
 
+os.environ.pop("COLUMNS", None)  # a run in parallel sets it to its terminal's width; tables are tested at the width of a pipe
 STARTS_YADE = {"cross_checked", "undisturbed", "copy", "yade", "ran", "altered_yade"}
 # Scenes whose runs `make test` judges: seconds each, and together sliding joints in the plane, an arch, and blocks in space.
 QUICK = {"two_pads", "two_blocks", "arch_spreading", "slab_four_corners", "wall_third"}
