@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 import scenes
 
-from comparison.judge import Verdict
 from comparison.result import run
+from comparison.verdict import Verdict
 
 pytestmark = pytest.mark.yade
 
