@@ -48,7 +48,8 @@ def test_yade_meets_the_coulomb_prediction_where_it_is_steady_and_its_interval_a
     assert all(("Stick-slip" in reason) is (found.run.scatter() > STEADY) for reason in named)
     if found.run.scatter() <= STEADY:
         assert abs(reaction - coulomb.value) <= HISTORY * max(abs(coulomb.value), 1e-2 * found.scene.weight)
-    assert found.summary["verdict"] == "agree", found.summary["reason"]
+    unsure = coulomb.uncertainty > 1e-2 * abs(coulomb.value)  # a method that states so much is not judged
+    assert found.summary["verdict"] == ("inconclusive" if unsure else "agree"), found.summary["reason"]
 
 
 @pytest.mark.parametrize("name", WALLS)
