@@ -142,7 +142,7 @@ def test_a_run_that_slides_unforeseen_is_noticed(cross_checked) -> None:
     assembly = found.analysis.assembly
     wrong = found.analysis.with_effects(assembly.effects.with_effect("friction", "none-slides", "made up"))
     assert prediction.slides_unforeseen(Results(wrong, found.run))
-    assert 'Set friction = "coulomb"' in prediction.predicted(Results(wrong, found.run)).obstacle
+    assert 'Set friction = "coulomb"' in prediction.predicted(Results(wrong, found.run)).next_step
     arch_run = cross_checked("arch_spreading")
     assert not prediction.slides_unforeseen(Results(arch_run.analysis, arch_run.run))
 
