@@ -138,7 +138,7 @@ class ElasticJoints:
         direction = trial / known[:, None]
         share = np.where(size > 0.0, friction / known, by_trial)
         force = np.concatenate([normal[:, None], trial * share[:, None]], axis=1)
-        memory = trial * np.minimum(limit / known, 1.0)[:, None]  # cut back sharply, so that a joint at rest keeps its friction
+        memory = trial * np.minimum(limit / known, 1.0)[:, None]  # cut back sharply, or friction would fade with every step
         tangent = np.zeros((len(normal), self.width, self.width))
         tangent[:, 0, 0] = self.normal * normal_slope
         pressed = np.where(rubs, by_limit * self.friction * tangent[:, 0, 0], 0.0)

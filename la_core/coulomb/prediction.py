@@ -239,7 +239,9 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     stride = chosen.last.progress - chosen.before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
-    certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and chosen.last.progress >= first_travel(joints)
+    still_smooth = chosen.exhausted and np.isfinite(chosen.rounded)  # a path that was cut short before its joints became sharp
+    reached = chosen.last.progress >= first_travel(joints) and not still_smooth
+    certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
     return CoulombSolution(
@@ -285,7 +287,7 @@ def _interval(joints: ElasticJoints, chosen: _Followed, alike: list[_Followed], 
 def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:
     """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
-    if np.isfinite(chosen.rounded):  # of smooth joints: what the travel and the smoothing change
+    if np.isfinite(chosen.rounded):  # of smooth joints: what the smoothing changes
         return SMOOTHED * max(abs(end.value - chosen.rounded), *(abs(end.value - value) for value in values))
     if len(plateau.groups(values)) > 1:
         differ = max(abs(end.value - value) for value in values)
