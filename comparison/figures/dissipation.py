@@ -65,7 +65,7 @@ def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: Mechani
 def _headings(canvas: Canvas, title: str, summary: str) -> None:
     """Write the title above the axes, and the summary between them in smaller letters."""
     above = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": "center", "va": "bottom"}
-    canvas.axes.annotate(summary, (0.5, 1.0), (0.0, 6.0), fontsize=9, linespacing=1.3, parse_math=False, **above)
+    canvas.axes.annotate(summary, (0.5, 1.0), (0.0, 6.0), fontsize=8.5, linespacing=1.3, parse_math=False, **above)
     wrapped = "\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines())
     canvas.axes.set_title(wrapped, fontsize=11, pad=13.0 + 12.0 * len(summary.splitlines()), parse_math=False)
 

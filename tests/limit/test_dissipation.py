@@ -256,7 +256,7 @@ def test_every_kind_of_mechanism_is_drawn_with_all_its_words_inside(kind: str, t
     assert boxes[0].y0 >= boxes[1].y1
     assert boxes[1].y0 >= axes.get_window_extent().y1
     for box in (*boxes, figure.legends[0].get_window_extent()):
-        assert box.x0 >= -1.0 and box.y0 >= -1.0  # pixels
+        assert box.x0 >= 0.0 and box.y0 >= 0.0
         assert box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
     assert len(figure.axes) == 1 + (measures.dissipated_power > 0.0)  # a colour bar only where there is power
 
