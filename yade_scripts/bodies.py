@@ -25,7 +25,7 @@ from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
 from yade_scripts.faces import YadeError, faces_of
-from yade_scripts.settings import Settings
+from yade_scripts.settings import Settings, contact_damping
 from yade_scripts.support_motion import drive_of
 
 try:
@@ -88,8 +88,12 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
     omega.reset()
     spheres, faces = np.zeros(len(case.host), dtype=int), np.zeros(len(case.host), dtype=int)
     carriers, clumps = [], []
-    material = _material(settings, _NO_FRICTION_LIMIT)
-    rubbing = {mu: _material(settings, float(np.arctan(mu))) for mu in np.unique(case.friction)}
+    viscosity = contact_damping(case, settings.normal_damping, settings.shear_damping)
+    face = 2.0 * viscosity.max(axis=0)
+    material = _material(settings, face, _NO_FRICTION_LIMIT)
+    own = face * viscosity / np.maximum(face - viscosity, np.finfo(float).tiny)  # in series with the face it gives the contact's
+    kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), own]), axis=0, return_inverse=True)
+    rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
     for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
         members = [omega.bodies.append(_carrier(case, block, material))]
         carriers.append(members[0])
@@ -99,7 +103,7 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
             faces[touching] = members[-1]
         for contact in np.flatnonzero(case.host == block).tolist():
             radius = settings.sphere_radius * case.own_inset[contact] / case.inset
-            sphere = _sphere(case, contact, radius, rubbing[case.friction[contact]])
+            sphere = _sphere(case, contact, radius, rubbing[kind.ravel()[contact]])
             members.append(omega.bodies.append(sphere))
             spheres[contact] = members[-1]
         clumps.append(omega.bodies.clump(members))
@@ -109,19 +113,18 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
     if case.displacement == "small":
         _pair(spheres.tolist(), faces.tolist())
     integrator, drive, watch = _engines(case, settings, clumps, watch_command)
-    states = [omega.bodies[clump].state for clump in clumps]
-    position = np.array([state.pos for state in states])
-    rotation = tuple(Quaternion(state.ori) for state in states)
+    position = np.array([omega.bodies[clump].state.pos for clump in clumps])
+    rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
     return Model(tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist()), position, rotation, integrator, drive, watch)
 
 
-def _material(settings: Settings, friction_angle: float) -> ViscElMat:
-    """Return a new material; sphere and face act in series, so each gets twice the contact's stiffness and viscosity."""
+def _material(settings: Settings, viscosity: np.ndarray, friction_angle: float) -> ViscElMat:
+    """Return a new material; sphere and face act in series, so each gets twice the contact's stiffness. viscosity: (2,), N s/m."""
     material = ViscElMat(
         kn=2.0 * settings.normal_stiffness,
         ks=2.0 * settings.shear_stiffness,
-        cn=2.0 * settings.normal_damping,
-        cs=2.0 * settings.shear_damping,
+        cn=float(viscosity[0]),
+        cs=float(viscosity[1]),
         frictionAngle=friction_angle,
         density=_MASSLESS,
     )

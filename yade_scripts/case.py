@@ -128,6 +128,12 @@ class Case:
         return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
 
     @cached_property
+    def block_size(self) -> float:
+        """Median over the free blocks of their largest extent (in the xz plane for plane cases), m."""
+        extents = [np.ptp(self.vertices[block], axis=0)[[0, 2] if self.plane else [0, 1, 2]].max() for block in self.free]
+        return float(np.median(extents))
+
+    @cached_property
     def is_rotation(self) -> bool:
         """Whether the settlement is an angle (rad) rather than a length (m)."""
         return bool(np.any(self.support_twist[3:]))

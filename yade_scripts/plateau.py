@@ -1,7 +1,8 @@
 """Fit the plateau of a noisy, drifting record: a straight line through its later part, extrapolated to zero settlement.
 
 The reaction of a mechanism changes with the geometry, so a plateau has a slope. Limit analysis predicts the reaction of the undeformed
-geometry, the line's intercept. This module needs numpy only.
+geometry, the line's intercept. A slope beyond what geometry can give is joints that still strain: such a curve has not come to its plateau,
+and a line drawn back from it would lie beside all of it.
 
 References
 ----------
@@ -9,10 +10,14 @@ K. P. White, An effective truncation heuristic for bias reduction in simulation 
 C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992) 473-483.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from yade_scripts.case import Case
+
+State = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # settlement, displacements (B, 3), rotations (B, 3), contact forces (C, 3)
 STARTS = np.linspace(0.2, 0.6, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
 COVERAGE = 1.96  # standard deviations of a normal variable that cover the truth 19 times in 20
@@ -20,6 +25,9 @@ _OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise wi
 # The truth is between the line's intercept and the level of the flat part; a width w between two bounds is w / sqrt(12)
 # of standard deviation (rectangular distribution).
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
+
+
+_CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,10 @@ class Plateau:
         Standard deviation of the residuals, N or N m.
     drift : float
         Change of the line over the fitted part, N or N m.
+    from_scatter, from_fit, from_strain : float
+        Parts of the uncertainty, N or N m: noise of the record; line or level; joints that may still strain.
+    creeps : bool
+        Whether the line is steeper than geometry can be: this is no plateau yet.
     """
 
     reaction: float
@@ -48,12 +60,87 @@ class Plateau:
     start: float
     scatter: float
     drift: float
+    from_scatter: float
+    from_fit: float
+    from_strain: float
+    creeps: bool
 
 
-NONE = Plateau(*[float("nan")] * 6)
+_NAN = float("nan")
+NONE = Plateau(_NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, _NAN, creeps=False)
 
 
-def fit(settlement: np.ndarray, reaction: np.ndarray) -> Plateau:
+@dataclass(frozen=True)
+class Geometry:
+    """What the changing geometry of the structure can do to its reaction.
+
+    Attributes
+    ----------
+    turning : float
+        Slope that turning blocks give, N/m or N m/rad.
+    lever : float
+        Settlement over which lever arms change by as much as they are long, m or rad: sliding blocks shift the points where
+        they touch. inf where nothing slides.
+    """
+
+    turning: float
+    lever: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Reaction of a plateau, and the parts of its uncertainty (19 cases in 20), N or N m; NaN where undefined.
+
+    Attributes
+    ----------
+    reaction : float
+        Line through the plateau at zero settlement.
+    scatter : float
+        Noise of the record.
+    fit : float
+        Line or level.
+    stiffness : float
+        Strain of the joints, and settings.
+    rate : float
+        Speed of the support.
+    """
+
+    reaction: float
+    scatter: float
+    fit: float
+    stiffness: float
+    rate: float = float("nan")
+
+    @property
+    def uncertainty(self) -> float:
+        """All known parts together."""
+        return math.hypot(self.scatter, self.fit, self.stiffness, 0.0 if math.isnan(self.rate) else self.rate)
+
+
+NO_OUTCOME = Outcome(*[float("nan")] * 4)
+
+
+def turning_slope(case: Case, first: State, last: State) -> float:
+    """Return the largest change of the reaction over the settlement that turning blocks give, N/m (N m/rad for a rotation).
+
+    Where no joint slides, the reaction changes with the settlement by the sum over the contact points of force times the second
+    derivative of the contact's motion, as seen from the face it lies on: turning blocks move on arcs. The absolute values are summed,
+    because sliding joints give these parts other weights. Zero where the two states are of the same settlement.
+    """
+    travelled = last[0] - first[0]
+    if travelled <= 0.0:
+        return 0.0
+    velocity, spin = (last[1] - first[1]) / travelled, (last[2] - first[2]) / travelled
+    host, target = case.host, case.target
+    arm_host, arm_target = case.position - case.centroid[host], case.position - case.centroid[target]
+    spin_host, spin_target = spin[host], spin[target]
+    slip = velocity[host] + np.cross(spin_host, arm_host) - velocity[target] - np.cross(spin_target, arm_target)
+    on_arcs = np.cross(spin_host, np.cross(spin_host, arm_host)) - np.cross(spin_target, np.cross(spin_target, arm_target))
+    turned = on_arcs - 2.0 * np.cross(spin_target, slip)
+    return float(np.abs(np.einsum("ci,ci->c", 0.5 * (first[3] + last[3]), turned)).sum())
+
+
+def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:
     """Return the line through the later part of reaction (T,) against settlement (T,), which rises from 0; NONE below 20 rows.
 
     The start among STARTS with the smallest uncertainty is chosen: an early start keeps a transient, a late one throws rows away. This
@@ -61,26 +148,32 @@ def fit(settlement: np.ndarray, reaction: np.ndarray) -> Plateau:
     """
     if len(settlement) == 0 or not np.all(np.isfinite(reaction)):
         return NONE
-    fits = [_fit_from(settlement, reaction, share * settlement[-1]) for share in STARTS]
+    fits = [_fit_from(settlement, reaction, share * settlement[-1], geometry) for share in STARTS]
     return min((line for line in fits if np.isfinite(line.uncertainty)), key=lambda line: line.uncertainty, default=NONE)
 
 
-def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float) -> Plateau:
+def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geometry: Geometry) -> Plateau:
     kept = settlement >= start
     s, r = settlement[kept], reaction[kept]
     if len(s) < FEWEST_ROWS or np.ptp(s) <= 0.0:
         return NONE
-    centre = s.mean()
+    centre, level = float(s.mean()), float(r.mean())
     spread = float(np.sum((s - centre) ** 2))
-    slope = float(np.sum((s - centre) * (r - r.mean())) / spread)
-    intercept = float(r.mean() - slope * centre)
+    slope = float(np.sum((s - centre) * (r - level)) / spread)
+    intercept = level - slope * centre
     residuals = r - intercept - slope * s
     rows = max(len(s) / correlation_length(residuals), 3.0)  # number of independent rows with the same information
     scatter = float(np.sqrt(np.mean(residuals**2) * rows / (rows - 2.0)))
-    statistical = student(rows - 2.0) * scatter * np.sqrt((1.0 + centre**2 * len(s) / spread) / rows)
-    model = COVERAGE * _RECTANGULAR * abs(intercept - float(r.mean()))
-    uncertainty = float(np.hypot(statistical, model))
-    return Plateau(intercept, uncertainty, slope, float(s[0]), scatter, slope * float(np.ptp(s)))
+    error = float(scatter * np.sqrt(len(s) / (spread * rows)))  # of the slope
+    from_scatter = float(student(rows - 2.0) * scatter * np.sqrt((1.0 + centre**2 * len(s) / spread) / rows))
+    from_fit = COVERAGE * _RECTANGULAR * abs(slope) * centre
+    # Where strain is left and falls as 1/s, as much is still to come from the level as the line was drawn back, by the slope that no
+    # turning explains times the settlement of the level.
+    from_strain = 2.0 * max(0.0, abs(slope) - geometry.turning) * centre
+    creeps = abs(slope) - _CERTAIN * error > geometry.turning + abs(level) / geometry.lever
+    uncertainty = float(np.sqrt(from_scatter**2 + from_fit**2 + from_strain**2))
+    drift = slope * float(np.ptp(s))
+    return Plateau(intercept, uncertainty, slope, float(s[0]), scatter, drift, from_scatter, from_fit, from_strain, creeps)
 
 
 def student(freedoms: float) -> float:

@@ -12,7 +12,7 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model
 from yade_scripts.case import Case
-from yade_scripts.plateau import Plateau
+from yade_scripts.plateau import Geometry, Outcome, Plateau, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
 from yade_scripts.settings import Settings
 from yade_scripts.support_motion import set_speed
@@ -21,6 +21,8 @@ ROWS_BETWEEN_FITS = 20
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
 GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states: forces change most at first, as joints lose their strain
+EARLY_POSES = 8  # between the joints' loss of strain and the first settlement at which the run may stop
+STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
 
 
@@ -56,10 +58,14 @@ class Protocol:
         Why it ended, as a phrase.
     plateau : Plateau
         The last fit; NaN where there is none.
+    outcome : Outcome
+        Reaction of the plateau with the parts of its uncertainty; NaN where there is no plateau.
     asked_settlement : float
         Settlement imposed so far, m or rad.
     error : BaseException or None
         Exception raised in `watch`.
+    steps : int
+        Time steps, once the run has ended.
     """
 
     case: Case
@@ -70,8 +76,10 @@ class Protocol:
     status: Status | None = None
     message: str = ""
     plateau: Plateau = plateau.NONE
+    outcome: Outcome = field(default_factory=lambda: plateau.NO_OUTCOME)
     asked_settlement: float = 0.0
     error: BaseException | None = None
+    steps: int = 0
     _stage: int = GRAVITY
     _speed: float = 0.0
     _start_time: float = 0.0
@@ -96,7 +104,8 @@ class Protocol:
         if self.status is None:
             self._settle()
         if self.status is None:
-            self._judge_full_travel()
+            self._judge()
+        self.steps = Omega().iter
         if self.case.recording == "plateau":
             self.record.keep_plateau(self.plateau.start)
 
@@ -174,18 +183,21 @@ class Protocol:
             self._pause()
 
     def _watch_settlement(self, row: Row) -> None:
+        settings = self.settings
         self.asked_settlement += self._speed * (row.time - self._last_time)
         self._last_time = row.time
-        if self._speed < self.settings.speed:
-            self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * self.settings.time_step)
+        if self._speed < settings.speed:
+            self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
         if row.settlement >= self._next_pose:
             self.record.store_pose()
-            self._next_pose += min(self._next_pose, self.settings.max_travel / self.settings.poses)
-        self.progress("settlement", min(1.0, row.settlement / self.settings.max_travel), row.settlement, row.reaction, "")
-        if row.settlement >= self.settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
+            early = row.settlement < settings.plateau_travel
+            apart = settings.plateau_travel / EARLY_POSES if early else settings.max_travel / settings.poses
+            self._next_pose += min(self._next_pose, apart)
+        self.progress("settlement", min(1.0, row.settlement / settings.max_travel), row.settlement, row.reaction, "")
+        if row.settlement >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             self.plateau = self._fit()
-            if self._is_plateau(self.plateau, self.settings.stop_uncertainty):
-                self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {row.settlement:.3g}")
+            if self._is_plateau(self.plateau, settings.stop_uncertainty):
+                self._judge()
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
@@ -195,26 +207,48 @@ class Protocol:
         set_speed(self.case, self.model.drive, self._speed)
 
     def _fit(self) -> Plateau:
+        settlement, reaction = self._settling()
+        middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
+        before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
+        turning = turning_slope(self.case, before, self.record.pose())
+        return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed))
+
+    def _settling(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return settlement and reaction of all rows of the settlement stage."""
         rows = [row for row in self.record.rows if row.stage == SETTLEMENT]
-        return plateau.fit(np.array([row.settlement for row in rows]), np.array([row.reaction for row in rows]))
+        return np.array([row.settlement for row in rows]), np.array([row.reaction for row in rows])
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
         at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
         scale = max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
-        return fit.uncertainty <= uncertainty * scale and abs(fit.drift) <= self.settings.plateau_drift * scale
+        return not fit.creeps and fit.uncertainty <= uncertainty * scale and abs(fit.drift) <= self.settings.plateau_drift * scale
 
-    def _judge_full_travel(self) -> None:
-        self.plateau = self._fit()
+    def _judge(self) -> None:
+        """End the run: with a plateau, or without one where the curve creeps or is too noisy."""
+        fit = self.plateau = self._fit()
         reached = self.record.settlement()
-        if self._is_plateau(self.plateau, self.settings.plateau_uncertainty):
-            self._end(Status.PLATEAU, f"steady from a settlement of {self.plateau.start:.3g} to {reached:.3g}")
+        if self._is_plateau(fit, self.settings.plateau_uncertainty):
+            self._end(Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}")
+        elif fit.creeps:
+            self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps")
         else:
-            share = self.plateau.uncertainty / abs(self.plateau.reaction) if self.plateau.reaction else math.nan
-            self._end(
-                Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself"
-            )
+            share = fit.uncertainty / abs(fit.reaction) if fit.reaction else math.nan
+            known = f"the reaction is known only to {share:.2g} of itself"
+            self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and {known}")
+
+    def _outcome(self) -> Outcome:
+        """Return the reaction of the plateau with the parts of its uncertainty; no value where the curve creeps or has no fit."""
+        fit, settings = self.plateau, self.settings
+        if fit.creeps or not math.isfinite(fit.reaction):
+            return plateau.NO_OUTCOME
+        sag = self.case.sag * self.case.normal_stiffness / settings.normal_stiffness
+        strain = STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
+        stiffness = math.hypot(fit.from_strain, strain * fit.reaction, settings.settings_uncertainty * fit.reaction)
+        return Outcome(fit.reaction, fit.from_scatter, fit.from_fit, stiffness)
 
     def _end(self, status: Status, message: str) -> None:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):
             self.plateau = plateau.NONE
+        else:
+            self.outcome = self._outcome()
         self.status, self.message = status, message

@@ -9,6 +9,7 @@ from yade import Omega
 
 from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
+from yade_scripts.plateau import State
 
 GRAVITY, SETTLEMENT = 0, 1
 
@@ -79,7 +80,7 @@ class Record:
     case: Case
     model: Model
     rows: list[Row] = field(default_factory=list)
-    poses: list[tuple[float, np.ndarray, np.ndarray, np.ndarray]] = field(default_factory=list)
+    poses: list[State] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -149,12 +150,16 @@ class Record:
         on_host = _array(forces.f(sphere) for sphere in self.model.sphere)
         return np.where(self.case.host == self.case.block_b, 1.0, -1.0)[:, None] * on_host
 
-    def store_pose(self) -> None:
-        """Store displacements, rotations and contact forces of the present state, and note contacts that the case does not list."""
+    def pose(self) -> State:
+        """Return the present state: settlement, displacements, rotations and contact forces."""
         bodies = Omega().bodies
         moved = _array(bodies[clump].state.pos for clump in self.model.clump) - self.model.position
         turned = np.array([self.rotation(block) for block in range(len(self.case.role))])
-        self.poses.append((self.settlement(), moved, turned, self.contact_forces()))
+        return self.settlement(), moved, turned, self.contact_forces()
+
+    def store_pose(self) -> None:
+        """Store the present state, and note contacts that the case does not list."""
+        self.poses.append(self.pose())
         self._note_extra_contacts()
 
     def keep_plateau(self, start: float) -> None:

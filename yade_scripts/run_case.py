@@ -86,17 +86,20 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     began = time.monotonic()
     own = tuple(field for field in (*exchange.PART_FIELDS, exchange.JOINT_INSET) if exchange.holds(options.case, field.path))
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
-    chosen = settings.derive(problem)
-    if options.time_limit is not None:
-        chosen = dataclasses.replace(chosen, time_limit=options.time_limit)
+    limit = settings.derive(problem).time_limit if options.time_limit is None else options.time_limit
     sys.path.append(find_yade())
-    from yade_scripts import bodies, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
 
-    model = bodies.build(problem, chosen, "watch()")
-    steps = protocol.Protocol(problem, chosen, model, recorder.Record(problem, model), reporter.progress)
-    _expose(steps.watch)
-    steps.run()
-    values = run_fields.fields(steps, time.monotonic() - began)
+    def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
+        left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
+        model = bodies.build(one, left, "watch()")
+        made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress)
+        _expose(made.watch)
+        made.run()
+        made.settings = dataclasses.replace(chosen, time_limit=limit)
+        return made
+
+    values = run_fields.fields(attempts.make(problem, attempt), time.monotonic() - began)
     exchange.write(options.run, exchange.RUN_FIELDS, values, options.inputs)
     reporter.done(values["result/status"])
 

@@ -2,33 +2,35 @@
 
 import dataclasses
 import json
-import math
 from typing import Any
 
 import numpy as np
-from yade import Omega, config
+from yade import config
 
+from yade_scripts.attempts import Attempts
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
 _NO_WORK = 1e-6  # of the largest possible work of the weights: below it only the joints' elastic strain does work
 
 
-def fields(run: Protocol, seconds: float) -> dict[str, Any]:
-    """Return the values of all fields of `run.h5` by path. seconds: wall time of the run."""
+def fields(made: Attempts, seconds: float) -> dict[str, Any]:
+    """Return the values of all fields of `run.h5` by path. seconds: wall time of all attempts."""
+    run = made.last
     values: dict[str, Any] = {
         "result/status": run.status.value if run.status else "failed",
-        "result/reaction": run.plateau.reaction,
-        "result/uncertainty": math.hypot(run.plateau.uncertainty, run.settings.settings_uncertainty * run.plateau.reaction),
+        "result/reaction": made.outcome.reaction,
+        "result/uncertainty": made.outcome.uncertainty,
+        **{f"result/uncertainty_{part}": getattr(made.outcome, part) for part in ("scatter", "fit", "rate", "stiffness")},
         "result/settlement": run.record.settlement(),
         "result/asked_settlement": run.asked_settlement,
         "result/plateau_start": run.plateau.start,
         "result/slope": run.plateau.slope,
         "result/kinetic_ratio": kinetic_ratio(run),
-        "result/steps": Omega().iter,
+        "result/steps": made.steps,
         "result/seconds": seconds,
         "result/version": config.version,
-        "result/message": run.message,
+        "result/message": made.message,
         "settings/json": json.dumps(dataclasses.asdict(run.settings), sort_keys=True),
     }
     return values | _rows(run.record.rows) | _poses(run) | _extra(run)

@@ -10,14 +10,19 @@ import numpy as np
 
 from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
 from yade_scripts import stable_step
-from yade_scripts.case import Case, CaseError
+from yade_scripts.case import FREE, Case, CaseError
 
 # Ratios that hold for every case; README.md says where they come from.
 GRAVITY_PERIODS = 500.0  # longest gravity stage
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
-RAMP_SHARE = 0.25  # of the travel is covered while the support speeds up
+STIFFENING = (
+    4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
+)
+RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
-_MAY_VANISH = frozenset(("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging"))
+_MAY_VANISH = frozenset(
+    ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed")
+)
 _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 
 
@@ -52,6 +57,8 @@ class Settings:
     reaction_floor: float  # share of the reaction at rest; a smaller reaction is judged as if it were this large
     settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
     time_limit: float  # s, longest wall time of the run
+    stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
+    quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
 
 
 def derive(case: Case) -> Settings:
@@ -63,15 +70,27 @@ def derive(case: Case) -> Settings:
         chosen.update({name: overrides.get(name, value) for name, value in values.items()})
 
     set_default(
-        damping_ratio=0.3, time_step_share=0.9, wedging=0.0, gravity_damping=0.3, rest_unbalanced=1e-3, record_rows=600, poses=POSES
+        damping_ratio=1.0,
+        time_step_share=0.9,
+        wedging=0.0,
+        gravity_damping=0.3,
+        rest_unbalanced=1e-3,
+        record_rows=1200,
+        poses=POSES,
     )
-    set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.001, reaction_floor=0.01)
+    set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
     set_default(settings_uncertainty=2e-4, time_limit=3600.0)
     set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
-    set_default(normal_stiffness=case.normal_stiffness, shear_stiffness=case.shear_stiffness, max_travel=case.travel)
+    # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
+    stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
+    set_default(**{"stiffening": stiffening, "max_travel": case.travel})
+    set_default(quick_speed=2.0)
+    stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
+    set_default(**stiffness)
+    sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
     set_default(**_damping(case, chosen))
     stable = _stable_time_step(case, chosen)
     set_default(time_step=chosen["time_step_share"] * stable)
@@ -80,14 +99,14 @@ def derive(case: Case) -> Settings:
         raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
-    period = 2.0 * math.pi * math.sqrt(case.sag / gravity)
+    period = 2.0 * math.pi * math.sqrt(sag / gravity)
     set_default(travel_periods=TRAVEL_PERIODS)
     set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     set_default(gravity_time=GRAVITY_PERIODS * period)
     weight = gravity * float(case.mass[case.free].sum())
-    set_default(rest_energy=REST_SHARE * 0.5 * weight * case.sag)
+    set_default(rest_energy=REST_SHARE * 0.5 * weight * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
     set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
@@ -124,10 +143,23 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
     }
 
 
+def contact_damping(case: Case, normal: float, shear: float) -> np.ndarray:
+    """Return the viscosity (C, 2), N s/m, of every contact point along its normal and across it.
+
+    `normal` and `shear` are those of a contact whose lighter block has the mean mass. Elsewhere they follow the root
+    of the mass of the lighter of the two blocks: a light block would else be overdamped by its heavy neighbour's dashpots, and the
+    time step is as short as the largest damping ratio is high. A held block counts as heavy.
+    """
+    mass = np.where(case.role == FREE, case.mass, np.inf)
+    lighter = np.minimum(mass[case.block_a], mass[case.block_b])
+    factor = np.sqrt(np.where(np.isfinite(lighter), lighter, 0.0) / np.mean(case.mass[case.free]))
+    return factor[:, None] * np.array([normal, shear])
+
+
 def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
-    normal, shear = chosen["normal_stiffness"], chosen["shear_stiffness"]
+    springs = stable_step.springs(case, chosen["normal_stiffness"], chosen["shear_stiffness"])
     # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
-    frequency = math.sqrt(1.0 + chosen["gravity_damping"]) * stable_step.highest_frequency(stable_step.springs(case, normal, shear))
-    # Viscosities from the overrides need not be proportional to the stiffnesses: the larger ratio is on the safe side.
-    ratios = [chosen["normal_damping"] / normal] + ([chosen["shear_damping"] / shear] if shear > 0.0 else [])
-    return stable_step.stable_time_step(frequency, max(ratios))
+    frequency = math.sqrt((1.0 + chosen["gravity_damping"]) * stable_step.highest_eigenvalue(springs))
+    dashpots = stable_step.springs(case, *contact_damping(case, chosen["normal_damping"], chosen["shear_damping"]).T)
+    decay = (1.0 + chosen["gravity_damping"]) * stable_step.highest_eigenvalue(dashpots)
+    return stable_step.stable_time_step(frequency, decay)

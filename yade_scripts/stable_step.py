@@ -1,4 +1,4 @@
-"""Stable time step from the highest frequency of the assembly, with elastic springs at its contact points.
+"""Stable time step from the highest frequency and the fastest decay of the assembly, with springs and dashpots at its contact points.
 
 No matrix is built. A vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
 """
@@ -15,14 +15,14 @@ _POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highes
 
 @dataclass(frozen=True)
 class Springs:
-    """Bilateral springs at every contact point, as stiffness operator K and block-diagonal mass matrix M.
+    """Bilateral springs, or dashpots, at every contact point, as operator K and block-diagonal mass matrix M.
 
     Attributes
     ----------
     case : Case
         B blocks and C contact points.
-    normal, shear : float
-        Stiffness of one contact point along its normal and across it, N/m.
+    normal, shear : np.ndarray
+        Stiffness (C,) of every contact point along its normal and across it, N/m; of dashpots the viscosity, N s/m.
     arm_a, arm_b : np.ndarray
         Arms (C, 3) from the centroids of blocks a and b to the contact points, m.
     freedoms : np.ndarray
@@ -32,8 +32,8 @@ class Springs:
     """
 
     case: Case
-    normal: float
-    shear: float
+    normal: np.ndarray
+    shear: np.ndarray
     arm_a: np.ndarray
     arm_b: np.ndarray
     freedoms: np.ndarray
@@ -45,7 +45,7 @@ class Springs:
         of_a, of_b = twists[case.block_a], twists[case.block_b]
         relative = of_b[:, :3] + np.cross(of_b[:, 3:], self.arm_b) - of_a[:, :3] - np.cross(of_a[:, 3:], self.arm_a)
         along = np.einsum("ci,ci->c", relative, case.normal)[:, None] * case.normal
-        return self.shear * relative + (self.normal - self.shear) * along
+        return self.shear[:, None] * relative + (self.normal - self.shear)[:, None] * along
 
     def stiffness(self, twists: np.ndarray) -> np.ndarray:
         """Return K times twists (B, 6): generalised forces (B, 6), N and N m."""
@@ -65,18 +65,22 @@ class Springs:
         return np.hstack([linear, angular]) * self.freedoms
 
 
-def springs(case: Case, normal: float, shear: float) -> Springs:
-    """Return springs of `normal` and `shear` stiffness (N/m) at every contact point of the case."""
+def springs(case: Case, normal: np.ndarray | float, shear: np.ndarray | float) -> Springs:
+    """Return springs of `normal` and `shear` stiffness (N/m), alike or one (C,) for each contact point of the case."""
     freedoms = np.outer(np.isin(np.arange(len(case.mass)), case.free), _PLANE_FREEDOMS if case.plane else np.ones(6))
     inertia = case.inertia
     if case.plane:
         inertia = inertia[:, 1, 1, None, None] * np.eye(3)
     arm_a, arm_b = case.position - case.centroid[case.block_a], case.position - case.centroid[case.block_b]
+    normal, shear = (np.broadcast_to(stiffness, len(case.position)) for stiffness in (normal, shear))
     return Springs(case, normal, shear, arm_a, arm_b, freedoms.astype(float), np.linalg.inv(inertia))
 
 
-def highest_frequency(system: Springs) -> float:
-    """Return the highest natural frequency (rad/s), by power iteration on M^-1 K from a fixed starting vector."""
+def highest_eigenvalue(system: Springs) -> float:
+    """Return the highest eigenvalue of M^-1 K, by power iteration from a fixed starting vector.
+
+    Of springs it is the square of the highest natural frequency (rad2/s2), of dashpots the fastest rate of decay (1/s).
+    """
     twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
     twists[:, 3:] /= np.median(np.linalg.norm(np.concatenate([system.arm_a, system.arm_b]), axis=1))
     twists *= system.freedoms
@@ -87,14 +91,14 @@ def highest_frequency(system: Springs) -> float:
         # |K x| in the metric of M^-1 over (x, K x): a Rayleigh quotient of the current vector, one product ahead.
         eigenvalue = float(np.vdot(forces, following) / np.vdot(twists, forces))
         twists = following / np.abs(following).max()
-    return float(np.sqrt(eigenvalue))
+    return eigenvalue
 
 
-def stable_time_step(frequency: float, damping_time: float) -> float:
+def stable_time_step(frequency: float, decay: float) -> float:
     """Return the largest stable step (s) of the leapfrog scheme with viscous forces that lag half a step: 2/w (sqrt(1 + x^2) - x).
 
-    frequency: highest natural frequency w, rad/s. damping_time: viscosity over stiffness, s, the same at every contact; the damping ratio
-    of the mode with the highest frequency is then x = damping_time * w / 2.
+    frequency: highest natural frequency w, rad/s. decay: highest eigenvalue of the viscosities over the masses, 1/s; x = decay / (2 w) is
+    at least the damping ratio of the fastest mode, and no mode is unstable, whichever shape it has.
     """
-    ratio = 0.5 * damping_time * frequency
+    ratio = 0.5 * decay / frequency
     return float(2.0 / frequency * (np.hypot(1.0, ratio) - ratio))

@@ -67,13 +67,13 @@ def reaction_figure(results: Results) -> Figure:
     written: set[str] = set()
     for axes, limits in panels:
         _draw_bounds(axes, analysis, scales, limits)
-        _draw_prediction(axes, analysis, scales, limits, end)
+        _draw_prediction(axes, results, scales, limits, end)
         if run is not None and end > 0.0:
             _draw_run(axes, run, scales, end)
             _draw_difference(axes, results, scales)
         _finish(axes, scene, scales, end, limits)
         low, high = (limit / scales.reaction for limit in limits)
-        written |= write_words(axes, _words(results, scales, end), (low, high), _kept_clear(analysis, scales, end))
+        written |= write_words(axes, _words(results, scales, end), (low, high), _kept_clear(results, scales, end))
     for axes in close:
         axes.set_title("close to the plateau", fontsize=9, loc="left")
     whole.set_title(_status_words(results, obstacle), fontsize=9, parse_math=False, loc="left")
@@ -93,10 +93,10 @@ def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
     scene, analysis = results.scene, results.analysis
     scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
     _draw_bounds(axes, analysis, scales, limits)
-    _draw_prediction(axes, analysis, scales, limits, end)
+    _draw_prediction(axes, results, scales, limits, end)
     _finish(axes, scene, scales, end, limits)
     low, high = (limit / scales.reaction for limit in limits)
-    return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(analysis, scales, end))
+    return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(results, scales, end))
 
 
 def _obstacle(analysis: LimitAnalysis) -> str:
@@ -192,19 +192,22 @@ def _band_words(analysis: LimitAnalysis, scales: Scales, unit: str) -> Iterator[
         yield Word(above, greatest, ADMISSIBLE, LIMIT_ANALYSIS, (ADMISSIBLE,))
 
 
-def _kept_clear(analysis: LimitAnalysis, scales: Scales, end: float) -> list[float]:
+def _kept_clear(results: Results, scales: Scales, end: float) -> list[float]:
     """Return values that labels must not cover: the ends of the interval and the second half of path and curve."""
+    analysis = results.analysis
     values = [value for value in interval_of(analysis) or () if np.isfinite(value)]
-    settlement, value = curve_of(analysis, end)
+    settlement, value = curve_of(results, end)
     values += list(value[settlement >= 0.5 * end])
     if analysis.path is not None:
-        late = (analysis.path.settlement >= 0.5 * end) & (analysis.path.settlement <= end)
+        at = analysis.path.settlement / results.stiffening
+        late = (at >= 0.5 * end) & (at <= end)
         values += list(analysis.path.value[late])
     return [value / scales.reaction for value in values]
 
 
-def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tuple[float, float], end: float) -> None:
+def _draw_prediction(axes: Any, results: Results, scales: Scales, limits: tuple[float, float], end: float) -> None:
     """Draw the Coulomb prediction, its curve up to the settlement `end`, its interval where it has a width, and the path from rest."""
+    analysis = results.analysis
     lines, path = {name: value / scales.reaction for name, value in levels(analysis).items()}, analysis.path
     interval = interval_of(analysis)
     if interval is not None:
@@ -214,7 +217,7 @@ def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits:
     if "coulomb" in lines:
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=2.2, label=COULOMB)
         axes.axhline(lines["coulomb"], color=LIMIT_ANALYSIS, linewidth=0.7, zorder=4.1)  # seen through a noisy record, too
-    settlement, value = curve_of(analysis, end)
+    settlement, value = curve_of(results, end)
     if len(settlement):
         # Short dashes above YADE's solid record, so that both are visible where they coincide, in grey, too.
         style: dict[str, Any] = {"linewidth": 1.6, "linestyle": (0, (2.2, 2.4)), "zorder": 4.05, "label": CURVE}
@@ -222,7 +225,7 @@ def _draw_prediction(axes: Any, analysis: LimitAnalysis, scales: Scales, limits:
     if path is not None:
         # The thin line is below YADE's record and the marks are above it, so that both are visible where they coincide.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
-        at, values = path.settlement / scales.settlement, path.value / scales.reaction
+        at, values = path.settlement / results.stiffening / scales.settlement, path.value / scales.reaction
         if not len(settlement):  # its chords would cut the corners of the curve
             axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
         axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path from rest (same stiffness)", **marks)

@@ -73,11 +73,15 @@ def largest_settlement(results: Results) -> float:
     return recorded or followed or min(travelled, analysis.stiffness.travel)
 
 
-def curve_of(analysis: LimitAnalysis, end: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve."""
+def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve.
+
+    The settlement is that at which the stiffer joints of YADE's run are strained alike.
+    """
+    analysis = results.analysis
     if analysis.coulomb is None or len(analysis.coulomb.path_settlement) < 2 or not end > 0.0:
         return np.zeros(0), np.zeros(0)
-    settlement, value = analysis.coulomb.path_settlement, analysis.coulomb.path_value
+    settlement, value = analysis.coulomb.path_settlement / results.stiffening, analysis.coulomb.path_value
     inside = (settlement >= 0.0) & (settlement < end)
     last = min(end, float(settlement[-1]))
     return np.append(settlement[inside], last), np.append(value[inside], np.interp(last, settlement, value))
@@ -101,7 +105,7 @@ def whole_limits(results: Results) -> tuple[float, float]:
     The greatest reaction is inside only where it is near.
     """
     analysis, run = results.analysis, results.run
-    lines, curve = levels(analysis), curve_of(analysis, largest_settlement(results))[1]
+    lines, curve = levels(analysis), curve_of(results, largest_settlement(results))[1]
     alone = run is None and analysis.path is None and not len(curve)
     values = [value for name, value in lines.items() if name != "greatest" or alone]
     if alone and analysis.main is Drive.LIVE:  # a scale from zero on would draw levels this close as one line
@@ -129,7 +133,7 @@ def plateau_limits(results: Results) -> tuple[float, float]:
         values += list(analysis.path.value[len(analysis.path.value) // 2 :])
     else:
         end = largest_settlement(results)
-        settlement, value = curve_of(analysis, end)
+        settlement, value = curve_of(results, end)
         values += list(value[settlement >= 0.5 * end])
     return _padded(*_with_near(values, interval_of(analysis) or ()))
 

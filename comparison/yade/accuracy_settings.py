@@ -18,7 +18,7 @@ HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
 INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
 FASTEST, FAST_ACCURACY = 8.0, 0.01  # times the derived speed; the accuracy at which runs without history may be that fast
 STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
-LIGHT_DAMPING, LIGHT_FROM = 0.1, 5e-3  # damping ratio that allows longer time steps; the finest accuracy for which it is used
+LIGHT_DAMPING, LIGHT_FROM = 0.3, 5e-3  # damping ratio that allows longer time steps; the finest accuracy for which it is used
 SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
 MOST_ATTEMPTS = 4
 

@@ -11,6 +11,7 @@ from la_core import exchange
 from la_core.model import Assembly
 from la_core.text_table import dataframe
 
+NAN = float("nan")
 STATUSES = ("plateau", "no plateau", "collapsed", "timeout", "failed")
 
 
@@ -32,7 +33,8 @@ class RunResult(_Named):
     reaction : float
         Reaction on the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau.
     uncertainty : float
-        Half width of the interval that holds the reaction 19 times in 20, N or N m; NaN without a plateau.
+        Half width of the interval that holds the reaction 19 times in 20, N or N m: the root of the sum of squares of its
+        parts; NaN without a plateau.
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float
@@ -51,6 +53,9 @@ class RunResult(_Named):
         Version of YADE.
     message : str
         Why the run ended, as a phrase.
+    uncertainty_scatter, uncertainty_fit, uncertainty_rate, uncertainty_stiffness : float
+        Parts of the uncertainty, N or N m: noise of the record; line through the plateau, or its level; speed of the
+        support, NaN where there was no quicker attempt; strain of the joints, and settings. NaN in runs of version 0.2.0.
     """
 
     status: str
@@ -65,6 +70,10 @@ class RunResult(_Named):
     seconds: float
     version: str
     message: str
+    uncertainty_scatter: float = NAN
+    uncertainty_fit: float = NAN
+    uncertainty_rate: float = NAN
+    uncertainty_stiffness: float = NAN
 
 
 @dataclass(frozen=True)
@@ -267,7 +276,8 @@ def read_run(path: Path, assembly: Assembly) -> Run:
 
     assembly: the one that the run was made from, whose numbers of blocks and contact points are checked.
     """
-    data = exchange.read(path, exchange.RUN_FIELDS)
+    parts = () if exchange.holds(path, exchange.UNCERTAINTY_PARTS[0].path) else exchange.UNCERTAINTY_PARTS
+    data = exchange.read(path, tuple(field for field in exchange.RUN_FIELDS if field not in parts))
     groups: dict[str, dict[str, Any]] = {}
     for field_path, value in data.items():
         group, name = field_path.split("/")
@@ -278,7 +288,7 @@ def read_run(path: Path, assembly: Assembly) -> Run:
         raise exchange.ExchangeError(f"{path}: its numbers of blocks and contact points are those of another assembly; run the scene again")
     with exchange.values_of(path):
         settings = json.loads(groups["settings"]["json"])
-        if not isinstance(settings, dict) or not set(exchange.SETTINGS) <= set(settings):
+        if not isinstance(settings, dict) or not set(exchange.SETTINGS) - set(exchange.LATER_SETTINGS) <= set(settings):
             raise ValueError("settings are missing in settings/json")
         if states == 0 or groups["result"]["status"] not in STATUSES or not np.all((extra >= 0) & (extra < blocks)):
             raise ValueError("no stored state, an unknown status, or a block number out of range")

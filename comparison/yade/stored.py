@@ -37,6 +37,16 @@ class Results:
             raise ValueError(f"{self.scene.name}: there is no YADE run in these results")
         return self.run
 
+    @property
+    def stiffening(self) -> float:
+        """Stiffness of YADE's joints over that of limit analysis; 1 without a run.
+
+        With small displacements only travel over sag counts: a settlement s of the run strains the joints as s times this does on the
+        path.
+        """
+        normal = self.analysis.stiffness.normal
+        return 1.0 if self.run is None else self.run.settings.get("normal_stiffness", normal) / normal
+
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
     """Read the results in a scene's folder; raises exchange.ExchangeError where limit analysis is missing or a file is damaged.

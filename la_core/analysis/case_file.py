@@ -22,6 +22,8 @@ from la_core.model import Assembly, Effects, JointStiffness, assemble
 from la_core.scene import Scene
 
 PACKAGE = Path(__file__).parents[1]
+LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
+STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -64,7 +66,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps((record.settings if record else {}) | scene.yade, sort_keys=True),
+        "scene/settings": json.dumps(_stiffening(analysis) | (record.settings if record else {}) | scene.yade, sort_keys=True),
         "scene/accuracy": to_text(record),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
@@ -96,6 +98,19 @@ def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
     if (assembly.points.inset != assembly.inset).any():
         values[exchange.JOINT_INSET] = assembly.points.inset
     return values
+
+
+def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:
+    """Return the stiffness of YADE's joints over that of limit analysis, where the path needed more than one travel to become flat.
+
+    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Empty where the path needed one travel,
+    where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that YADE
+    learns from a prediction: a setting, not a value.
+    """
+    scene, coulomb = analysis.scene, analysis.coulomb
+    if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
+        return {}
+    return {"stiffening": min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)}
 
 
 def read_first_prediction(path: Path) -> str:

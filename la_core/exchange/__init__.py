@@ -1,7 +1,7 @@
 """The HDF5 contract with YADE: what `case.h5` and `run.h5` hold, how they are written, read and checked."""
 
 from la_core.exchange.checksummed_file import ExchangeError, write_whole
-from la_core.exchange.dem_settings import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
+from la_core.exchange.dem_settings import LATER_SETTINGS, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
 from la_core.exchange.fields import (
     CASE_FIELDS,
     FIRST_PREDICTION,
@@ -12,6 +12,7 @@ from la_core.exchange.fields import (
     PATH_FIELDS,
     RUN_FIELDS,
     SUPPORT,
+    UNCERTAINTY_PARTS,
     Field,
     coulomb_fields,
     schema_table,
@@ -25,6 +26,7 @@ __all__ = [
     "FIXED",
     "FREE",
     "JOINT_INSET",
+    "LATER_SETTINGS",
     "PART_FIELDS",
     "PATH_FIELDS",
     "PLATEAU_SHARE",
@@ -34,6 +36,7 @@ __all__ = [
     "SETTINGS",
     "SUPPORT",
     "TRAVEL_PERIODS",
+    "UNCERTAINTY_PARTS",
     "ExchangeError",
     "Field",
     "coulomb_fields",

@@ -1,13 +1,14 @@
 """Settings that limit analysis and YADE share: travel of a run, stored states, and the settings in a case file."""
 
 POSES = 40  # states of a YADE run over its full travel
-TRAVEL_PERIODS = 600.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
-PLATEAU_SHARE = 0.4  # of the travel is covered before a run in YADE may stop
+TRAVEL_PERIODS = 1200.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
+PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
 # Settings of a YADE run that a case file may contain in `scene/settings`; `yade_scripts.settings` explains each.
 SETTINGS = (
     "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
     "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
     "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
-    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit",
+    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit", "stiffening", "quick_speed",
 )  # fmt: skip
+LATER_SETTINGS = ("stiffening", "quick_speed")  # which runs of version 0.2.0 do not have

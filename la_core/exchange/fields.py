@@ -160,11 +160,19 @@ def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, s
     )
 
 
+# Not in the files of version 0.2.0.
+UNCERTAINTY_PARTS = (
+    Field("result/uncertainty_scatter", "f8", (), "N or N m", "part of the uncertainty: noise of the record"),
+    Field("result/uncertainty_fit", "f8", (), "N or N m", "part of the uncertainty: line through the plateau, or its level"),
+    Field("result/uncertainty_rate", "f8", (), "N or N m", "part of the uncertainty: difference from a quicker attempt; NaN without one"),
+    Field("result/uncertainty_stiffness", "f8", (), "N or N m", "part of the uncertainty: strain of the joints, and settings"),
+)
 # Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
 RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
     Field("result/reaction", "f8", (), "N or N m", "plateau reaction, extrapolated to zero settlement"),
     Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
+    *UNCERTAINTY_PARTS,
     Field("result/settlement", "f8", (), "m or rad", "achieved motion of the support, read from its pose"),
     Field("result/asked_settlement", "f8", (), "m or rad", "support motion imposed until the stop: integral of its speed"),
     Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),

@@ -37,7 +37,7 @@ class Held(protocol.Protocol):
         if not hasattr(self, "rested"):
             super()._watch_gravity(row)
 
-    def _judge_full_travel(self) -> None:
+    def _judge(self) -> None:
         self._end(protocol.Status.NO_PLATEAU, "held")
 
 

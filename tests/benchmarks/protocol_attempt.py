@@ -1,0 +1,40 @@
+"""One attempt of a case in YADE: `/usr/bin/python3 protocol_attempt.py case.h5 PACE SETTINGS` prints one JSON object.
+
+Runs in YADE's own interpreter. PACE: speed over that of the run. SETTINGS: overrides as a JSON object, besides the scene's.
+"""
+
+import dataclasses
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "yade_scripts"))
+import run_case  # sets one thread before YADE loads
+
+for package in ("la_core", "yade_scripts"):
+    run_case.load_package(package)
+sys.path.append(run_case.find_yade())
+from la_core import exchange  # noqa: E402
+from yade_scripts import attempts, bodies, case, protocol, recorder  # noqa: E402
+
+
+def main() -> None:
+    one = case.from_fields(exchange.read(Path(sys.argv[1]), exchange.CASE_FIELDS))
+    one = dataclasses.replace(one, overrides=one.overrides | json.loads(sys.argv[3]))
+    chosen = attempts.settings_of(one, float(sys.argv[2]), None)
+    model = bodies.build(one, chosen, "watch()")
+    run = protocol.Protocol(one, chosen, model, recorder.Record(one, model), lambda *report: None)
+    sys.modules["__main__"].__dict__["watch"] = run.watch
+    began = time.process_time()
+    run.run()
+    print(json.dumps({
+        "status": run.status.value, "creeps": bool(run.plateau.creeps), "reaction": run.outcome.reaction,
+        "uncertainty": run.outcome.uncertainty, "steps": run.steps, "seconds": time.process_time() - began,
+        "travelled": run.record.settlement() / chosen.max_travel,
+    }), flush=True)  # fmt: skip
+    os._exit(0)
+
+
+main()

@@ -1,0 +1,36 @@
+"""The protocol of a run: attempts at two speeds, stiffer joints where a curve creeps, parts of the uncertainty."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import scenes
+from conftest import CrossChecked, Silent
+from protocol_scenes import wall
+
+from comparison.workflow.one_scene import run_scene
+from comparison.yade import read_results
+
+PARTS = ("scatter", "fit", "rate", "stiffness")
+
+
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third"])
+def test_the_stated_uncertainty_is_that_of_its_parts(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
+    result = cross_checked(name).run.result
+    parts = [result[f"uncertainty_{part}"] for part in PARTS]
+    assert all(math.isfinite(part) and part >= 0.0 for part in parts)
+    assert result.uncertainty == pytest.approx(math.hypot(*parts))
+
+
+@pytest.mark.slow
+@pytest.mark.yade
+def test_a_wall_whose_joints_still_strain_gets_stiffer_ones_and_comes_to_its_plateau(tmp_path: Path) -> None:
+    """A leaning wall, friction 0.7: over one travel at the derived stiffness the reaction falls by 7 % above its plateau."""
+    run_scene(scenes.load(wall("leaning", 0.7, 1).text), tmp_path, Silent(), with_yade=True, figures=lambda results: {})
+    results = read_results(tmp_path)
+    run, coulomb = results.recorded, results.analysis.coulomb
+    assert run.status == "plateau" and coulomb is not None
+    assert run.settings["stiffening"] > 4.0
+    assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
+    assert run.uncertainty <= 0.02 * run.reaction
