@@ -1,11 +1,11 @@
-"""The attempts of a run: quick ones that find the stiffness, then slower ones until speed hardly matters.
+"""The attempts of a run: quick ones that find damping and stiffness, then slower ones until speed hardly matters.
 
-The first attempt moves `quick_speed` times as fast as the run. Where its curve still creeps at the end of the travel, the
-joints are made stiffer: only travel over the elastic sag counts. Then comes the run at its own speed. The difference
-between the two says what the speed may still do: at most as much as if the reaction followed its root. (What follows the
-speed itself, as drag does, is overestimated; the history of friction has come close to the root.) The noise of the quicker
-attempt, which hides a smaller difference, is added. Where a run sticks and slips, or the part of the speed is large, a slower
-attempt follows.
+Where the blocks of an attempt rattle, the next one has critical damping: its steps are a third as long, so that only those runs pay
+for it that need it. The first attempt moves `quick_speed` times as fast as the run. Where its curve still creeps at the end of the
+travel, the joints are made stiffer: only travel over the elastic sag counts. Then comes the run at its own speed. The difference
+between the two says what the speed may still do: at most as much as if the reaction followed its root. (What follows the speed
+itself, as drag does, is overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which
+hides a smaller difference, is added. Where a run sticks and slips, or the part of the speed is large, a slower attempt follows.
 """
 
 import math
@@ -15,11 +15,10 @@ from dataclasses import dataclass, replace
 from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol, Status
-from yade_scripts.settings import Settings, derive
+from yade_scripts.settings import CRITICAL, Settings, derive
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
-QUICK_STOP = 0.005  # uncertainty, as a share of the reaction, below which a quick attempt stops
 ENOUGH = 0.02  # of the reaction: part of the speed above which a slower attempt follows
 MOST_WORK = 3e8  # time steps times contact points of all attempts: one that would take more is not made
 
@@ -46,54 +45,68 @@ class Attempts:
     message: str
 
 
+@dataclass(frozen=True)
+class Plan:
+    """An attempt to be made: its speed over that of the run; stiffening and damping ratio, None for the derived ones."""
+
+    pace: float
+    stiffening: float | None = None
+    damping: float | None = None
+
+
 def make(case: Case, run: Callable[[Case, Settings], Protocol]) -> Attempts:
     """Make the attempts of a case. run: makes one attempt with given settings."""
-    pace, stiffening, before, steps, history = derive(case).quick_speed or 1.0, None, None, 0, ""
+    plan, before, steps, history = Plan(derive(case).quick_speed or 1.0), None, 0, ""
     while True:
-        attempt = run(case, settings_of(case, pace, stiffening))
+        attempt = run(case, settings_of(case, plan))
         steps += attempt.steps
         outcome = _with_rate(attempt, before)
-        again = _next(attempt, outcome, pace, steps)
+        again = _next(attempt, outcome, plan, steps)
         if again is None:
             return Attempts(attempt, outcome, steps, attempt.message + history)
-        history += f"; before, at {pace:g} times the speed and {attempt.settings.stiffening:g} times the stiffness: {attempt.message}"
+        made = attempt.settings
+        how = f"at {plan.pace:g} times the speed, {made.stiffening:g} times the stiffness and a damping ratio of {made.damping_ratio:g}"
+        history += f"; before, {how}: {attempt.message}"
         before = attempt if attempt.status is Status.PLATEAU else None
-        pace, stiffening = again
+        plan = again
 
 
-def settings_of(case: Case, pace: float, stiffening: float | None) -> Settings:
-    """Return the settings of an attempt at `pace` times the speed of the run. stiffening: in place of the derived one, or None."""
-    changed = case if stiffening is None else replace(case, overrides=case.overrides | {"stiffening": stiffening})
-    settings = derive(changed)
-    stop = max(settings.stop_uncertainty, QUICK_STOP) if pace > 1.0 else settings.stop_uncertainty
+def settings_of(case: Case, plan: Plan) -> Settings:
+    """Return the settings of an attempt."""
+    given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping}
+    overrides = case.overrides | {name: value for name, value in given.items() if value is not None}
+    settings, pace = derive(replace(case, overrides=overrides)), plan.pace
     ramp, periods = settings.ramp_time / pace, settings.travel_periods / pace
-    return replace(settings, speed=pace * settings.speed, ramp_time=ramp, travel_periods=periods, stop_uncertainty=stop)
+    return replace(settings, speed=pace * settings.speed, ramp_time=ramp, travel_periods=periods)
 
 
 def _with_rate(attempt: Protocol, before: Protocol | None) -> Outcome:
     """Return the outcome of an attempt, with the part of the speed from the quicker one before."""
-    if before is None or before.settings.stiffening != attempt.settings.stiffening:
+    now = attempt.settings
+    if before is None or (before.settings.stiffening, before.settings.damping_ratio) != (now.stiffening, now.damping_ratio):
         return attempt.outcome
     pace = before.settings.speed / attempt.settings.speed
     left = abs(before.outcome.reaction - attempt.outcome.reaction) / (math.sqrt(pace) - 1.0)
     return replace(attempt.outcome, rate=math.hypot(left, before.outcome.scatter))
 
 
-def _next(attempt: Protocol, outcome: Outcome, pace: float, steps: int) -> tuple[float, float] | None:
-    """Return pace and stiffening of the next attempt; None where the last one counts."""
-    settings, given = attempt.settings, attempt.case.overrides
+def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan | None:
+    """Return the next attempt; None where the last one counts."""
+    settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
+    if attempt.may_damp and attempt.rattles and _affordable(attempt, steps, CRITICAL / settings.damping_ratio):
+        return replace(plan, damping=CRITICAL)
     creeps = attempt.status is Status.NO_PLATEAU and attempt.plateau.creeps
     stiffer = STIFFER * settings.stiffening
     may_stiffen = stiffer <= MOST_STIFFENING and "normal_stiffness" not in given and settings.wedging == 0.0
     if creeps and may_stiffen and _affordable(attempt, steps, 1.0):
-        return pace, stiffer
+        return replace(plan, stiffening=stiffer)
     if pace > 1.0:
-        return 1.0, settings.stiffening
+        return replace(plan, pace=1.0)
     unsure = attempt.status is Status.NO_PLATEAU or (not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction))
     if unsure and not creeps and pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER):
-        return SLOWER * pace, settings.stiffening
+        return replace(plan, pace=SLOWER * pace)
     return None
 
 

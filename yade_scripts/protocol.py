@@ -14,7 +14,7 @@ from yade_scripts.bodies import Model
 from yade_scripts.case import Case
 from yade_scripts.plateau import Geometry, Outcome, Plateau, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
-from yade_scripts.settings import Settings
+from yade_scripts.settings import CRITICAL, Settings
 from yade_scripts.support_motion import set_speed
 
 ROWS_BETWEEN_FITS = 20
@@ -196,8 +196,22 @@ class Protocol:
         self.progress("settlement", min(1.0, row.settlement / settings.max_travel), row.settlement, row.reaction, "")
         if row.settlement >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             self.plateau = self._fit()
-            if self._is_plateau(self.plateau, settings.stop_uncertainty):
+            if self.may_damp and self.rattles:
+                self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {row.settlement:.3g}")
+            elif self._is_plateau(self.plateau, settings.stop_uncertainty):
                 self._judge()
+
+    @property
+    def may_damp(self) -> bool:
+        """Whether an attempt with more damping may follow."""
+        return self.settings.damping_ratio < CRITICAL and not {"damping_ratio", "normal_damping"} & set(self.case.overrides)
+
+    @property
+    def rattles(self) -> bool:
+        """Whether blocks jump: their unbalanced forces are, on the mean of the plateau, larger than those of a quasi-static motion."""
+        start = plateau.STARTS[0] * self.record.settlement()
+        unbalanced = [row.unbalanced for row in self.record.rows if row.stage == SETTLEMENT and row.settlement >= start]
+        return bool(unbalanced) and float(np.mean(unbalanced)) > self.settings.rattling
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""

@@ -18,6 +18,7 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
+DAMPING, CRITICAL = 0.3, 1.0  # ratio of a run; of one after a run that rattled, which takes steps a third as long
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
@@ -58,6 +59,7 @@ class Settings:
     settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
+    rattling: float  # mean unbalanced force over the mean block weight beyond which a run is no quasi-static one
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
 
 
@@ -70,7 +72,8 @@ def derive(case: Case) -> Settings:
         chosen.update({name: overrides.get(name, value) for name, value in values.items()})
 
     set_default(
-        damping_ratio=1.0,
+        damping_ratio=DAMPING,
+        rattling=0.02,
         time_step_share=0.9,
         wedging=0.0,
         gravity_damping=0.3,

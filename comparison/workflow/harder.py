@@ -1,6 +1,6 @@
 """A second, harder attempt where the first one ends without agreement: each method with finer settings of its own.
 
-The settings depend on the scene and on the stiffness that limit analysis chose for it, never on a value of either method, so that the
+The settings depend on the scene and on the settings of the first attempt, never on a value of either method, so that the
 second attempt is as blind as the first. The first verdict is kept, and the second one tells it.
 """
 
@@ -19,6 +19,7 @@ from la_core.scene import Scene, same_structure
 SUFFIX = "_harder"  # of the name of the second attempt, and of its folder
 STIFFER = 4.0  # times the stiffness of the joints: the travel grows as much in proportion to their strain, so plateaus are flatter
 SLOWER = 2.0  # times the duration of YADE's travel
+STIFFNESSES = ("normal_stiffness", "shear_stiffness")  # that a scene may set itself
 DAMPED = 1.0  # damping ratio at the contacts: a light damping can jump over a state where the joints would have held
 DEARER = 8.0  # times the seconds of YADE's first run: 55 s for 8 s on a leaning wall
 DEARER_PATHS = 8.0  # times the seconds of the first prediction
@@ -56,19 +57,19 @@ def try_harder(
         listener.stage(scene.name, "comparison", words)
         return None
     listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
-    harder = same_structure(scene, finer_settings(scene, first["joints"]), f"{scene.name}{SUFFIX}")
+    harder = same_structure(scene, finer_settings(scene, yade.get("settings") or {}), f"{scene.name}{SUFFIX}")
     of_yade = seconds - DEARER_PATHS * _prediction_seconds(first)
     return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
 
 
-def finer_settings(scene: Scene, joints: Mapping[str, float]) -> dict[str, Any]:
-    """Return the keys of the second attempt: finer paths, and in YADE a slower, more damped run; stiffer joints in both.
+def finer_settings(scene: Scene, run: Mapping[str, float]) -> dict[str, Any]:
+    """Return the keys of the second attempt: finer paths, and in YADE a slower, more damped run with stiffer joints.
 
-    joints: stiffness of the first attempt's joints by name, N/m, as chosen by limit analysis.
+    run: settings of YADE's first run; empty without one.
     """
     settings = {"effort": "high", "yade.damping_ratio": max(DAMPED, float(scene.yade.get("damping_ratio", 0.0)))}
-    for key, name in (("normal_stiffness", "normal"), ("shear_stiffness", "shear")):
-        settings[f"yade.{key}"] = STIFFER * joints[name]
+    names = [name for name in STIFFNESSES if name in scene.yade] or ["stiffening"]
+    settings |= {f"yade.{name}": STIFFER * run[name] for name in names if name in run}
     if "speed" in scene.yade:
         return settings | {"yade.speed": float(scene.yade["speed"]) / SLOWER}
     return settings | {"yade.travel_periods": SLOWER * float(scene.yade.get("travel_periods", TRAVEL_PERIODS))}

@@ -18,7 +18,6 @@ HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
 INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
 FASTEST, FAST_ACCURACY = 8.0, 0.01  # times the derived speed; the accuracy at which runs without history may be that fast
 STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
-LIGHT_DAMPING, LIGHT_FROM = 0.3, 5e-3  # damping ratio that allows longer time steps; the finest accuracy for which it is used
 SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
 MOST_ATTEMPTS = 4
 
@@ -35,8 +34,6 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
     accuracy = record.asked
     faster = HISTORY_SHARE * accuracy / HISTORY_OF_SPEED if may_slide(analysis) else max(1.0, FASTEST * accuracy / FAST_ACCURACY)
     settings = {"travel_periods": TRAVEL_PERIODS / min(faster, FASTEST), "stop_uncertainty": STOP_SHARE * accuracy}
-    if accuracy >= LIGHT_FROM:
-        settings["damping_ratio"] = LIGHT_DAMPING
     return replace(analysis, accuracy=replace(record, settings=_left_open(scene, settings)))
 
 

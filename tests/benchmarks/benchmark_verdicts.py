@@ -45,7 +45,7 @@ def measured(number: int, folder: Path, harder: bool) -> dict[str, Any]:
         first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
         entry = {"number": number, "kind": scene_drawn.kind, "motion": scene_drawn.motion, "friction": scene.friction} | values(first)
         if first["verdict"] == "agree":
-            changes = {f"yade.{name}_stiffness": STIFFER * first["joints"][name] for name in ("normal", "shear")}
+            changes = {"yade.stiffening": STIFFER * first["yade"]["settings"]["stiffening"]} if first["yade"] else {}
             changes["yade.travel_periods"] = SLOWER * TRAVEL_PERIODS
             again = same_structure(scene, changes, f"{scene.name}_again")
             entry["again"] = values(run_scene(again, folder / again.name, narration, with_yade=True, figures=_no_figures))

@@ -199,9 +199,10 @@ def test_a_varied_structure_loses_source_and_expected_value_that_spoke_of_anothe
 
 def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
     """What is used of a first comparison.json."""
-    values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau"} | yade
+    settings = {"stiffening": 4.0, "normal_stiffness": 2e6}
+    values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau", "settings": settings} | yade
     return {
-        "scene": "wall_third", "verdict": verdict, "reason": "why", "joints": {"normal": 2e6, "shear": 1e6}, "yade": values,
+        "scene": "wall_third", "verdict": verdict, "reason": "why", "yade": values,
         "limit_analysis": {"coulomb": {"reaction": 1.2, "uncertainty": 0.2, "seconds": 1.0}},
     }  # fmt: skip
 
@@ -245,11 +246,14 @@ def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: li
     other = runs[0][0]
     assert other.name == "wall_third_harder" and runs[0][1] == tmp_path / other.name
     assert other.effort == "high" and other.expected == scene.expected and other.source == scene.source
-    assert other.yade["normal_stiffness"] == 8e6 and other.yade["shear_stiffness"] == 4e6
-    assert other.yade["damping_ratio"] == 1.0 and other.yade["travel_periods"] == 1200.0
+    assert other.yade["stiffening"] == 16.0 and "normal_stiffness" not in other.yade
+    assert other.yade["damping_ratio"] == 1.0 and other.yade["travel_periods"] == 2400.0
     hurried = la_core.variant(scene, {"yade.speed": 0.02, "yade.damping_ratio": 1.5})
-    assert harder.finer_settings(hurried, {"normal": 1.0, "shear": 1.0})["yade.speed"] == 0.01
-    assert harder.finer_settings(hurried, {"normal": 1.0, "shear": 1.0})["yade.damping_ratio"] == 1.5
+    assert harder.finer_settings(hurried, {})["yade.speed"] == 0.01
+    assert harder.finer_settings(hurried, {})["yade.damping_ratio"] == 1.5
+    given = la_core.variant(scene, {"yade.normal_stiffness": 2e6})
+    finer = harder.finer_settings(given, {"stiffening": 1.0, "normal_stiffness": 2e6})
+    assert finer["yade.normal_stiffness"] == 8e6 and "yade.stiffening" not in finer
 
 
 def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
