@@ -9,6 +9,7 @@ from yade import (
     Body,
     Box,
     ForceResetter,
+    HelixEngine,
     Ig2_Box_Sphere_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
@@ -19,6 +20,7 @@ from yade import (
     Omega,
     PyRunner,
     Sphere,
+    TranslationEngine,
     ViscElMat,
 )
 from yade.utils import createInteraction
@@ -26,7 +28,6 @@ from yade.utils import createInteraction
 from yade_scripts.case import FREE, Case
 from yade_scripts.faces import YadeError, faces_of
 from yade_scripts.settings import Settings, contact_damping
-from yade_scripts.support_motion import drive_of
 
 try:
     from yade.minieigenHP import Matrix3, Quaternion, Vector3
@@ -239,3 +240,22 @@ def _engines(case: Case, settings: Settings, clumps: list[int], command: str) ->
     omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch, clock]
     omega.dt = settings.time_step
     return integrator, drive, watch
+
+
+def drive_of(case: Case, ids: list[int]) -> KinematicEngine:
+    """Return the engine that moves the supports along the unit twist: a translation, or a screw about its axis. ids: of clumps."""
+    velocity, spin = case.support_twist[:3], case.support_twist[3:]
+    if not case.is_rotation:
+        return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)
+    rate = float(np.linalg.norm(spin))
+    return HelixEngine(ids=ids, rotationAxis=spin / rate, zeroPoint=np.cross(spin, velocity) / rate**2, rotateAroundZero=True)
+
+
+def set_speed(case: Case, drive: KinematicEngine, speed: float) -> None:
+    """Move the supports with `speed` times the unit twist from the next step on."""
+    if case.is_rotation:
+        rate = float(np.linalg.norm(case.support_twist[3:]))
+        drive.angularVelocity = speed * rate
+        drive.linearVelocity = speed * float(case.support_twist[:3] @ case.support_twist[3:]) / rate
+    else:
+        drive.velocity = speed * float(np.linalg.norm(case.support_twist[:3]))

@@ -10,12 +10,11 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model
+from yade_scripts.bodies import Model, set_speed
 from yade_scripts.case import Case
 from yade_scripts.plateau import Geometry, Outcome, Plateau, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
 from yade_scripts.settings import CRITICAL, Settings
-from yade_scripts.support_motion import set_speed
 
 ROWS_BETWEEN_FITS = 20
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another

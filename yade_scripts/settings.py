@@ -18,7 +18,7 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
-DAMPING, CRITICAL = 0.3, 1.0  # ratio of a run; of one after a run that rattled, which takes steps a third as long
+CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
@@ -72,7 +72,7 @@ def derive(case: Case) -> Settings:
         chosen.update({name: overrides.get(name, value) for name, value in values.items()})
 
     set_default(
-        damping_ratio=DAMPING,
+        damping_ratio=0.3,
         rattling=0.02,
         time_step_share=0.9,
         wedging=0.0,

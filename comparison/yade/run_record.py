@@ -33,8 +33,7 @@ class RunResult(_Named):
     reaction : float
         Reaction on the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau.
     uncertainty : float
-        Half width of the interval that holds the reaction 19 times in 20, N or N m: the root of the sum of squares of its
-        parts; NaN without a plateau.
+        Half width of the interval that holds the reaction 19 times in 20, from its parts, N or N m; NaN without a plateau.
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float
