@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from comparison.judge.mechanisms import ADMISSIBLE, SIMILAR, check_mechanism
-from comparison.judge.tolerances import UNCERTAIN, Unsure, least_reaction, reaction_tolerance, stated_uncertainty, unsure_methods
+from comparison.judge.tolerances import UNCERTAIN, Unsure, floor, least_reaction, reaction_tolerance, stated_uncertainty, unsure_methods
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core.analysis import wedging
@@ -155,15 +155,22 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
     tolerance = reaction_tolerance(results, prediction.stated)
     check = within(name, value, reaction, tolerance, scene.unit, _difference_words(results, prediction), BOTH_FINER)
     if unsure := unsure_methods(results, prediction.stated):
-        reason = " ".join(_unsure_words(one, scene.unit) for one in unsure)
-        step = FINER_PATHS if unsure[0].method == "limit analysis" else SLOWER_RUN
-        return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
+        return _unsure_check(results, check, unsure)
     if check.verdict is Verdict.DISAGREE:
         doubts = [(prediction.doubt, prediction.next_step), _other_history(results)]
         doubts += [("YADE's own state is in doubt.", SLOWER_RUN)] if state is not None and state.verdict is not Verdict.AGREE else []
         if known := [(doubt, step) for doubt, step in doubts if doubt]:
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
     return check
+
+
+def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check:
+    """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree."""
+    reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
+    if check.difference is not None and abs(check.difference) <= floor(results):
+        return replace(check, verdict=Verdict.AGREE, reason=f"{reason} The reactions agree within the floor of the tolerance alone.")
+    step = FINER_PATHS if unsure[0].method == "limit analysis" else SLOWER_RUN
+    return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
 def _other_history(results: Results) -> tuple[str, str]:
@@ -193,7 +200,7 @@ def _difference_words(results: Results, prediction: Prediction) -> str:
 def _unsure_words(unsure: Unsure, unit: str) -> str:
     size, allowed = f"{unsure.uncertainty:.3g} {unit}", f"{unsure.allowed:.3g} {unit}"
     named = "YADE" if unsure.method == "YADE" else "Limit analysis"
-    return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large for a verdict ({allowed} allowed)."
+    return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large to decide by ({allowed} allowed)."
 
 
 def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]:

@@ -1,7 +1,7 @@
 """Tolerances of the reaction, one of zero included, and how uncertain a method may be that is judged.
 
-A tolerance is a floor for what neither method states, and the uncertainties that both state. A method that is too uncertain is not
-judged at all: no uncertainty, however large, turns a difference into agreement.
+A tolerance is a floor for what neither method states, and the uncertainties that both state. Where a method is too uncertain, only the
+floor counts: no uncertainty, however large, turns a difference into agreement.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from la_core.limit import Status
 # Of the reaction: what neither method states. YADE's blocks move, by at most 1/400 of a block's size, and the prediction is for the
 # undeformed geometry. That changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
 FLOOR = 5e-3
-UNCERTAIN = 1e-2  # of the reaction: a method that states more cannot be judged; twice the floor, so that the floor still matters
+UNCERTAIN = 1e-2  # of the reaction: of a method that states more, the uncertainty counts for nothing; twice the floor, so that the floor still matters
 LEAST_REACTION = 1e-4  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
 UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
 
@@ -46,10 +46,10 @@ def reaction_tolerance(results: Results, stated: float = 0.0) -> float:
     stated: the uncertainty of the prediction, N or N m; 0 for a bound, which is rigorous.
     """
     run = results.recorded
-    return _floor(results) + float(run.result.uncertainty) + stated
+    return floor(results) + float(run.result.uncertainty) + stated
 
 
-def _floor(results: Results) -> float:
+def floor(results: Results) -> float:
     """Return what neither method states, N or N m; either may be off by a requested accuracy."""
     analysis, reaction = results.analysis, abs(results.recorded.result.reaction)
     return max(max(FLOOR, 2.0 * accuracy_share(analysis)) * reaction, least_reaction(analysis))

@@ -70,9 +70,16 @@ def test_doubt_of_yade_is_no_agreement_and_names_yade(wall: LimitAnalysis, share
     assert check.reason.startswith("YADE states an uncertainty") and "YADE slower" in check.next_step
 
 
+@pytest.mark.parametrize(("off", "verdict"), [(0.9 * FLOOR, Verdict.AGREE), (1.1 * FLOOR, Verdict.INCONCLUSIVE)])
+def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: float, verdict: Verdict) -> None:
+    reaction = coulomb_of(wall).value / (1.0 - off)  # the floor is a share of YADE's reaction
+    check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=reaction)))
+    assert check.verdict is verdict and check.reason.startswith("Limit analysis states an uncertainty")
+
+
 def test_where_both_are_in_doubt_the_cheaper_one_comes_first(wall: LimitAnalysis) -> None:
     value = coulomb_of(wall).value
-    check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, uncertainty=0.05 * value)))
+    check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=1.02 * value, uncertainty=0.05 * value)))
     assert check.reason.index("Limit analysis states") < check.reason.index("YADE states")
     assert "finer paths" in check.next_step
 
