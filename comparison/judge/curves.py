@@ -1,6 +1,7 @@
 """Compare the whole curves: the reaction that YADE records while the support moves, and that of the prediction's path.
 
-Both have the same joints. The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first.
+YADE's joints may be stiffer: only travel over sag counts, so the path is put to the settlement at which YADE's joints strain as much.
+The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first.
 """
 
 import dataclasses
@@ -40,11 +41,12 @@ def compare_curves(results: Results) -> CurveDifference | None:
     if coulomb is None or run is None or len(coulomb.path_settlement) < 2:
         return None
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
-    shared = (settlement >= coulomb.path_settlement[0]) & (settlement <= coulomb.path_settlement[-1]) & np.isfinite(reaction)
+    path = coulomb.path_settlement / results.stiffening
+    shared = (settlement >= path[0]) & (settlement <= path[-1]) & np.isfinite(reaction)
     at, size = settlement[shared], reaction[shared]
     if len(at) < 2 or not at[-1] > at[0]:
         return None
-    apart = np.abs(size - np.interp(at, coulomb.path_settlement, coulomb.path_value))
+    apart = np.abs(size - np.interp(at, path, coulomb.path_value))
     worst = int(np.argmax(apart))
     mean = float(np.sum((apart[1:] + apart[:-1]) / 2.0 * np.diff(at)) / (at[-1] - at[0]))
     return CurveDifference(float(apart[worst]), float(at[worst]), mean, float(at[-1]))

@@ -259,6 +259,18 @@ def test_whole_curves_are_compared_where_both_exist(wall: LimitAnalysis) -> None
     assert overall(judged(wall, run))[0] is Verdict.AGREE  # the verdict rests on the plateaus
 
 
+def test_a_path_is_put_to_the_stiffness_of_yades_joints(wall: LimitAnalysis) -> None:
+    coulomb, stiffer = coulomb_of(wall), 4.0
+    settlement = np.linspace(0.0, coulomb.path_settlement[-1] / stiffer, 200)
+    reaction = np.interp(stiffer * settlement, coulomb.path_settlement, coulomb.path_value)
+    record = {"stage": np.ones(200, dtype=int), "settlement": settlement, "reaction": reaction}
+    settings = {"normal_stiffness": stiffer * wall.stiffness.normal}
+    run = dataclasses.replace(coulomb_run(wall), record=made_up_run(record=record).record, settings=settings)
+    found = compare_curves(Results(wall, run))
+    assert found is not None
+    assert found.largest <= 1e-9 * coulomb.value and found.until == pytest.approx(settlement[-1])
+
+
 def test_curves_are_compared_as_far_as_both_go_and_not_at_all_without_one(wall: LimitAnalysis) -> None:
     coulomb = coulomb_of(wall)
     beyond = np.linspace(0.0, 2.0 * coulomb.path_settlement[-1], 50)
