@@ -124,7 +124,7 @@ def _read(path: Path) -> str:
 
 
 def _require_sense(file: CampaignFile, varied: list[str]) -> None:
-    for number, sweep in enumerate(file.sweep, 1):
+    for number, sweep in enumerate(file.sweep):
         for key in [*sweep.set, *sweep.varied()]:
             try:
                 key_paths.steps(key)

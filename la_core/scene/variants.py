@@ -170,5 +170,5 @@ def _plain(value: Any, key: str) -> Any:
     if isinstance(value, str | bool | int | float):
         return value
     if isinstance(value, Sequence):
-        return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value, 1)]
+        return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value)]
     raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint="leave out a key that has no value")

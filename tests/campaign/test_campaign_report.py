@@ -406,13 +406,13 @@ def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp
 
 def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     assert label(MU) == "friction mu (-)" and label(INSET) == "inset (m)"
-    assert label("wall[0].courses") == "wall 1: courses" and label("wall[0].block[2]") == "wall 1: block size (m), z"
+    assert label("wall[0].courses") == "wall[0]: courses" and label("wall[0].block[2]") == "wall[0]: block size (m), z"
     assert label("yade.damping") == "yade: damping"
-    assert label("wall[0].opening[1].from[1]") == "wall 1 opening 2: from (m), z"
-    assert label("block[0].box.to[0]") == "block 1 box: to (m), x" and label("block[0].density") == "block 1: density (kg/m³)"
-    assert label("block[2].prism.profile[3][1]") == "block 3 prism: profile (m), point 4, z"
-    assert label("building[0].foundation.settling.to[1]") == "building 1 foundation settling: to (m), y"
-    assert label("arch[0].thickness") == "arch 1: thickness (m)" and label("dome[0].radius") == "dome 1: radius (m)"
+    assert label("wall[0].opening[1].from[1]") == "wall[0] opening[1]: from (m), z"
+    assert label("block[0].box.to[0]") == "block[0] box: to (m), x" and label("block[0].density") == "block[0]: density (kg/m³)"
+    assert label("block[2].prism.profile[3][1]") == "block[2] prism: profile (m), point [3], z"
+    assert label("building[0].foundation.settling.to[1]") == "building[0] foundation settling: to (m), y"
+    assert label("arch[0].thickness") == "arch[0]: thickness (m)" and label("dome[0].radius") == "dome[0]: radius (m)"
     assert label("yade.normal_stiffness") == "yade: normal stiffness (N/m)" and label("yade.time_limit") == "yade: time limit (s)"
     assert (
         label("yade.speed", {"yade.speed": "v"}) == "v (m/s or rad/s)"
