@@ -77,9 +77,10 @@ def test_no_name_is_broken_at_80_columns() -> None:
         "limit_analysis": {"associated": bound, "coulomb": coulomb},
         "yade": {"status": "plateau", "reaction": 2552.5, "uncertainty": 0.6, "seconds": 2.6},
     }  # fmt: skip
-    short, whole = (printed(tables.verdict_table([comparison], width), 120) for width in (80, None))
+    short, whole = (shown(tables.verdict_table([comparison]), tables.VERDICT_CAN_GO, whole) for whole in (False, True))
     assert any(line.split()[:1] == ["arch_spreading"] for line in short) and all(len(line.rstrip()) <= 80 for line in short)
-    assert not any("greatest" in line for line in short) and any("greatest" in line for line in whole)
+    assert "greatest" in short[1] and "(--long: also " in short[0]  # the title names what is left out
+    assert not any("0.22894" in line for line in short) and any("0.22894" in line for line in whole)
 
 
 def test_a_short_table_leaves_out_the_evidence_that_long_shows(capsys: pytest.CaptureFixture[str]) -> None:

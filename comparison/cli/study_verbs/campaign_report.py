@@ -30,7 +30,7 @@ def report_campaigns(context: Context) -> int:
         codes.append(exit_code(results))
         stored.append(stored_campaign_report(with_versions(results)))
         if not as_json:
-            show(results, context.out)
+            show(results, context)
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=GRAVITY.index)

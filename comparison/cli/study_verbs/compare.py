@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from rich.console import Console
-
 from comparison.campaign import (
     MOST_SHOWN,
     CampaignTable,
@@ -34,21 +32,21 @@ def execute(context: Context) -> int:
     if options.json:
         context.print_json(stored_comparison(comparison))
     else:
-        _show(comparison, context.out)
+        _show(comparison, context)
     return DISAGREE if comparison.changed else AGREE
 
 
-def _show(comparison: Comparison, out: Console) -> None:
+def _show(comparison: Comparison, context: Context) -> None:
     """Print the tables, the cases that only one campaign has, and a summary."""
     for table in terminal_tables(comparison):
-        out.print(table)
+        context.table(table)
     if len(comparison.changes) > MOST_SHOWN:
-        out.print(f"and {len(comparison.changes) - MOST_SHOWN} more changes", markup=False)
+        context.tell(f"and {len(comparison.changes) - MOST_SHOWN} more changes")
     for when, names in (("before", comparison.only_before), ("after", comparison.only_after)):
         if names:
             more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-            out.print(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
-    out.print(sentence(comparison), markup=False)
+            context.tell(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}")
+    context.tell(sentence(comparison))
 
 
 def _read(folder: Path) -> CampaignTable:
