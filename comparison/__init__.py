@@ -7,14 +7,20 @@ are stable; type checkers read them in `__init__.pyi`.
 from importlib import import_module as _load
 
 _HOMES = {
+    "CampaignChanges": "campaign_result",
+    "CampaignResult": "campaign_result",
     "Check": "verdict",
-    "Picture": "result",
+    "Picture": "picture",
     "Result": "result",
     "Run": "yade",
     "Verdict": "verdict",
-    "draw": "result",
+    "compare": "campaign_result",
+    "draw": "picture",
+    "export": "result",
     "read": "result",
+    "read_campaign": "campaign_result",
     "run": "result",
+    "run_campaign": "campaign_result",
 }
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 

@@ -369,3 +369,35 @@ def test_what_holds_arrays_shows_itself_in_one_line() -> None:
     answer = la_core.solve(la_core.load("two_pads"))
     assert repr(answer.analysis).startswith("<LimitAnalysis of two_pads: solved, bound 363.297, prediction 363.297 N")
     assert "\n" not in repr(answer.analysis) + repr(answer.scene.blocks) and len(repr(answer.scene.blocks)) < 200
+
+
+def test_scenes_and_answers_draw_themselves() -> None:
+    scene = la_core.load("two_pads")
+    answer = la_core.solve(scene)
+    assert isinstance(scene.draw(), comparison.Picture) and isinstance(answer.plot("reaction"), comparison.Picture)
+    with pytest.raises(la_core.SceneError, match='did you mean "forces"'):
+        answer.plot("force")
+
+
+def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -> None:
+    frictions = 'title = "Friction"\nyade = false\n[[sweep]]\nscene = "pads"\nvary = { "joint.friction" = [0.4, 0.6] }\n'
+    (tmp_path / "friction.toml").write_text(frictions, encoding="utf-8")
+    (tmp_path / "pads.toml").write_text(la_core.load("two_pads").text, encoding="utf-8")
+    made = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "out", workers=1, quiet=True)
+    expected = la_core.solve(la_core.load("two_pads")).coulomb
+    assert [row["coulomb"] for row in made.rows] == pytest.approx([expected] * 2, rel=1e-6)  # the pads do not slide
+    assert made.title in repr(made) and "pads_friction=0.4" in repr(made) and len(repr(made).splitlines()) == 5
+    stored = comparison.read_campaign(tmp_path / "out")
+    assert stored.rows == made.rows and list(made.to_dataframe()["joint.friction"]) == [0.4, 0.6]
+    (tmp_path / "friction.toml").write_text(frictions.replace("0.6", "0.5"), encoding="utf-8")
+    other = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "other", workers=1, quiet=True)
+    found = comparison.compare(made, tmp_path / "other")
+    assert found.changed and (found.only_before, found.only_after) == (["pads_friction=0.6"], ["pads_friction=0.5"])
+    assert not comparison.compare(other, other).changed and found.summary in repr(found)
+    with pytest.raises(la_core.SceneError, match="workers"):
+        comparison.run_campaign(tmp_path / "friction.toml", workers=0)
+
+
+def test_results_are_exported_from_python(tmp_path: Path) -> None:
+    files = comparison.export(la_core.solve(la_core.load("two_pads")), tmp_path / "paraview")
+    assert files == [tmp_path / "paraview" / "structure.pvd"] and all(path.is_file() for path in files)

@@ -54,8 +54,10 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
         title += f" (--long: also {', '.join(heading for heading in can_go if heading in gone)})"
     if title:
         say(console, title)
-    width = max(console.width, _width(table, gone)) if whole and can_go else console.width
-    console.print(_without(table, gone) if gone else table, width=width)
+    terminal = console.width
+    console.width = max(terminal, _width(table, gone)) if whole and can_go else terminal  # a console prints nothing wider than itself
+    console.print(_without(table, gone) if gone else table)
+    console.width = terminal
 
 
 def _gone(table: Table, width: int, can_go: Sequence[str]) -> set[str]:

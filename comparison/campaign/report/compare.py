@@ -132,7 +132,7 @@ class Comparison:
         return bool(self.changes or self.only_before or self.only_after)
 
 
-def compare(before: CampaignTable, after: CampaignTable) -> Comparison:
+def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
     """Compare two campaigns; cases are matched by name."""
     first, second = ({str(row["case"]): row for row in table.rows} for table in (before, after))
     both = [name for name in first if name in second]

@@ -7,7 +7,6 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Iterator
-from pathlib import Path
 
 from comparison.campaign import (
     Campaign,
@@ -15,10 +14,12 @@ from comparison.campaign import (
     Dask,
     Engine,
     Local,
+    cores,
+    default_folder,
     definition,
     expand,
-    run_campaign,
-    shipped_campaigns,
+    find_campaign,
+    run_cases,
     write_campaign_report,
 )
 from comparison.cli.context import Context
@@ -27,7 +28,7 @@ from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import Verdict, mark_of
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError
 from la_core.text_table import number_text
 
 NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
@@ -47,36 +48,13 @@ def execute(context: Context) -> int:
     campaign = Campaign(campaign_definition, cases, folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
     with _sigterm_interrupts(), CampaignNarration(context.narrator, campaign_definition.title) as narration:
-        table = run_campaign(campaign, engine, narration, write_campaign_report)
+        table = run_cases(campaign, engine, narration, write_campaign_report)
     if options.json:
         stored = {name: value for name, value in vars(table).items() if name != "folder"}
         context.print_json(stored | {"folder": str(folder)})
     else:
         show(table, context)
     return exit_code(table)
-
-
-def find_campaign(path_or_name: Path) -> Path:
-    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists."""
-    known = shipped_campaigns()
-    if path_or_name.suffix == ".toml" or path_or_name.exists():
-        return path_or_name
-    name = str(path_or_name)
-    if name not in known and (complete := path_or_name.with_name(f"{path_or_name.name}.toml")).is_file():
-        return complete
-    if name not in known:
-        raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
-    return known[name]
-
-
-def default_folder(path: Path) -> Path:
-    """Return the default folder of a campaign's results."""
-    return Path("crosscheck-campaigns") / path.stem
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextlib.contextmanager

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from comparison.campaign import STORED, read_campaign, stored_campaign_report, with_versions, write_campaign_report
+from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import GRAVITY
 from comparison.cli.study_verbs.campaign import exit_code, show
@@ -25,7 +25,7 @@ def report_campaigns(context: Context) -> int:
         raise SceneError(str(others[0]), "holds no campaign, unlike another folder", hint="report campaigns and runs separately")
     codes, stored = [], []
     for folder in folders:
-        results = read_campaign(folder)
+        results = read_table(folder)
         write_campaign_report(results)
         codes.append(exit_code(results))
         stored.append(stored_campaign_report(with_versions(results)))

@@ -6,8 +6,8 @@ from comparison.campaign import (
     MOST_SHOWN,
     CampaignTable,
     Comparison,
-    compare,
-    read_campaign,
+    compare_tables,
+    read_table,
     sentence,
     stored_comparison,
     terminal_tables,
@@ -25,7 +25,7 @@ MOST_NAMES = 8  # of cases that only one campaign has, on a terminal
 def execute(context: Context) -> int:
     """Compare two campaigns; the exit code is 1 for any change beyond the stated uncertainties. Raises SceneError."""
     options = context.options
-    comparison = compare(_read(options.before), _read(options.after))
+    comparison = compare_tables(_read(options.before), _read(options.after))
     if options.output is not None:
         write_comparison(comparison, options.output)
         context.narrator.print(f"written in {options.output}", markup=False)
@@ -52,4 +52,4 @@ def _show(comparison: Comparison, context: Context) -> None:
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
         raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
-    return with_versions(read_campaign(folder))
+    return with_versions(read_table(folder))
