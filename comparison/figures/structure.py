@@ -255,7 +255,7 @@ def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
         return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"
-    return f"shape of the mechanism: drawn for a support {motion} of {1e3 * factor:.3g} {unit}"
+    return f"shape of the mechanism, whose size is free: drawn with a support {motion} of {1e3 * factor:.3g} {unit}"
 
 
 def wrapped(title: str) -> str:

@@ -1,11 +1,13 @@
 """`crosscheck report` for folders of campaigns."""
 
+import os
 from pathlib import Path
 
 from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import GRAVITY
 from comparison.cli.study_verbs.campaign import exit_code, show
+from comparison.report import write_pdf
 from la_core.errors import SceneError
 
 
@@ -26,11 +28,15 @@ def report_campaigns(context: Context) -> int:
     codes, stored = [], []
     for folder in folders:
         results = read_table(folder)
-        write_campaign_report(results)
+        page = write_campaign_report(results)
         codes.append(exit_code(results))
         stored.append(stored_campaign_report(with_versions(results)))
         if not as_json:
             show(results, context)
+        if context.options.pdf:
+            printed = write_pdf(page)
+            if not as_json:
+                context.tell(f"report: {os.path.relpath(printed)}")
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=GRAVITY.index)
