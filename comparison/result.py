@@ -15,14 +15,30 @@ from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.report import export_results, write_report
 from comparison.run_folder import refuse_name
-from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, mark_of, stored_check, verdict_cells
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, check_words, mark_of, stored_check, verdict_cells
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
 from la_core.errors import SceneError
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
-from la_core.text_table import Tabled
+from la_core.text_table import Tabled, number_text
+
+
+class _Checks(tuple[Check, ...], Tabled):
+    """Checks that show themselves as a table."""
+
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        headings = ("check", "verdict", "limit analysis", "YADE", "difference", "tolerance", "unit")
+        rows = [
+            [check.name, " ".join(check_words(check.verdict))]
+            + [number_text(value, 5) for value in (check.limit_analysis, check.yade, check.difference, check.tolerance)]
+            + [check.unit]
+            for check in self
+        ]
+        return "checks", headings, rows
+
+    __repr__ = Tabled.__repr__
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,8 +86,8 @@ class Result(Tabled):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """All checks of the comparison, each with its numbers, tolerance and verdict."""
-        return tuple(map(stored_check, self.summary["checks"]))
+        """All checks of the comparison, each with its numbers, tolerance and verdict; they show themselves as a table."""
+        return _Checks(map(stored_check, self.summary["checks"]))
 
     def plot(self, name: str = "mechanisms") -> Picture:
         """Draw one figure of the report.

@@ -301,10 +301,10 @@ def test_the_worst_come_first_whatever_their_order_and_their_unit(tmp_path: Path
 
 
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
-    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 394.0}
+    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; 0.5 % of 400, and 2
     assert deviation(row) == pytest.approx(1.0)
-    assert deviation(row | {"coulomb_uncertainty": 6.0}) == pytest.approx(0.5)
-    assert deviation(row | {"coulomb": None, "least": 394.0, "coulomb_uncertainty": 6.0}) == pytest.approx(1.0)  # that of another value
+    assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
+    assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
 
 
 def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
