@@ -1,5 +1,6 @@
 """Laws of a campaign's report and of the comparison of two campaigns: every case is shown, nothing undefined is a number, nothing hides."""
 
+import base64
 import json
 import math
 import random
@@ -20,7 +21,7 @@ from comparison.campaign.mechanism_changes import letters, mechanism_changes_alo
 from comparison.campaign.parameter_labels import label, quantity
 from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import Change, Comparison, compare_tables
-from comparison.campaign.report.compare_report import stored_comparison
+from comparison.campaign.report.compare_report import sentence, stored_comparison, terminal_tables
 from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
 from comparison.campaign.report.verdict_matrix import matrix_panels
 from comparison.campaign.row_groups import lines, sweeps_of
@@ -437,6 +438,37 @@ def test_a_campaign_compared_with_itself_has_not_changed(shape: str, tmp_path: P
     found = compare_tables(table, table)
     assert not found.changed and not found.within and not found.provenance and found.matched == len(table.rows)
     assert all(cost.ratio == cost.typical == 1.0 for cost in found.costs)
+
+
+def test_yade_in_one_campaign_only_is_said_once(tmp_path: Path) -> None:
+    before = replace(campaign(tmp_path), provenance={"yade": True})
+    after = replace(before, provenance={"yade": False})
+    for place in range(len(before.rows)):
+        after = changed(after, place, yade=None, yade_status=None, yade_uncertainty=None, verdict="")
+    found = compare_tables(before, after)
+    assert found.changed and len(found.changes) >= 2 * len(before.rows)  # JSON and the exit code still tell them
+    assert sentence(found).startswith("YADE ran in one campaign only")
+    assert "changes" not in [str(table.title) for table in terminal_tables(found)]
+    other = compare_tables(before, changed(after, 0, coulomb=1.2 * before.rows[0]["coulomb"]))
+    assert sentence(other).startswith(f"1 of {len(before.rows)} cases changed")
+    assert "changes" in [str(table.title) for table in terminal_tables(other)]
+
+
+def test_every_mechanism_has_a_picture_from_a_case_that_has_it(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    lettered = letters(sweeps_of(table))
+    assert not list(report_rows.mechanism_pictures(table, lettered))  # no case has drawn any
+    for row in table.rows:
+        place = tmp_path / str(row["folder"]) / "scene"
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "mechanisms.png").write_bytes(str(row["case"]).encode())
+    shown = list(report_rows.mechanism_pictures(table, lettered))
+    assert len(shown) == sum(map(len, lettered.values()))
+    for picture in shown:
+        row = next(row for row in table.rows if row["case"] == picture["case"])
+        assert base64.b64decode(picture["data"].split(",")[1]).decode() == row["case"]
+        letter = lettered[str(picture["scene"])][str(row["coulomb_mechanism"])]
+        assert f"mechanism {letter} by" in picture["caption"]
 
 
 def moved(folder: Path) -> tuple[CampaignTable, CampaignTable]:
