@@ -47,6 +47,7 @@ POOR = """(() => {
 })()""".replace("LEAST", str(CONTRAST))
 WIDE = "[...document.querySelectorAll('body *')].filter((e) => e.checkVisibility() && !e.closest('.wide, .picture, pre') && "
 WIDE += "e.getBoundingClientRect().right > innerWidth + 1).map((e) => `${e.tagName}.${e.className}: ${e.textContent.slice(0, 40)}`)"
+FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"  # the view follows its window
 OPENED = "document.querySelectorAll('details').forEach((one) => { one.open = true; })"
 
 
@@ -89,6 +90,7 @@ def test_every_text_has_contrast_and_nothing_runs_over_the_edge(page: str, brows
             browser.send("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
             browser.send("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
             browser.wait(f"innerWidth === {width} && matchMedia('(prefers-color-scheme: {scheme})').matches")
+            browser.send("Runtime.evaluate", expression=FRAMES, awaitPromise=True)
             assert browser.value("document.documentElement.scrollWidth") <= width, (scheme, width)
             assert browser.value(WIDE) == [], (scheme, width)
             found = browser.value(POOR)
