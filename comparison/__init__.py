@@ -1,20 +1,34 @@
 """Runs both methods on a scene, judges one by the other, and reports.
 
-Nothing is loaded before it is asked for: drawing takes a second that most commands can save. The names in `__all__`
-are stable; type checkers read them in `__init__.pyi`.
+The stable names:
+
+- `run`, `read`: run a scene by both methods, or read stored results; both return a `Result`, with `Check`, `Verdict`
+  and YADE's `Run` in it.
+- `draw`, `export`: draw a scene or an answer as a `Picture`; write results for ParaView.
+- `run_campaign`, `read_campaign`: run a campaign, or read its results; both return a `CampaignResult`.
+- `compare`: compare two campaigns; returns `CampaignChanges`.
+
+All other names may change. Nothing is loaded before it is asked for: drawing takes a second that most commands can save.
+Type checkers read the stable names in `__init__.pyi`.
 """
 
 from importlib import import_module as _load
 
 _HOMES = {
+    "CampaignChanges": "campaign_result",
+    "CampaignResult": "campaign_result",
     "Check": "verdict",
-    "Picture": "result",
+    "Picture": "picture",
     "Result": "result",
     "Run": "yade",
     "Verdict": "verdict",
-    "draw": "result",
+    "compare": "campaign_result",
+    "draw": "picture",
+    "export": "result",
     "read": "result",
+    "read_campaign": "campaign_result",
     "run": "result",
+    "run_campaign": "campaign_result",
 }
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 

@@ -1,10 +1,31 @@
-from comparison.result import Picture as Picture
+from comparison.campaign_result import CampaignChanges as CampaignChanges
+from comparison.campaign_result import CampaignResult as CampaignResult
+from comparison.campaign_result import compare as compare
+from comparison.campaign_result import read_campaign as read_campaign
+from comparison.campaign_result import run_campaign as run_campaign
+from comparison.picture import Picture as Picture
+from comparison.picture import draw as draw
 from comparison.result import Result as Result
-from comparison.result import draw as draw
+from comparison.result import export as export
 from comparison.result import read as read
 from comparison.result import run as run
 from comparison.verdict.check import Check as Check
 from comparison.verdict.check import Verdict as Verdict
 from comparison.yade.run_record import Run as Run
 
-__all__ = ["Check", "Picture", "Result", "Run", "Verdict", "draw", "read", "run"]
+__all__ = [
+    "CampaignChanges",
+    "CampaignResult",
+    "Check",
+    "Picture",
+    "Result",
+    "Run",
+    "Verdict",
+    "compare",
+    "draw",
+    "export",
+    "read",
+    "read_campaign",
+    "run",
+    "run_campaign",
+]

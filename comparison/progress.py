@@ -15,6 +15,7 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
+LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
 BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
 
@@ -117,7 +118,7 @@ class _Pace:
         if done < self._last:
             self._began, self._first = now, done
         self._last, gained = done, done - self._first
-        return _time_left((now - self._began) / gained * (1.0 - done)) if gained > 0.0 and done < 1.0 else ""
+        return _time_left((now - self._began) / gained * (1.0 - done)) if gained >= LEAST_GAIN and done < 1.0 else ""
 
 
 class CampaignNarration(_Bars):
@@ -129,6 +130,7 @@ class CampaignNarration(_Bars):
         self._task = self._bars.add_task(visible(title), total=None, state="")
         self._total = self._running = self._done = self._failed = self._before = 0
         self._began = time.monotonic()
+        self._is_told = False  # that all runs ended
 
     def opens(self, cases: int, runs: int, cached: int) -> None:
         """Print the number of cases and runs; cached: runs that were finished before."""
@@ -157,7 +159,9 @@ class CampaignNarration(_Bars):
         if self._has_bars:
             self._bars.update(self._task, total=self._total, completed=self._done + self._failed, state=counts)
         elif self._total and self._done + self._failed == self._total:
-            self._say(f"{self._title}: {counts}")
+            if not self._is_told:
+                self._is_told = True
+                self._say(f"{self._title}: {counts}")
         else:
             self._say_now_and_then(f"{self._title}: {counts}")
 

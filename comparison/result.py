@@ -10,58 +10,35 @@ from typing import Any
 
 from rich.console import Console
 
-from comparison.figures import assembly_figure, rendered, save, scene_figures
+from comparison.picture import Picture, draw
 from comparison.progress import Narration
 from comparison.provenance import describe
-from comparison.report import write_report
-from comparison.run_folder import FIGURE_FORMATS, refuse_name
-from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, mark_of, stored_check, verdict_cells
+from comparison.report import export_results, write_report
+from comparison.run_folder import refuse_name
+from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, check_words, mark_of, stored_check, verdict_cells
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
-from la_core.analysis import Answer, decided_model, structural_model
-from la_core.errors import SceneError, nearest
+from la_core.analysis import Answer, structural_model
+from la_core.errors import SceneError
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
-from la_core.text_table import Tabled
+from la_core.text_table import Tabled, number_text
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """Figure that a notebook shows as an image.
+class _Checks(tuple[Check, ...], Tabled):
+    """Checks that show themselves as a table."""
 
-    Attributes
-    ----------
-    figure : matplotlib.figure.Figure
-        Figure of matplotlib; change it as you like before you save it.
-    """
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        headings = ("check", "verdict", "limit analysis", "YADE", "difference", "tolerance", "unit")
+        rows = [
+            [check.name, " ".join(check_words(check.verdict))]
+            + [number_text(value, 5) for value in (check.limit_analysis, check.yade, check.difference, check.tolerance)]
+            + [check.unit]
+            for check in self
+        ]
+        return "checks", headings, rows
 
-    figure: Any
-
-    def save(self, path: Path | str) -> "Picture":
-        """Write the figure to a file.
-
-        Parameters
-        ----------
-        path : Path or str
-            File to write; its ending chooses the format: .png, .svg or .pdf.
-
-        Returns
-        -------
-        Picture
-            This picture, so that a notebook shows the saved figure.
-
-        Raises
-        ------
-        SceneError
-            The path has another ending.
-        """
-        if Path(path).suffix not in FIGURE_FORMATS:
-            raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
-        save(self.figure, Path(path))
-        return self
-
-    def _repr_png_(self) -> bytes:
-        return rendered(self.figure, ".png")
+    __repr__ = Tabled.__repr__
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,8 +86,8 @@ class Result(Tabled):
 
     @property
     def checks(self) -> tuple[Check, ...]:
-        """All checks of the comparison, each with its numbers, tolerance and verdict."""
-        return tuple(map(stored_check, self.summary["checks"]))
+        """All checks of the comparison, each with its numbers, tolerance and verdict; they show themselves as a table."""
+        return _Checks(map(stored_check, self.summary["checks"]))
 
     def plot(self, name: str = "mechanisms") -> Picture:
         """Draw one figure of the report.
@@ -254,41 +231,23 @@ def read(folder: Path | str) -> Result:
     return _result(Path(folder), summary)
 
 
-def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Picture:
-    """Draw a figure of a scene or of an answer.
+def export(what: Answer | Result, folder: Path | str) -> list[Path]:
+    """Write blocks, mechanisms, forces and YADE's states as files for ParaView.
 
     Parameters
     ----------
-    what : Scene or Answer
-        A scene, for a figure of its assembly, or an answer, for the figure `name`.
-    name : str
-        Figure of an answer: "assembly", "mechanisms" (default), "reaction", "forces" or "dissipation". Ignored for a scene.
-    run : Run or None
-        YADE's record, drawn beside the answer. Ignored for a scene.
+    what : Answer or Result
+        Results of limit analysis, or of both methods.
+    folder : Path or str
+        Folder of the files.
 
     Returns
     -------
-    Picture
-        The figure.
-
-    Raises
-    ------
-    SceneError
-        No figure has this name.
-
-    Examples
-    --------
-    >>> import comparison, la_core
-    >>> picture = comparison.draw(la_core.load("two_pads"))
-    >>> picture.save("two_pads.png") is picture
-    True
+    list of Path
+        Files to open in ParaView.
     """
-    if isinstance(what, Scene):
-        return Picture(assembly_figure(what, decided_model(what).assembly))
-    drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
-    if chosen not in drawings:
-        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
-    return Picture(drawings[chosen]())
+    answer, record = (what, None) if isinstance(what, Answer) else (what.answer, what.yade)
+    return export_results(Results(answer.analysis, record), Path(folder))
 
 
 def _narration(quiet: bool) -> Narration:

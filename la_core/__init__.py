@@ -1,7 +1,14 @@
 """Rigid-block limit analysis of dry-joint structures on a moving support.
 
-A module is loaded only when a name in it is used, so that YADE's own interpreter can load `la_core.exchange` alone.
-The names in `__all__` are stable; type checkers read them in `__init__.pyi`.
+The stable names:
+
+- `load`, `names`: read a scene file or a shipped scene; list the shipped ones.
+- `build`, `variant`: make a `Scene` from tables, or from another scene with some keys changed.
+- `solve`: solve a scene; returns an `Answer` with a `Status`.
+- `SceneError`: raised for an invalid scene or argument.
+
+All other names may change. A module is loaded only when a name in it is used, so that YADE's own interpreter can load
+`la_core.exchange` alone. Type checkers read the stable names in `__init__.pyi`.
 """
 
 from importlib import import_module as _load

@@ -17,13 +17,13 @@ MOST_LINES, MOST_MODULES = 300, 12  # of a module; of a room, its sentence aside
 
 # Every room may import the rooms before it, and modules of its own. A name in parentheses is a module on a package's own floor.
 ROOMS = (
-    "la_core.errors", "la_core.digests", "la_core.text_table",
+    "la_core.errors", "la_core.digests", "la_core.text_table", "la_core.pictures",
     "la_core.exchange", "la_core.geometry", "la_core.drawing", "la_core.repair", "la_core.scene", "la_core.model", "la_core.measures",
     "la_core.limit", "la_core.coulomb", "la_core.analysis",
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
     "comparison.progress", "comparison.verdict", "comparison.yade", "comparison.judge", "comparison.limit_analysis", "comparison.figures",
-    "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.result", "comparison.cli",
-    "comparison.__main__",
+    "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.picture", "comparison.result",
+    "comparison.campaign_result", "comparison.cli", "comparison.__main__",
 )  # fmt: skip
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", ""),
@@ -154,6 +154,13 @@ def test_packages_know_only_whom_they_may(path: Path) -> None:
         assert {module for module in modules if package(module) == "la_core"} <= {"la_core.exchange"}
     else:
         assert not packages & {"yade_scripts", "yade", "minieigen"}
+
+
+def test_limit_analysis_asks_for_pictures_in_one_place() -> None:
+    """`scene.draw()` and `answer.plot()` are drawn by the package above, which is loaded only for them."""
+    asks = [path for path in FILES if package(name_of(path)) == "la_core" and 'import_module("comparison")' in path.read_text("utf-8")]
+    assert asks == [ROOT / "la_core" / "pictures.py"]
+    assert not loaded_by("import la_core; la_core.load('two_pads')") & {"comparison", "matplotlib"}
 
 
 @every_file

@@ -2,15 +2,22 @@
 
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.definition import shipped_campaigns
-from comparison.campaign.engine import Campaign, Engine, run_campaign
-from comparison.campaign.report.compare import Comparison, compare
-from comparison.campaign.report.compare_report import MOST_SHOWN, sentence, stored_comparison, terminal_tables, write_comparison
+from comparison.campaign.definition import default_folder, find_campaign, shipped_campaigns
+from comparison.campaign.engine import Campaign, Engine, run_cases
+from comparison.campaign.report.compare import Comparison, compare_tables
+from comparison.campaign.report.compare_report import (
+    MOST_SHOWN,
+    change_words,
+    sentence,
+    stored_comparison,
+    terminal_tables,
+    write_comparison,
+)
 from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
 from comparison.campaign.report.yade_versions import with_versions
-from comparison.campaign.table import STORED, CampaignTable, read_campaign
+from comparison.campaign.table import STORED, CampaignTable, read_table
 from comparison.campaign.workers.dask import Dask
-from comparison.campaign.workers.local import Local
+from comparison.campaign.workers.local import Local, cores
 
 __all__ = [
     "MOST_SHOWN",
@@ -21,11 +28,15 @@ __all__ = [
     "Dask",
     "Engine",
     "Local",
-    "compare",
+    "change_words",
+    "compare_tables",
+    "cores",
+    "default_folder",
     "definition",
     "expand",
-    "read_campaign",
-    "run_campaign",
+    "find_campaign",
+    "read_table",
+    "run_cases",
     "sentence",
     "shipped_campaigns",
     "stored_campaign_report",

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Self
 import pydantic
 from pydantic import Field, Strict, model_validator
 
-from la_core.errors import SceneError
+from la_core.errors import SceneError, nearest
 from la_core.scene import LARGEST_FILE, Name, Table, Text, as_scene_error, described, key_paths
 
 MOST_CASES = 10_000  # per campaign: a typing error must not fill the disk
@@ -124,7 +124,7 @@ def _read(path: Path) -> str:
 
 
 def _require_sense(file: CampaignFile, varied: list[str]) -> None:
-    for number, sweep in enumerate(file.sweep, 1):
+    for number, sweep in enumerate(file.sweep):
         for key in [*sweep.set, *sweep.varied()]:
             try:
                 key_paths.steps(key)
@@ -140,3 +140,21 @@ def _require_sense(file: CampaignFile, varied: list[str]) -> None:
 def shipped_campaigns() -> dict[str, Path]:
     """Return the files of the shipped campaigns, by name."""
     return {path.stem: path for path in sorted((Path(__file__).parents[1] / "campaigns").glob("*.toml"))}
+
+
+def find_campaign(path_or_name: Path) -> Path:
+    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists."""
+    known = shipped_campaigns()
+    if path_or_name.suffix == ".toml" or path_or_name.exists():
+        return path_or_name
+    name = str(path_or_name)
+    if name not in known and (complete := path_or_name.with_name(f"{path_or_name.name}.toml")).is_file():
+        return complete
+    if name not in known:
+        raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
+    return known[name]
+
+
+def default_folder(path: Path) -> Path:
+    """Return the default folder of a campaign's results."""
+    return Path("crosscheck-campaigns") / path.stem

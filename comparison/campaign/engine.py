@@ -78,7 +78,7 @@ class Campaign:
         return self.folder / CASES / run.name
 
 
-def run_campaign(
+def run_cases(
     campaign: Campaign,
     engine: Engine,
     narration: CampaignNarration,
@@ -99,7 +99,7 @@ def run_campaign(
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
-        final = table.read_campaign(campaign.folder)
+        final = table.read_table(campaign.folder)
         conclude(final)
     return final
 

@@ -88,7 +88,7 @@ def short(parameter: str, named: Mapping[str, str] | None = None) -> str:
 
 
 def _whole(parameter: str) -> str:
-    """Return table, words, unit and component of a parameter."""
+    """Return table, words, unit and component of a parameter; [0] is the first table of a kind, as in the parameter itself."""
     if parameter in NAMES:
         return NAMES[parameter]
     *parents, last = steps = _parts(parameter)
@@ -101,7 +101,7 @@ def _whole(parameter: str) -> str:
     unit = next((UNIT_OF[end] for end in ends if end in UNIT_OF), None)
     if unit is not None and not UNIT.search(words):
         words += f" ({unit})"
-    table = " ".join(_plain(step) if not step.isdigit() else str(int(step) + 1) for step in parents)
+    table = " ".join(_plain(step) if not step.isdigit() else f"[{step}]" for step in parents).replace(" [", "[")
     return (f"{table}: {words}" if table else words) + _component(ends, indices)
 
 
@@ -116,8 +116,8 @@ def _component(ends: list[str], indices: list[int]) -> str:
         return ""
     *points, index = indices
     components = next(COMPONENTS[end] for end in (*ends, "") if end in COMPONENTS)
-    component = components[index] if index < len(components) else str(index + 1)
-    return "".join(f", point {point + 1}" for point in points) + f", {component}"
+    component = components[index] if index < len(components) else f"[{index}]"
+    return "".join(f", point [{point}]" for point in points) + f", {component}"
 
 
 def words_of(held: Mapping[str, Any], named: Mapping[str, str] | None = None) -> str:

@@ -63,7 +63,7 @@ class CampaignTable:
         return [row for row in self.rows if row["state"] == "failed"]
 
 
-def read_campaign(folder: Path) -> CampaignTable:
+def read_table(folder: Path) -> CampaignTable:
     """Read the table of a campaign's folder; raises ExchangeError if it is missing, damaged or changed."""
     path = folder / STORED
     try:

@@ -17,6 +17,7 @@ MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 SCENE_HELP = "path of a scene file, or the name of a shipped scene"
+LONG_HELP = "the whole table, also where it is wider than the terminal"
 NO_YADE_HELP = "run limit analysis only"
 LIMIT_HELP = "wall time limit of each YADE run in seconds (default: as configured, else the scene's, or 3600)"
 ACCURACY_HELP = "requested accuracy as a share of the answer, such as 1%%: start from the cheapest settings, refine if needed"
@@ -115,6 +116,7 @@ def _add_sensitivity(add: AddVerb) -> None:
     study = add("sensitivity", "show how the classic iteration for friction depends on its own parameters")
     study.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     study.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE-sensitivity.png)")
+    study.add_argument("--long", action="store_true", help=LONG_HELP)
 
 
 def _add_cost(add: AddVerb) -> None:
@@ -122,6 +124,7 @@ def _add_cost(add: AddVerb) -> None:
     cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
     cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
     cost.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
+    cost.add_argument("--long", action="store_true", help=LONG_HELP)
 
 
 def _add_run(add: AddVerb) -> None:
@@ -143,7 +146,7 @@ def _add_run(add: AddVerb) -> None:
     most = f"wall time that --try-harder may take for each scene, in seconds (default: {HARDER_SECONDS:g}, that is 15 minutes)"
     run.add_argument("--try-harder-limit", type=seconds, metavar="S", default=HARDER_SECONDS, help=most)
     run.add_argument("--workers", type=count, metavar="N", default=1, help="number of scenes that run side by side (default: 1)")
-    run.add_argument("--long", action="store_true", help="the whole table, also where it is wider than the terminal")
+    run.add_argument("--long", action="store_true", help=LONG_HELP)
     _add_head(run)
 
 
@@ -158,6 +161,7 @@ def _add_campaign(add: AddVerb) -> None:
     where.add_argument("--scheduler", metavar="ADDRESS", help="run on the workers of a Dask scheduler, which share the folder")
     campaign.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
     campaign.add_argument("--time-limit", type=seconds, metavar="S", help=LIMIT_HELP)
+    campaign.add_argument("--long", action="store_true", help=LONG_HELP)
     campaign.add_argument("--parquet", action="store_true", help="also write the tables as Parquet")
 
 
@@ -174,7 +178,7 @@ def _add_report(add: AddVerb) -> None:
     folder_help = "folder of `crosscheck run`, or of one of its scenes, or of `crosscheck campaign`"
     report.add_argument("folders", metavar="DIR", nargs="+", type=Path, help=folder_help)
     report.add_argument("--pdf", action="store_true", help="also print the report to report.pdf (A4); needs Chromium or Chrome")
-    report.add_argument("--long", action="store_true", help="the whole table, also where it is wider than the terminal")
+    report.add_argument("--long", action="store_true", help=LONG_HELP)
     _add_head(report)
 
 

@@ -27,15 +27,15 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
         if not as_json:
             for comparison in comparisons:
                 if comparison["verdict"] == Verdict.CANNOT_STAND:
-                    out.print(f"{comparison['scene']} cannot stand. {comparison['reason']}", markup=False)
-            out.print(tables.verdict_table(comparisons, None if context.options.long else out.width))
+                    context.tell(f"{comparison['scene']} cannot stand. {comparison['reason']}")
+            context.table(tables.verdict_table(comparisons), tables.VERDICT_CAN_GO)
             if any(comparison.get("accuracy") for comparison in comparisons):
-                out.print(tables.accuracy_table(comparisons))
+                context.table(tables.accuracy_table(comparisons))
             for comparison in comparisons:
                 if first := comparison.get("first_prediction"):
-                    out.print(f"{comparison['scene']}: {first['sentence']}", markup=False)
+                    context.tell(f"{comparison['scene']}: {first['sentence']}")
                 for words in lines_below(comparison):
-                    out.print(f"{comparison['scene']}: {words}", markup=False)
+                    context.tell(f"{comparison['scene']}: {words}")
             out.print(f"report: {os.path.relpath(page)}", markup=False)
         if getattr(context.options, "pdf", False):
             context.out.print(f"report: {os.path.relpath(write_pdf(page))}", markup=False) if not as_json else write_pdf(page)
@@ -48,7 +48,7 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
 
 def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield what the terminal says under the table of verdicts: the reason or the remarks, then what to do next."""
-    is_said = comparison["verdict"] == Verdict.CANNOT_STAND  # above the table, before anything else
+    is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):
         yield f"second attempt with finer settings; the first one, {first['scene']}, was {first['verdict']}."

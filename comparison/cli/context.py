@@ -2,17 +2,18 @@
 
 import argparse
 import json
-import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 from rich.console import Console
+from rich.table import Table
 
+from comparison.cli.layout import columns_asked, say, show_table
 from la_core.errors import visible
 from la_core.scene import Scene
 
 PIPE_WIDTH = 120  # columns of a file or a pipe, unless COLUMNS says otherwise
-LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 
 
 @dataclass(frozen=True)
@@ -40,10 +41,22 @@ class Context:
         return cls(options, narrator, _results_console())
 
     def warn(self, scene: Scene) -> None:
-        """Print what is implausible about a scene on stderr, one line each, also with `--quiet`."""
+        """Print what is implausible about a scene on stderr, one paragraph each, also with `--quiet`."""
         console = Console(stderr=True, highlight=False, emoji=False, soft_wrap=True)
         for warning in scene.warnings:
-            console.print(visible(f"warning: {scene.name}: {warning}"), markup=False)
+            say(console, visible(f"warning: {scene.name}: {warning}"))
+
+    def table(self, table: Table, can_go: Sequence[str] = ()) -> None:
+        """Print a table on stdout; `can_go`: columns that a narrow one leaves out without `--long`, the first to go first."""
+        show_table(self.out, table, can_go, getattr(self.options, "long", False))
+
+    def tell(self, text: str) -> None:
+        """Print sentences of a result on stdout, broken between words at the width of a terminal."""
+        say(self.out, text)
+
+    def narrate(self, text: str) -> None:
+        """Print narration on stderr, unless it is silent, broken between words at the width of a terminal."""
+        say(self.narrator, text)
 
     def print_json(self, value: dict[str, Any]) -> None:
         """Print one JSON object on stdout; raises ValueError for NaN or an infinite number."""
@@ -52,8 +65,7 @@ class Context:
 
 def _results_console() -> Console:
     """Return a console as wide as COLUMNS says, else as the terminal, else PIPE_WIDTH; only tables are fitted to it."""
-    columns = os.environ.get("COLUMNS", "")
-    asked = max(int(columns), LEAST_WIDTH) if columns.isdecimal() and len(columns) < 5 and int(columns) else None
+    asked = columns_asked()
     console = Console(highlight=False, emoji=False, soft_wrap=True, width=asked)
     if asked is None and not console.is_terminal:
         return Console(highlight=False, emoji=False, soft_wrap=True, width=PIPE_WIDTH)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rich.console import Console
 
+from comparison.cli.layout import say
 from comparison.errors import message_of
 from la_core.errors import SceneError, visible
 
@@ -50,7 +51,7 @@ def _code(error: BaseException) -> int:
 
 def complain(message: str, code: int) -> int:
     """Print an error message on stderr, with control characters escaped, and return the exit code."""
-    Console(stderr=True, highlight=False, emoji=False, soft_wrap=True).print(f"error: {visible(message)}", markup=False)
+    say(Console(stderr=True, highlight=False, emoji=False, soft_wrap=True), f"error: {visible(message)}")
     return code
 
 

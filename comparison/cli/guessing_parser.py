@@ -17,7 +17,7 @@ class GuessingParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one message."""
-        sys.stderr.write(f"error: {message}; `{self.prog} --help` lists what is valid\n")
+        sys.stderr.write(f"error: {message}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid\n")
         raise SystemExit(USAGE)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

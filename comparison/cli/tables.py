@@ -6,21 +6,19 @@ from typing import Any
 from rich import box
 from rich.markup import escape
 from rich.table import Table
-from rich.text import Text
 
 from comparison.judge import METHODS as ACCURACY_METHODS
-from comparison.judge import effects_summary, percent
+from comparison.judge import percent
 from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, check_words, mark_of, verdict_cells
-from la_core.analysis import DecidedModel, answer_headings, answer_rows
-from la_core.scene import Expected, Scene, change_rows, geometry_changes
+from la_core.analysis import answer_headings, answer_rows
+from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
 COLOURS = {"agree": "green", "disagree": "red", "inconclusive": "yellow", "cannot stand": "red"}
 EVIDENCE = ("residual", "violation", "gap", "drift", "travel", "iterations")  # ends of rows that only `--long` shows
 LONGEST_NAME = 40  # columns for the names of scenes; longer ones fold
-SHORT_VERDICT = ("scene", "Coulomb", "YADE", "verdict")
-SHORT_TITLE = "reaction over the weight W: prediction, YADE's plateau (--long: bounds, times)"
+VERDICT_CAN_GO = ("LA s", "YADE s", "greatest", "least")  # columns that a narrow table leaves out, the first to go first
 
 
 def new_table(*headings: str, title: str | None = None) -> Table:
@@ -65,29 +63,6 @@ def coloured(words: str, verdict: str | None) -> str:
 def plain(text: str) -> str:
     """Return a scene's text with the terminal library's markup escaped."""
     return escape(text)
-
-
-def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
-    """Return the counts, the weight (N) and the effects of a scene."""
-    assembly = decided.assembly
-    roles = {name: int((scene.blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
-    facts: dict[str, Any] = {"scene": scene.name, "warnings": list(scene.warnings), "weight": scene.weight}
-    facts |= {f"{name}_blocks": count for name, count in roles.items()}
-    facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
-    facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
-    facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
-    return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
-
-
-def facts_table(title: str, facts: dict[str, Any]) -> Table:
-    """Return a table of scene facts, one per row, without the effects and the warnings."""
-    units = {"weight": "N", "inset": "m"}
-    table = new_table("what", "value", "unit", title=plain(title))
-    for name, value in facts.items():
-        if name not in ("effects", "geometry", "warnings"):
-            text = number_text(value) if isinstance(value, float) else str(value)
-            table.add_row(name.replace("_", " "), text, units.get(name, ""))
-    return table
 
 
 def changes_table(changes: dict[str, Any]) -> Table:
@@ -159,35 +134,23 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     return table
 
 
-def verdict_table(comparisons: list[dict[str, Any]], width: int | None = None) -> Table:
+def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
     """Return one row per scene: bounds, prediction and YADE's reaction over the weight, the verdict, the time of each method.
 
-    Where that is wider than `width` columns, bounds and times are left out. Names of scenes are never broken.
+    Names of scenes are never broken.
     """
-    rows = []
+    table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
+    _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)
         verdict = coloured(mark_of(comparison["verdict"]), comparison["verdict"])
-        rows.append([plain(scene), *values, verdict, limit_seconds, yade_seconds])
-    kept = list(range(len(VERDICT_HEADINGS)))
-    if width is not None and _width(VERDICT_HEADINGS, rows) > width:
-        kept = [k for k in kept if VERDICT_HEADINGS[k] in SHORT_VERDICT]
-    table = new_table(*(VERDICT_HEADINGS[k] for k in kept), title=VERDICT_TITLE if len(kept) > len(SHORT_VERDICT) else SHORT_TITLE)
-    _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
-    for row in rows:
-        table.add_row(*(row[k] for k in kept))
+        table.add_row(plain(scene), *values, verdict, limit_seconds, yade_seconds)
     return table
 
 
 def _keep_names_whole(table: Table, names: Sequence[str]) -> None:
     """Let the first column of a table never break the names in it, unless they are longer than any table should be wide."""
     table.columns[0].min_width = min(max(map(len, names), default=0), LONGEST_NAME)
-
-
-def _width(headings: Sequence[str], rows: list[list[str]]) -> int:
-    """Return the columns of a terminal that a table in the program's style needs."""
-    cells = [[Text(heading).cell_len for heading in headings], *([Text.from_markup(cell).cell_len for cell in row] for row in rows)]
-    return sum(max(column) + 3 for column in zip(*cells, strict=True)) + 1
 
 
 def accuracy_table(comparisons: list[dict[str, Any]]) -> Table:

@@ -28,6 +28,7 @@ HOLD = 2.0  # s, the last frame
 DPI = 100
 COLOURS = 128  # of a GIF: enough for flat areas and the greys of letters
 NEARLY_WHITE = 244  # of 255
+ROW_BELOW = 0.135  # of the height of the axes below, which are 1.6 inches high: one row of text and its gap to the line
 SLOW = 2.0  # power of the time: the settlement starts slowly, because the reaction falls at its beginning
 
 
@@ -57,7 +58,7 @@ class Story:
                 canvas.block_outlines(_moves(self.assembly, method) | np.any(self.assembly.support_twist, axis=1), FAINT)
         self.still = [len(canvas.axes.collections) for canvas in self.canvases]
         axes = lower.subplots()
-        self.scales, written = draw_levels(axes, results)
+        self.scales, written = draw_levels(axes, results, ROW_BELOW)
         (self.line,) = axes.plot([], [], color=YADE, linewidth=1.6, zorder=4, label="YADE, recorded" if run else "_none")
         (self.tip,) = axes.plot([], [], color=YADE, marker="o", markeredgecolor="black", markersize=6, zorder=6)
         handles = {name: handle for handle, name in zip(*axes.get_legend_handles_labels(), strict=True) if name not in written}

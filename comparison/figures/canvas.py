@@ -1,11 +1,8 @@
 """Blocks, interfaces, points and arrows on a canvas, and the colours of all figures.
 
-A plane scene is seen along y, any other scene in a parallel view. Convex blocks that share an interface hide each other in a
-known order; the view draws them back to front in that order. Mplot3d sorts single faces by their mean depth instead, and draws a
-long foundation over the short blocks on it.
+A plane scene is seen along y, any other scene in a parallel view, its blocks drawn back to front.
 """
 
-import heapq
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,6 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
+from comparison.figures.drawing_order import back_to_front
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
@@ -72,7 +70,7 @@ class Canvas:
         self.plane = assembly.effects.plane
         self.few = len(assembly.blocks) <= FEW
         self.right, self.up, self.toward = view_axes(self.plane)
-        self.order = np.arange(len(self.blocks)) if self.plane else _back_to_front(assembly, self.toward)
+        self.order = np.arange(len(self.blocks)) if self.plane else back_to_front(assembly, self.toward)
         low, high = window(assembly)
         self.scale = width / (high - low)[0]  # pt per m
         self.dot = float(np.clip(np.median(np.cbrt(self.blocks.volume)) * self.scale / 10.0, 0.8, 3.5))  # pt, contact points
@@ -245,36 +243,6 @@ def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
     toward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
     return right, np.cross(toward, right), toward
-
-
-def _back_to_front(assembly: Assembly, toward: np.ndarray) -> np.ndarray:
-    """Return the blocks (B,) in drawing order.
-
-    Of two blocks with an interface, the block on the viewer's side comes later. Other blocks are ordered by depth, the farthest first.
-    """
-    facing = assembly.interfaces.normal @ toward
-    behind = np.where(facing > 0.0, assembly.interfaces.block_a, assembly.interfaces.block_b)
-    before = np.where(facing > 0.0, assembly.interfaces.block_b, assembly.interfaces.block_a)
-    depth = assembly.blocks.centroid @ toward
-    waiting = np.bincount(before, minlength=len(depth))
-    hides: list[list[int]] = [[] for _ in depth]
-    for a, b in zip(behind, before, strict=True):
-        hides[a].append(int(b))
-    # No order is right where blocks interlock in a ring: the block that waits for the fewest others goes first, the farthest of these.
-    queue = [(int(waiting[k]), float(depth[k]), k) for k in range(len(depth))]
-    heapq.heapify(queue)
-    order: list[int] = []
-    drawn = np.zeros(len(depth), dtype=bool)
-    while queue:
-        count, _, block = heapq.heappop(queue)
-        if drawn[block] or count != waiting[block]:
-            continue
-        drawn[block] = True
-        order.append(block)
-        for other in hides[block]:
-            waiting[other] -= 1
-            heapq.heappush(queue, (int(waiting[other]), float(depth[other]), other))
-    return np.array(order)
 
 
 def _normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-ROW = 0.055  # of the axes' height: one row of text and its gap to the line
+ROW = 0.055  # of the height of axes 3.8 inches high: one row of text and its gap to the line
 SIZE = 8.0  # pt
 TOUCHING = 0.004  # of the axes' height: a label at one of two lines this close does not count as covering the other
 BOX = {"facecolor": "white", "alpha": 0.75, "linewidth": 0.0, "pad": 0.6}
@@ -34,7 +34,7 @@ class Word:
     named: tuple[str, ...]
 
 
-def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = ()) -> set[str]:
+def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], other: Sequence[float] = (), row: float = ROW) -> set[str]:
     """Write the labels that fit, from the top down, lines before bands; return the legend's names of these.
 
     Labels that do not fit are not written; the legend names their lines.
@@ -49,6 +49,8 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
         Lower and upper end of the axes.
     other : sequence of float
         Further values that labels must not cover.
+    row : float
+        Height of a row of text, as a share of the axes' height.
     """
     bottom, top = limits
 
@@ -62,14 +64,14 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
     written: set[str] = set()
     for word in lines:
         level = share(word.low)
-        for low, alignment in ((level, "bottom"), (level - ROW, "top")):
-            if _is_free(low, levels, rows):
-                rows.append((low, low + ROW))
+        for low, alignment in ((level, "bottom"), (level - row, "top")):
+            if _is_free((low, low + row), levels, rows):
+                rows.append((low, low + row))
                 _write(axes, word, level, alignment)
                 written.update(word.named)
                 break
     for word in bands:
-        height = ROW * len(word.words.splitlines())
+        height = row * len(word.words.splitlines())
         middle = _widest_gap(max(share(word.low), 0.0), min(share(word.high), 1.0), levels, rows, height)
         if middle is not None:
             rows.append((middle - height / 2.0, middle + height / 2.0))
@@ -78,12 +80,12 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
     return written
 
 
-def _is_free(low: float, levels: Sequence[float], rows: Sequence[tuple[float, float]]) -> bool:
-    """Return whether a row that starts at `low` is inside the axes and covers no line and no other row.
+def _is_free(row: tuple[float, float], levels: Sequence[float], rows: Sequence[tuple[float, float]]) -> bool:
+    """Return whether a row, from its lower to its upper end, is inside the axes and covers no line and no other row.
 
     All values are shares of the axes' height.
     """
-    high = low + ROW
+    low, high = row
     covers_line = any(low + TOUCHING < level < high - TOUCHING for level in levels)
     covers_row = any(low < end - 1e-9 and start < high - 1e-9 for start, end in rows)
     return low >= 0.0 and high <= 1.0 and not covers_line and not covers_row

@@ -85,10 +85,10 @@ def reaction_figure(results: Results) -> Figure:
     return figure
 
 
-def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
+def draw_levels(axes: Any, results: Results, row: float) -> tuple[Scales, set[str]]:
     """Draw the whole curve's panel without YADE's record.
 
-    Return the axes' scales and the legend's names of labelled lines.
+    Return the axes' scales and the legend's names of labelled lines. row: height of a row of text as a share of the axes' height.
     """
     scene, analysis = results.scene, results.analysis
     scales, end, limits = scales_of(results), largest_settlement(results), whole_limits(results)
@@ -96,7 +96,7 @@ def draw_levels(axes: Any, results: Results) -> tuple[Scales, set[str]]:
     _draw_prediction(axes, results, scales, limits, end)
     _finish(axes, scene, scales, end, limits)
     low, high = (limit / scales.reaction for limit in limits)
-    return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(results, scales, end))
+    return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(results, scales, end), row)
 
 
 def _obstacle(analysis: LimitAnalysis) -> str:

@@ -41,6 +41,7 @@ SHORT = 0.2  # of the longest arrow: shorter arrows of a turning support are lef
 ARROW = 0.1  # of the structure's size
 TITLE_WIDTH = 90  # characters
 ROLE_NAME = {FREE: "free block", FIXED: "fixed (ground)", SUPPORT: "support", ASIDE: "set aside, at rest"}
+LEAST_DOT = 1.2  # pt: contact points of large structures would be smaller, and are left out
 POINT = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}
 UNCLOSED = {"marker": "x", "markeredgecolor": "tab:red"}  # where two faces stayed apart
 UNCLOSED_SIZE = 9.0  # points
@@ -60,7 +61,9 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) 
     if canvas.plane or canvas.few:
         canvas.outlines(loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
     position = assembly.points.position
-    canvas.marks(position[canvas.seen(position)], markersize=canvas.dot, markeredgewidth=canvas.dot / 5.0, **POINT)
+    has_points = canvas.few or canvas.dot > LEAST_DOT
+    if has_points:
+        canvas.marks(position[canvas.seen(position)], markersize=canvas.dot, markeredgewidth=canvas.dot / 5.0, **POINT)
     unclosed = scene.repairs.unclosed if scene.repairs is not None else ()
     if unclosed:
         canvas.marks(np.array([one.vertex for one in unclosed]), markersize=UNCLOSED_SIZE, **UNCLOSED)
@@ -72,7 +75,7 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) 
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
     unclosed_key = [_mark("not closed", UNCLOSED)] if unclosed else []
     arrows = [_arrow_key(driven, INK), _arrow_key("gravity", FAINT)]
-    legend_below(figure, [*handles, _mark("contact point", POINT), *unclosed_key, *arrows])
+    legend_below(figure, [*handles, *([_mark("contact point", POINT)] if has_points else []), *unclosed_key, *arrows])
     return figure
 
 
@@ -255,7 +258,7 @@ def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
         return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"
-    return f"shape of the mechanism: drawn for a support {motion} of {1e3 * factor:.3g} {unit}"
+    return f"shape of the mechanism, whose size is free: drawn with a support {motion} of {1e3 * factor:.3g} {unit}"
 
 
 def wrapped(title: str) -> str:

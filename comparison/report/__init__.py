@@ -2,13 +2,13 @@
 
 from comparison.report import viewer
 from comparison.report.facts import structure_facts
-from comparison.report.paraview import export
+from comparison.report.paraview import export_results
 from comparison.report.pdf import write_pdf
 from comparison.report.report import stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
 __all__ = [
-    "export",
+    "export_results",
     "flat",
     "stored_report",
     "structure_facts",

@@ -14,7 +14,7 @@ from la_core.measures import contact_states, joint_centres, joint_forces, joint_
 from la_core.model import Assembly
 
 
-def export(results: Results, folder: Path) -> list[Path]:
+def export_results(results: Results, folder: Path) -> list[Path]:
     """Write all results into a folder and return the files to open.
 
     These are `structure.pvd`, and `yade.pvd` where YADE stored states. The name of every array says its meaning and its unit.

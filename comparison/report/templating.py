@@ -38,4 +38,11 @@ def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
         if isinstance(value, dict):
             yield from flat(value, f"{prefix}{key}.")
         else:
-            yield f"{prefix}{key}", DASH if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+            yield f"{prefix}{key}", _text(value)
+
+
+def _text(value: Any) -> str:
+    """Return a single value as text."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return DASH if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)

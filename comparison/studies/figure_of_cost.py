@@ -5,6 +5,7 @@ import textwrap
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
@@ -12,6 +13,7 @@ from comparison.figures import FAINT, INK, method_colour
 from comparison.studies.cost import LEAST_ERROR, CostPoint, CostStudy, front
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION
 
+LIGHTEST = 0.75  # share of white in the lightest shade of a method
 MARKERS = {"cone programme": "o", "linearised": "v", "inset": "s", "contact points": "D", "associated": "X", "classic iteration": "P",
            "Coulomb": "o", "path": "^", "YADE": "s"}  # fmt: skip
 TITLE_WIDTH, KEY_WIDTH = 80, 92  # characters
@@ -32,7 +34,7 @@ def cost_figure(ladder: CostStudy) -> Figure:
         value, source = ladder.references[target]
         title = f"{heading}\n" + textwrap.fill(f"reference {value:.6g}: {source}", TITLE_WIDTH)
         axes.set_title(title, fontsize=8.5, parse_math=False)
-        key = ", ".join(f"{letter} {rung.family}: {rung.setting}" for letter, rung in named)
+        key = ", ".join(f"{letter} = {rung.family} ({rung.setting})" for letter, rung in named)
         axes.set_xlabel(
             "time of one run (s)\n\n" + textwrap.fill(f"on a Pareto front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False
         )
@@ -49,9 +51,11 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
         return []
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
-    for family in dict.fromkeys(rung.family for rung in rungs):
+    families = list(dict.fromkeys(rung.family for rung in rungs))
+    own = [family for family in families if method_colour(family) != method_colour("YADE")]
+    for family in families:
         members = [rung for rung in rungs if rung.family == family]
-        style = {"marker": MARKERS.get(family, "h"), "color": method_colour(family), "markeredgecolor": INK, "linestyle": "none"}
+        style = {"marker": MARKERS.get(family, "h"), "color": _colour(family, own), "markeredgecolor": INK, "linestyle": "none"}
         axes.plot([r.total for r in members], [_height(r) for r in members], label=family, markersize=7, alpha=0.85, **style)
     stating = [rung for rung in rungs if math.isfinite(_stated(rung))]
     if stating:
@@ -74,6 +78,14 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     axes.margins(y=0.1)
     axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
     return named
+
+
+def _colour(family: str, own: list[str]) -> Any:
+    """Return YADE's colour, or a shade of limit analysis' for each of its `own` families, from dark to light."""
+    if family not in own:
+        return method_colour(family)
+    lighter = LIGHTEST * own.index(family) / max(len(own) - 1, 1)
+    return tuple(channel + lighter * (1.0 - channel) for channel in to_rgb(method_colour(family)))
 
 
 def _stated(rung: CostPoint) -> float:

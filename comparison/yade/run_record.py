@@ -22,6 +22,14 @@ class _Named:
         return getattr(self, name)
 
 
+class _Series(_Named):
+    """Arrays with one row for each instant, which show their names and their number instead of all values."""
+
+    def __repr__(self) -> str:
+        first = next(iter(vars(self).values()))
+        return f"<{type(self).__name__}: {len(first)} rows of {', '.join(vars(self))}>"
+
+
 @dataclass(frozen=True)
 class RunResult(_Named):
     """End of a run and its plateau; numbers are NaN where undefined.
@@ -75,8 +83,8 @@ class RunResult(_Named):
     uncertainty_stiffness: float = NAN
 
 
-@dataclass(frozen=True)
-class RunSeries(_Named):
+@dataclass(frozen=True, repr=False)
+class RunSeries(_Series):
     """Series recorded over time, in T rows.
 
     Attributes
@@ -109,8 +117,8 @@ class RunSeries(_Named):
         return len(self.stage)
 
 
-@dataclass(frozen=True)
-class Poses(_Named):
+@dataclass(frozen=True, repr=False)
+class Poses(_Series):
     """The P stored states of B blocks and C contact points; the first state is at rest under gravity.
 
     Attributes

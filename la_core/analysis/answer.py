@@ -14,6 +14,7 @@ from la_core.coulomb import CoulombSolution
 from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
 from la_core.measures import joint_rows
+from la_core.pictures import picture
 from la_core.scene import Scene
 from la_core.text_table import Tabled, dataframe, number_text, over_weight
 
@@ -139,6 +140,26 @@ class Answer(Tabled):
         """Curve of the prediction from rest: settlement (m or rad) and value (N, N m, multiplier); empty without a path."""
         coulomb = self.analysis.coulomb
         return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement, coulomb.path_value)
+
+    def plot(self, name: str = "mechanisms") -> Any:
+        """Draw one figure of the answer.
+
+        Parameters
+        ----------
+        name : str
+            Name of the figure: "assembly", "mechanisms", "reaction", "forces" or "dissipation".
+
+        Returns
+        -------
+        comparison.Picture
+            The figure, which a notebook shows.
+
+        Raises
+        ------
+        SceneError
+            No figure has this name.
+        """
+        return picture(self, name)
 
     def to_dataframe(self) -> Any:
         """Return the joints as a table of pandas, one row a joint with the columns of `joints`.

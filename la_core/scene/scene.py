@@ -13,11 +13,13 @@ import pydantic
 from la_core.errors import SceneError, nearest, visible
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, Blocks, shapes
+from la_core.pictures import picture
 from la_core.repair import Repairs
 from la_core.scene import reading
 from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.drawings import DrawnBlocks
 from la_core.scene.generators.mesh import MeshFile
+from la_core.scene.generators.placing import shape_of
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.imported import imported_blocks, repaired
 from la_core.scene.plausibility import implausible
@@ -142,6 +144,16 @@ class Scene(Tabled):
         """Unit of the computed quantity: "N", "N m" for a rotation, "" for a multiplier."""
         return "" if self.live is not None else "N m" if self.is_rotation else "N"
 
+    def draw(self) -> Any:
+        """Draw the assembly.
+
+        Returns
+        -------
+        comparison.Picture
+            Picture of blocks, roles and contact points, which a notebook shows.
+        """
+        return picture(self)
+
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         counts = [(f"{name} blocks", str(int((self.blocks.role == role).sum())), "") for name, role in ROLES.items()]
         values = (("weight of the free blocks", self.weight, "N"), ("friction", self.friction, ""), ("inset", self.inset, "m"))
@@ -224,7 +236,7 @@ def _named_shapes(file: scene_file.SceneFile, faults: list[Fault]) -> Iterator[N
     """Blocks of all tables but those of meshes; what cannot be built is added to `faults`, and the next table follows."""
     for place, block in enumerate(file.block):
         try:
-            yield NamedShape(block.name, block.role, block.density, _shape(block))
+            yield NamedShape(block.name, block.role, block.density, shape_of(block))
         except ValueError as error:
             faults.append((("block", place), f'block "{block.name}": {error}'))
     for kind, blocks_of in _GENERATORS.items():
@@ -245,15 +257,6 @@ _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
     "dome": dome.dome_blocks,
     "rubble": rubble.rubble_blocks,
 }
-
-
-def _shape(block: scene_file.Block) -> shapes.Shape:
-    if block.box:
-        return shapes.box(block.box.from_, block.box.to)
-    if block.prism:
-        return shapes.prism(block.prism.profile, block.prism.y)
-    assert block.polyhedron is not None  # the schema demands exactly one shape
-    return shapes.polyhedron(block.polyhedron.vertices)
 
 
 _WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'

@@ -37,7 +37,8 @@ def find(scene: str) -> Path:
             return complete
         if path.is_dir():
             raise SceneError(scene, "is a folder, not a scene file")
-        hint = f"{nearest(scene, names(), 'scenes')}; `crosscheck scenes` lists them"
+        guess = nearest(scene, names(), "scenes")
+        hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
         raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)
     return FOLDER / f"{scene}.toml"
 

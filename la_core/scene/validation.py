@@ -134,7 +134,7 @@ def _key_path(location: tuple[Any, ...], data: Any) -> str:
         elif isinstance(data, dict) and isinstance(data.get("name"), str):
             names[-1] += f' "{data["name"]}"'
         else:
-            names[-1] += f"[{step + 1}]"
+            names[-1] += f"[{step}]"
     return ".".join(name for name in names if not _is_of_a_type(name))
 
 

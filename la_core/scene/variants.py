@@ -99,7 +99,7 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     tables, made = tomllib.loads(scene.text), ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
     name = name or made[:LONGEST_NAME]
     plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}
-    override(tables, plain, scene.path.parent / f"{name}.toml")
+    override(tables, plain, f"variant of {scene.name}")
     if "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
     return build(tables, name, scene.path.parent)
@@ -123,7 +123,7 @@ def full_model(scene: Scene) -> Scene:
     return same_structure(scene, {"effects": effects}, f"{scene.name}{FULL_SUFFIX}")
 
 
-def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> dict[str, Any]:
+def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
     Source and expected value speak of one structure: each is removed where the structure changes, unless it changes too.
@@ -134,13 +134,13 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> 
         Tables as read from TOML.
     changes : mapping
         New value by dotted key; None removes the key.
-    path : Path
-        Scene file that messages name.
+    where : Path or str
+        Scene file, or words for a scene without one, that messages name.
     """
-    before = _whole(tables, path)
+    before = _whole(tables, where)
     for key, value in changes.items():
         key_paths.put(tables, key, copy.deepcopy(value))
-    whole = _whole(tables, path)
+    whole = _whole(tables, where)
     is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
     for key, none in (("expected", None), ("source", "")):
         if is_another and whole[key] == before[key] != none:
@@ -149,11 +149,11 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], path: Path) -> 
     return whole
 
 
-def _whole(tables: dict[str, Any], path: Path) -> dict[str, Any]:
+def _whole(tables: dict[str, Any], where: Path | str) -> dict[str, Any]:
     try:
         return SceneFile.model_validate(tables).model_dump(by_alias=True, mode="json")
     except pydantic.ValidationError as error:
-        raise SceneError(str(path), str(as_scene_error(error, tables, SceneFile))) from error
+        raise SceneError(str(where), str(as_scene_error(error, tables, SceneFile))) from error
 
 
 def _name_of(key: str, value: Any) -> str:
@@ -170,5 +170,5 @@ def _plain(value: Any, key: str) -> Any:
     if isinstance(value, str | bool | int | float):
         return value
     if isinstance(value, Sequence):
-        return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value, 1)]
+        return [_plain(item, f"{key}[{number}]") for number, item in enumerate(value)]
     raise SceneError(key, f"a {type(value).__name__} has no place in a scene", hint="leave out a key that has no value")

@@ -232,7 +232,7 @@ def test_every_form_of_the_table_says_the_same(tmp_path: Path, plain_figures: No
     out = tmp_path / "out"
     found = run(sweep('vary = { "joint.friction" = [0.3, 0.6], "effects.plane" = ["auto", true] }', "two_blocks"), out)
     table.write_campaign(found, parquet=True)
-    assert table.read_campaign(out) == found
+    assert table.read_table(out) == found
     rows = list(csv.DictReader(io.StringIO((out / "results.csv").read_text(encoding="utf-8"))))
     names = list(columns.result_columns(list(found.axes)))
     assert list(rows[0]) == names
@@ -296,11 +296,11 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
     out.mkdir()
     rows = [dict.fromkeys(columns.result_columns([])) | {"case": "a", "least": 0.3, "state": "done"}]
     table.write_campaign(table.CampaignTable("title", {}, rows, [{"case": "a"}], {}, out))
-    assert table.read_campaign(out).rows == rows
+    assert table.read_table(out).rows == rows
     stored = out / table.STORED
     stored.write_text(damage(stored.read_text(encoding="utf-8")), encoding="utf-8")
     with pytest.raises(ExchangeError, match="run `crosscheck campaign` again"):
-        table.read_campaign(out)
+        table.read_table(out)
 
 
 @pytest.mark.parametrize("scene", ["wall_third", "arch_spreading"])
@@ -346,10 +346,10 @@ def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_c
     assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
     said = capsys.readouterr()
     assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
-    done, failed = table.read_campaign(out).rows
+    done, failed = table.read_table(out).rows
     assert (done["state"], failed["state"]) == ("done", "failed")
     assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # where the program lies is left out
-    assert table.read_campaign(out).failures == [failed]
+    assert table.read_table(out).failures == [failed]
     again = Inline()
     run(text, out, again)
     assert again.done == ["wall_low_friction_elasticity=none"]
@@ -451,7 +451,7 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
 
     with pytest.raises(KeyboardInterrupt):
         run(QUICK, out, Inline(interrupt))
-    assert [row["case"] for row in table.read_campaign(out).rows] == begun(out)
+    assert [row["case"] for row in table.read_table(out).rows] == begun(out)
     again = Inline()
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
@@ -471,7 +471,7 @@ def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
     try:
         assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == INTERRUPTED
         assert elsewhere == [] and "error: stopped" in capsys.readouterr().err
-        assert [row["case"] for row in table.read_campaign(out).rows] == begun(out)
+        assert [row["case"] for row in table.read_table(out).rows] == begun(out)
         os.kill(os.getpid(), signal.SIGTERM)
         assert elsewhere == [signal.SIGTERM]
     finally:

@@ -1,5 +1,6 @@
 """Laws of a campaign's report and of the comparison of two campaigns: every case is shown, nothing undefined is a number, nothing hides."""
 
+import base64
 import json
 import math
 import random
@@ -19,8 +20,8 @@ from comparison.campaign.figures import maps
 from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.parameter_labels import label, quantity
 from comparison.campaign.report import rows as report_rows
-from comparison.campaign.report.compare import Change, Comparison, compare
-from comparison.campaign.report.compare_report import stored_comparison
+from comparison.campaign.report.compare import Change, Comparison, compare_tables
+from comparison.campaign.report.compare_report import sentence, stored_comparison, terminal_tables
 from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
 from comparison.campaign.report.verdict_matrix import matrix_panels
 from comparison.campaign.row_groups import lines, sweeps_of
@@ -301,7 +302,7 @@ def test_the_worst_come_first_whatever_their_order_and_their_unit(tmp_path: Path
 
 
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
-    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}
+    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; 0.5 % of 400, and 2
     assert deviation(row) == pytest.approx(1.0)
     assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
     assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
@@ -362,7 +363,7 @@ def test_cases_that_share_a_run_are_one_case_to_both_methods_and_their_run_is_pa
     assert (total["cases"], total["yade_seconds"]) == (len(table.rows), "4")
     apart = campaign(tmp_path, "classic")
     for before, after in ((table, table), (table, apart), (apart, table)):
-        assert {cost.method: (cost.cases, cost.before, cost.after) for cost in compare(before, after).costs}["YADE"] == (1, 4.0, 4.0)
+        assert {cost.method: (cost.cases, cost.before, cost.after) for cost in compare_tables(before, after).costs}["YADE"] == (1, 4.0, 4.0)
 
 
 def test_the_methods_have_their_colours_in_the_figures_of_a_campaign(tmp_path: Path) -> None:
@@ -406,13 +407,13 @@ def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp
 
 def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     assert label(MU) == "friction mu (-)" and label(INSET) == "inset (m)"
-    assert label("wall[0].courses") == "wall 1: courses" and label("wall[0].block[2]") == "wall 1: block size (m), z"
+    assert label("wall[0].courses") == "wall[0]: courses" and label("wall[0].block[2]") == "wall[0]: block size (m), z"
     assert label("yade.damping") == "yade: damping"
-    assert label("wall[0].opening[1].from[1]") == "wall 1 opening 2: from (m), z"
-    assert label("block[0].box.to[0]") == "block 1 box: to (m), x" and label("block[0].density") == "block 1: density (kg/m³)"
-    assert label("block[2].prism.profile[3][1]") == "block 3 prism: profile (m), point 4, z"
-    assert label("building[0].foundation.settling.to[1]") == "building 1 foundation settling: to (m), y"
-    assert label("arch[0].thickness") == "arch 1: thickness (m)" and label("dome[0].radius") == "dome 1: radius (m)"
+    assert label("wall[0].opening[1].from[1]") == "wall[0] opening[1]: from (m), z"
+    assert label("block[0].box.to[0]") == "block[0] box: to (m), x" and label("block[0].density") == "block[0]: density (kg/m³)"
+    assert label("block[2].prism.profile[3][1]") == "block[2] prism: profile (m), point [3], z"
+    assert label("building[0].foundation.settling.to[1]") == "building[0] foundation settling: to (m), y"
+    assert label("arch[0].thickness") == "arch[0]: thickness (m)" and label("dome[0].radius") == "dome[0]: radius (m)"
     assert label("yade.normal_stiffness") == "yade: normal stiffness (N/m)" and label("yade.time_limit") == "yade: time limit (s)"
     assert (
         label("yade.speed", {"yade.speed": "v"}) == "v (m/s or rad/s)"
@@ -434,9 +435,40 @@ def words(found: Comparison) -> list[tuple[str, str, str]]:
 @every_shape
 def test_a_campaign_compared_with_itself_has_not_changed(shape: str, tmp_path: Path) -> None:
     table = campaign(tmp_path, shape)
-    found = compare(table, table)
+    found = compare_tables(table, table)
     assert not found.changed and not found.within and not found.provenance and found.matched == len(table.rows)
     assert all(cost.ratio == cost.typical == 1.0 for cost in found.costs)
+
+
+def test_yade_in_one_campaign_only_is_said_once(tmp_path: Path) -> None:
+    before = replace(campaign(tmp_path), provenance={"yade": True})
+    after = replace(before, provenance={"yade": False})
+    for place in range(len(before.rows)):
+        after = changed(after, place, yade=None, yade_status=None, yade_uncertainty=None, verdict="")
+    found = compare_tables(before, after)
+    assert found.changed and len(found.changes) >= 2 * len(before.rows)  # JSON and the exit code still tell them
+    assert sentence(found).startswith("YADE ran in one campaign only")
+    assert "changes" not in [str(table.title) for table in terminal_tables(found)]
+    other = compare_tables(before, changed(after, 0, coulomb=1.2 * before.rows[0]["coulomb"]))
+    assert sentence(other).startswith(f"1 of {len(before.rows)} cases changed")
+    assert "changes" in [str(table.title) for table in terminal_tables(other)]
+
+
+def test_every_mechanism_has_a_picture_from_a_case_that_has_it(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    lettered = letters(sweeps_of(table))
+    assert not list(report_rows.mechanism_pictures(table, lettered))  # no case has drawn any
+    for row in table.rows:
+        place = tmp_path / str(row["folder"]) / "scene"
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "mechanisms.png").write_bytes(str(row["case"]).encode())
+    shown = list(report_rows.mechanism_pictures(table, lettered))
+    assert len(shown) == sum(map(len, lettered.values()))
+    for picture in shown:
+        row = next(row for row in table.rows if row["case"] == picture["case"])
+        assert base64.b64decode(picture["data"].split(",")[1]).decode() == row["case"]
+        letter = lettered[str(picture["scene"])][str(row["coulomb_mechanism"])]
+        assert f"mechanism {letter} by" in picture["caption"]
 
 
 def moved(folder: Path) -> tuple[CampaignTable, CampaignTable]:
@@ -453,7 +485,7 @@ def moved(folder: Path) -> tuple[CampaignTable, CampaignTable]:
 
 def test_the_comparison_is_antisymmetric(tmp_path: Path) -> None:
     before, after = moved(tmp_path)
-    there, back = compare(before, after), compare(after, before)
+    there, back = compare_tables(before, after), compare_tables(after, before)
     assert there.changed and back.changed
 
     def turned(change: Change) -> Change:
@@ -472,8 +504,8 @@ def test_the_comparison_is_antisymmetric(tmp_path: Path) -> None:
 def test_only_what_exceeds_the_stated_uncertainty_is_a_change(tmp_path: Path) -> None:
     before = campaign(tmp_path)
     both = 2.0 * before.rows[2]["yade_uncertainty"]
-    inside = compare(before, changed(before, 2, yade=before.rows[2]["yade"] + 0.9 * both))
-    outside = compare(before, changed(before, 2, yade=before.rows[2]["yade"] + 1.1 * both))
+    inside = compare_tables(before, changed(before, 2, yade=before.rows[2]["yade"] + 0.9 * both))
+    outside = compare_tables(before, changed(before, 2, yade=before.rows[2]["yade"] + 1.1 * both))
     case = before.rows[2]["case"]
     assert not inside.changed and [change.case for change in inside.within] == [case]
     assert words(outside) == [(case, "reaction", "yade")] and not outside.within
@@ -483,7 +515,7 @@ def test_a_prediction_may_move_by_the_uncertainty_that_both_campaigns_state(tmp_
     before = campaign(tmp_path)
     before = changed(before, 0, coulomb_uncertainty=0.001 * before.rows[0]["coulomb"])
     for factor, substantial in ((1.0019, []), (1.0022, [(before.rows[0]["case"], "reaction", "coulomb")])):
-        assert words(compare(before, changed(before, 0, coulomb=factor * before.rows[0]["coulomb"]))) == substantial
+        assert words(compare_tables(before, changed(before, 0, coulomb=factor * before.rows[0]["coulomb"]))) == substantial
 
 
 def test_the_report_shows_the_uncertainty_of_a_prediction_where_it_is_stated(tmp_path: Path) -> None:
@@ -497,21 +529,23 @@ def test_the_report_shows_the_uncertainty_of_a_prediction_where_it_is_stated(tmp
 def test_a_prediction_may_move_where_its_mechanism_leaves_it_open_and_not_elsewhere(tmp_path: Path) -> None:
     before = campaign(tmp_path)
     after = changed(before, 0, coulomb=1.005 * before.rows[0]["coulomb"])
-    assert not compare(before, after).changed
+    assert not compare_tables(before, after).changed
     point = {"coulomb_low": before.rows[0]["coulomb"], "coulomb_high": before.rows[0]["coulomb"]}
-    assert words(compare(changed(before, 0, **point), changed(after, 0, **point))) == [(before.rows[0]["case"], "reaction", "coulomb")]
+    assert words(compare_tables(changed(before, 0, **point), changed(after, 0, **point))) == [
+        (before.rows[0]["case"], "reaction", "coulomb")
+    ]
 
 
 def test_a_value_that_comes_into_being_is_a_change(tmp_path: Path) -> None:
     before = campaign(tmp_path)
-    found = compare(changed(before, 0, greatest=None), before)
+    found = compare_tables(changed(before, 0, greatest=None), before)
     assert words(found) == [(before.rows[0]["case"], "reaction", "greatest")] and found.changes[0].difference is None
 
 
 def test_costs_and_versions_are_told_and_are_no_change(tmp_path: Path) -> None:
     before = campaign(tmp_path)
     costs = [cost | {"limit_analysis_seconds": 3.0 * cost["limit_analysis_seconds"]} for cost in before.costs]
-    found = compare(before, replace(before, costs=costs, provenance={"program": {"crosscheck": "0.2.0"}}))
+    found = compare_tables(before, replace(before, costs=costs, provenance={"program": {"crosscheck": "0.2.0"}}))
     assert not found.changed and found.provenance == [("program.crosscheck", "0.1.0", "0.2.0")]
     assert {cost.method: cost.ratio for cost in found.costs} == {"limit analysis": pytest.approx(3.0), "YADE": 1.0}
 
@@ -545,14 +579,14 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.Capt
     told = capsys.readouterr()
     assert "only before" in told.out and not told.err
     assert main(["compare", first, second, "--json", "-q"]) == 1
-    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(stored_comparison(compare(before, after))))
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(stored_comparison(compare_tables(before, after))))
     assert main(["compare", first, str(tmp_path)]) == 2
     for ending in ("html", "md", "json"):
         assert main(["compare", first, second, "-q", "-o", str(tmp_path / f"changes.{ending}")]) == 1
     page = Page((tmp_path / "changes.html").read_text(encoding="utf-8"))
     assert "b" not in page.tags and "<b>after</b> | x" in page.text
     markdown = (tmp_path / "changes.md").read_text(encoding="utf-8")
-    assert all(str(change.case).replace("_", "\\_") in markdown for change in compare(before, after).changes)
+    assert all(str(change.case).replace("_", "\\_") in markdown for change in compare_tables(before, after).changes)
     assert json.loads((tmp_path / "changes.json").read_text(encoding="utf-8"))["changed"] is True
     with pytest.raises(SystemExit):
         main(["compare", first, second, "-o", "changes.txt"])

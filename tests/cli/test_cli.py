@@ -11,8 +11,11 @@ import pytest
 from conftest import every_shipped_scene
 
 from comparison.cli.commands import main
-from la_core.scene import shipped
+from comparison.studies import TimeEstimate, estimated_times
+from la_core.analysis import structural_model
+from la_core.scene import load_scene, shipped
 
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 SOLVED_KEYS = {
     "status", "reaction", "reaction_max", "reaction_sharp", "equilibrium_residual", "cone_violation", "duality_gap", "seconds"
 }  # fmt: skip
@@ -105,6 +108,27 @@ def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.Captu
     shutil.copy(shipped.find("two_pads"), copy)
     assert main(["run", "two_pads", str(copy), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
     assert "same name" in capsys.readouterr().err
+
+
+def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", "two_pads", "-o", str(tmp_path / "a.png"), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["dimensions"] == pytest.approx([1.0, 0.2, 0.5]) and facts["densities"] == [2200.0]
+    assert set(facts["estimated_seconds"]) == {"limit_analysis", "yade"}
+    assert main(["show", "ferris_tin_loi_1", "-q", "-o", str(tmp_path / "a.png")]) == 0
+    printed = capsys.readouterr().out
+    assert "limit analysis takes" in printed and "YADE takes" not in printed  # which knows no live load
+
+
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "rubble_wall", "wall_third", "wall_tall", "facade"])
+def test_the_estimated_times_hold_the_measured_ones(name: str) -> None:
+    recorded = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))[name]["reduced"]
+    points = len(structural_model(load_scene(shipped.find(name))).assembly.points)
+    times = estimated_times(points)
+    assert times["yade"].least <= recorded["yade_seconds"] <= times["yade"].greatest
+    assert recorded["limit_analysis_seconds"] <= max(times["limit_analysis"].greatest, 1.0)
+    assert times["yade"].greatest == 9.0 * times["yade"].least
+    assert str(TimeEstimate(0.1, 0.9)) == "less than 1 s" and str(TimeEstimate(400.0, 3700.0)) == "7 min to 1 h"
 
 
 def test_show_draws_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
+from rich.table import Table
 
 from comparison.cli import tables
 from comparison.cli.commands import main
 from comparison.cli.context import PIPE_WIDTH, _results_console
+from comparison.cli.layout import say, show_table
 from comparison.progress import CampaignNarration, Narration
 from comparison.report import pdf
 from la_core.scene import load_scene, shipped
@@ -52,6 +54,37 @@ def test_columns_is_obeyed_by_a_pipe_too(columns: str, width: int, monkeypatch: 
     assert _results_console().width == width
 
 
+def shown(table: Table, can_go: tuple[str, ...], whole: bool) -> list[str]:
+    console = Console(file=io.StringIO(), width=80, soft_wrap=True)
+    show_table(console, table, can_go, whole)
+    return str(console.file.getvalue()).splitlines()  # type: ignore[attr-defined]
+
+
+def test_sentences_break_between_words_on_a_terminal_and_stay_whole_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = f"{'no plateau was reached ' * 8}\n  {'take a longer travel ' * 8}"
+    monkeypatch.delenv("COLUMNS", raising=False)
+    pipe = Console(file=io.StringIO(), width=60, soft_wrap=True)
+    say(pipe, text)
+    assert pipe.file.getvalue() == f"{text}\n"  # type: ignore[attr-defined]
+    terminal = Console(file=io.StringIO(), width=60, soft_wrap=True, force_terminal=True)
+    say(terminal, text)
+    lines = terminal.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert all(len(line) <= 60 for line in lines) and [word for line in lines for word in line.split()] == text.split()
+    assert lines[1].startswith("  ") and not lines[0].startswith(" ")
+
+
+def test_a_narrow_table_loses_the_columns_that_may_go_and_names_them() -> None:
+    def table() -> Table:
+        made = tables.new_table("name", "value", "seconds", "remarks", title="costs [of a scene]".replace("[", "\\["))
+        made.add_row("x" * 40, "1.5", "12", "y" * 30)
+        return made
+
+    narrow, whole, wide = shown(table(), ("remarks", "seconds"), False), shown(table(), ("remarks",), True), shown(table(), (), False)
+    assert narrow[0] == "costs [of a scene] (--long: also remarks)"
+    assert all(len(line) <= 80 for line in narrow + wide) and any("12" in line for line in narrow)
+    assert any("x" * 40 in line and "y" * 30 in line for line in whole)
+
+
 def printed(table: object, width: int) -> list[str]:
     console = Console(file=io.StringIO(), width=width, soft_wrap=True)
     console.print(table)
@@ -77,9 +110,9 @@ def test_no_name_is_broken_at_80_columns() -> None:
         "limit_analysis": {"associated": bound, "coulomb": coulomb},
         "yade": {"status": "plateau", "reaction": 2552.5, "uncertainty": 0.6, "seconds": 2.6},
     }  # fmt: skip
-    short, whole = (printed(tables.verdict_table([comparison], width), 120) for width in (80, None))
-    assert any(line.split()[:1] == ["arch_spreading"] for line in short) and all(len(line.rstrip()) <= 80 for line in short)
-    assert not any("greatest" in line for line in short) and any("greatest" in line for line in whole)
+    short, whole = (shown(tables.verdict_table([comparison]), tables.VERDICT_CAN_GO, whole) for whole in (False, True))
+    assert any(line.split()[:1] == ["arch_spreading"] for line in short) and all(len(line.rstrip()) <= 80 for line in short[1:])
+    assert not any("0.22894" in line for line in short) and any("0.22894" in line for line in whole)
 
 
 def test_a_short_table_leaves_out_the_evidence_that_long_shows(capsys: pytest.CaptureFixture[str]) -> None:

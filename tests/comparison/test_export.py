@@ -17,7 +17,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from comparison.cli.commands import main
-from comparison.report.paraview import export
+from comparison.report.paraview import export_results
 from comparison.report.vtk_xml import VERTEX, Grid, write_grid
 from comparison.yade import Results
 from comparison.yade.run_record import Run
@@ -73,7 +73,7 @@ def collection(path: Path) -> list[tuple[float, int, str]]:
 @pytest.fixture
 def trilith(tmp_path: Path) -> tuple[LimitAnalysis, Path]:
     analysis = analyse(scenes.shipped("trilith"))
-    export(Results(analysis, None), tmp_path)
+    export_results(Results(analysis, None), tmp_path)
     return analysis, tmp_path
 
 
@@ -129,7 +129,7 @@ def test_vectors_of_a_mechanism_are_rigid_motions_and_the_support_moves_by_one(t
 
 def test_without_a_mechanism_there_are_no_vectors(tmp_path: Path) -> None:
     tower = scenes.build(scenes.box("ground", (0.0, 0.0, -1.0), (1.0, 1.0, 0.0), "fixed"), *leaning())
-    files = export(Results(analyse(tower), None), tmp_path)
+    files = export_results(Results(analyse(tower), None), tmp_path)
     assert [path.name for path in files] == ["structure.pvd"]
     assert read(tmp_path / "blocks.vtu")[1] == {}
 
@@ -159,7 +159,7 @@ def turning_run(analysis: LimitAnalysis, angles: list[float]) -> Run:
 def test_states_of_yade_are_a_series_over_the_settlement_with_finite_rotations(tmp_path: Path) -> None:
     analysis = analyse(scenes.shipped("trilith"))
     blocks, angles = analysis.assembly.blocks, [0.0, np.pi / 2.0, np.pi]
-    assert export(Results(analysis, turning_run(analysis, angles)), tmp_path)[1] == tmp_path / "yade.pvd"
+    assert export_results(Results(analysis, turning_run(analysis, angles)), tmp_path)[1] == tmp_path / "yade.pvd"
     rows = collection(tmp_path / "yade.pvd")
     assert [(time, part) for time, part, _ in rows] == [(500.0 * k, part) for k in range(3) for part in (0, 1)]
     arm = blocks.vertices - np.repeat(blocks.centroid, np.diff(blocks.vertex_start), axis=0)
@@ -172,9 +172,9 @@ def test_states_of_yade_are_a_series_over_the_settlement_with_finite_rotations(t
 
 def test_a_shorter_series_leaves_nothing_of_a_longer_one(tmp_path: Path) -> None:
     analysis = analyse(scenes.shipped("two_pads"))
-    export(Results(analysis, turning_run(analysis, [0.0, 0.1, 0.2])), tmp_path)
+    export_results(Results(analysis, turning_run(analysis, [0.0, 0.1, 0.2])), tmp_path)
     (tmp_path / "yade-notes.vtu").write_text("mine")
-    export(Results(analysis, turning_run(analysis, [0.0])), tmp_path)
+    export_results(Results(analysis, turning_run(analysis, [0.0])), tmp_path)
     assert sorted(path.name for path in tmp_path.glob("yade-*")) == ["yade-blocks-0000.vtu", "yade-forces-0000.vtu", "yade-notes.vtu"]
 
 

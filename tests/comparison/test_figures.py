@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from scenes import shipped
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
 from comparison.figures import reaction_figure, report_figures, save, scene_figures, structure
+from comparison.figures.animation import Story
+from comparison.figures.drawing_order import back_to_front
 from comparison.figures.forces import forces_figure
 from comparison.figures.line_labels import ROW, Word, write_words
 from comparison.figures.motion import drawn_motion, motions, shown_joints
@@ -27,7 +30,9 @@ from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
 from la_core.measures import ContactState, joint_forces, thrust_line
+from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene
+from la_core.scene.variants import variant
 
 HEAD = """
 title = "{title}"
@@ -411,3 +416,24 @@ def test_words_keep_off_lines_and_each_other() -> None:
     upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
     assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
     assert [text.get_va() for text in axes.texts] == ["top", "top"]
+
+
+def test_labels_of_an_animation_cover_neither_each_other_nor_the_frame() -> None:
+    """At mu = 0.3 both bounds lie close to the prediction."""
+    story = Story(Results(analyse(variant(shipped("two_blocks"), {"joint.friction": 0.3}))))
+    renderer = story.figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    below = story.line.axes
+    frame = below.get_window_extent(renderer)
+    boxes = [text.get_window_extent(renderer) for text in below.texts if text.get_text()]
+    assert boxes and all(frame.y0 <= box.y0 and box.y1 <= frame.y1 for box in boxes)
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them() -> None:
+    """Here all blocks are set aside: the model has no interfaces, and the order comes from the boxes."""
+    whole, toward = assemble(shipped("corner_settling_end")), np.array([0.3, -0.8, 0.5])
+    none = whole.interfaces.subset(np.zeros(len(whole.interfaces), dtype=bool))
+    rank = np.argsort(back_to_front(replace(whole, aside=np.ones(len(whole.blocks), dtype=bool), interfaces=none), toward))
+    facing = whole.interfaces.normal @ toward > 0.0
+    a, b = whole.interfaces.block_a, whole.interfaces.block_b
+    assert np.all(rank[np.where(facing, a, b)] < rank[np.where(facing, b, a)])

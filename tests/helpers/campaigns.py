@@ -9,7 +9,7 @@ from rich.console import Console
 
 from comparison.campaign import definition
 from comparison.campaign.cases import expand
-from comparison.campaign.engine import Campaign, run_campaign
+from comparison.campaign.engine import Campaign, run_cases
 from comparison.campaign.job import Job, JobOutcome, run_job
 from comparison.campaign.table import CampaignTable
 from comparison.progress import CampaignNarration
@@ -65,7 +65,7 @@ def campaign(text: str, folder: Path) -> Campaign:
 def run(text: str, folder: Path, engine: Any = None) -> CampaignTable:
     """Run a campaign of a text in a folder, in this process where no engine is given."""
     with CampaignNarration(Console(quiet=True), "test") as narration:
-        return run_campaign(campaign(text, folder), engine or Inline(), narration)
+        return run_cases(campaign(text, folder), engine or Inline(), narration)
 
 
 def begun(folder: Path) -> list[str]:

@@ -351,7 +351,7 @@ FILES = {
     ),
     "a control character": ("x.obj", GOOD.replace("o pad", "o p\x07d"), {"fixed": ["ground"]}, "must be printable text"),
     "another format": ("x.3ds", GOOD, {}, "`file` must end in .obj, .ply, .stl, .json, or be a folder of .ply or .stl files"),
-    "no scale": ("x.obj", GOOD, {"scale": 0.0}, "mesh[1].scale = 0.0: must be greater than 0"),
+    "no scale": ("x.obj", GOOD, {"scale": 0.0}, "mesh[0].scale = 0.0: must be greater than 0"),
     "no axis": ("x.obj", GOOD, {"turn": {"axis": [0.0, 0.0, 0.0], "degrees": 1.0}}, "must not be the zero vector"),
 }
 

@@ -40,9 +40,9 @@ direction = [0.0, 0.0, -1.0]
 EXPECTED = """6 errors
   line 3: stone.density = -1.0: must be greater than 0
   line 5: joint.fricton: unknown key; did you mean "friction"?
-  line 6: wall[1].bond: missing; choose "running" or "stack": running: every other course is shifted by half a block; stack: vertical
-  line 12: wall[1].opening[1].bearing: missing; needed: length by which the head extends beyond the opening on either side; of a
-  line 15: wall[2].bond = 'english': must be 'running' or 'stack'
+  line 6: wall[0].bond: missing; choose "running" or "stack": running: every other course is shifted by half a block; stack: vertical
+  line 12: wall[0].opening[0].bearing: missing; needed: length by which the head extends beyond the opening on either side; of a
+  line 15: wall[1].bond = 'english': must be 'running' or 'stack'
 """
 
 

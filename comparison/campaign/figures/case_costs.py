@@ -43,7 +43,8 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
     for axes in (left, right):
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axes.yaxis.set_minor_formatter(NullFormatter())
+        low, high = axes.get_ylim()
+        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}") if high < 20.0 * low else NullFormatter())
         axes.set_ylabel("time of the method (s)", fontsize=9)
     left.margins(x=0.1)
     low, high = left.get_xlim()

@@ -126,16 +126,19 @@ def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]
         axes.vlines(place, yade - uncertainty, yade + uncertainty, color=INK, linewidth=0.9, zorder=6)
         wrong = [row.get("verdict") == "disagree" for row in line.rows]
         axes.plot(np.array(place)[wrong], yade[wrong], "x", color=INK, markersize=10, markeredgewidth=1.3, zorder=7)
-        drawn += [*predicted, *(yade - uncertainty), *(yade + uncertainty), *yade]
+        drawn += [*predicted, *low, *high, *(yade - uncertainty), *(yade + uncertainty), *yade]
     shared_axes.span(axes, drawn)
 
 
 def _draw_participation(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]) -> None:
+    drawn: list[float] = []
     for line, k, count in chosen:
         place = [scale.place(row[scale.parameter]) for row in line.rows]
         limit, yade = (_measure(line.rows, method, "participation") for method in (LIMIT, "yade"))
         _draw_methods(axes, scale, place, limit, yade, k, count)
-    axes.set_ylim(-0.03, 1.03)  # the index is a share
+        drawn += [*limit, *yade]
+    greatest = np.nanmax(drawn) if np.isfinite(drawn).any() else 1.0  # of a share, which begins at 0
+    axes.set_ylim(-0.03 * greatest, 1.1 * greatest)
 
 
 def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray, yade: np.ndarray, k: int, count: int) -> None:

@@ -127,12 +127,17 @@ class Comparison:
     case_costs: list[tuple[str, str, float]]
 
     @property
+    def yade_in_one(self) -> bool:
+        """Whether YADE ran in one of the two campaigns only."""
+        return any(name == "yade" for name, _, _ in self.provenance)
+
+    @property
     def changed(self) -> bool:
         """Whether results differ beyond the stated uncertainties; costs and versions do not count."""
         return bool(self.changes or self.only_before or self.only_after)
 
 
-def compare(before: CampaignTable, after: CampaignTable) -> Comparison:
+def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
     """Compare two campaigns; cases are matched by name."""
     first, second = ({str(row["case"]): row for row in table.rows} for table in (before, after))
     both = [name for name in first if name in second]

@@ -67,10 +67,10 @@ def terminal_tables(comparison: Comparison) -> Iterator[Table]:
     """Yield tables of provenance, changes (at most MOST_SHOWN) and costs for a terminal."""
     if comparison.provenance:
         yield _terminal("provenance", ("", "before", "after"), comparison.provenance)
-    if comparison.changes:
+    shown = _changes_of_both(comparison)
+    if shown:
         rows = [
-            (row["case"], row["what"], row["before"], row["after"], row["difference"], row["allowed"])
-            for row in map(change_words, comparison.changes)
+            (row["case"], row["what"], row["before"], row["after"], row["difference"], row["allowed"]) for row in map(change_words, shown)
         ]
         yield _terminal("changes", ("case", "what", "before", "after", "difference", "allowed"), rows[:MOST_SHOWN])
     if comparison.costs:
@@ -82,15 +82,24 @@ def terminal_tables(comparison: Comparison) -> Iterator[Table]:
 
 def sentence(comparison: Comparison) -> str:
     """Return a summary in one or two sentences."""
-    cases = {change.case for change in comparison.changes}
-    verdicts = sum(change.kind == "verdict" for change in comparison.changes)
+    changes = _changes_of_both(comparison)
+    cases = {change.case for change in changes}
+    verdicts = sum(change.kind == "verdict" for change in changes)
     only = len(comparison.only_before) + len(comparison.only_after)
     statements = [f"{len(cases)} of {plural(comparison.matched, 'case')} changed, {verdicts} of them in their verdict"] if cases else []
     statements += [f"{plural(only, 'case')} {'is' if only == 1 else 'are'} in one campaign only"] if only else []
+    if comparison.yade_in_one:
+        statements.append("YADE ran in one campaign only, so its results and the verdicts differ")
     within = len(comparison.within)
     moved = f" {plural(within, 'reaction')} differ{'s' if within == 1 else ''} within the stated uncertainties." if within else ""
     both = f"{UNCHANGED} {plural(comparison.matched, 'case')} {'is' if comparison.matched == 1 else 'are'} in both."
     return (f"{'; '.join(statements)}." if statements else both) + moved
+
+
+def _changes_of_both(comparison: Comparison) -> list[Change]:
+    """Return the changes, without YADE's and those of the verdicts, which rest on YADE, where YADE ran in one campaign only."""
+    rests = [change.kind == "verdict" or change.what.startswith("yade") for change in comparison.changes]
+    return [change for change, on_yade in zip(comparison.changes, rests, strict=True) if not (comparison.yade_in_one and on_yade)]
 
 
 def change_words(change: Change) -> dict[str, str]:
@@ -135,6 +144,8 @@ def _rendered(comparison: Comparison, suffix: str) -> str:
 
 def _terminal(title: str, headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
     table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    for column in table.columns:
+        column.overflow = "fold"
     for row in rows:
         table.add_row(*(cell.replace("[", r"\[") for cell in row))
     return table

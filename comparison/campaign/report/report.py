@@ -83,6 +83,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "failures": rows.failures(table),
         "changes": list(rows.changed(table, list(mechanism_changes_along(sweeps)), lettered)),
         "mechanisms": list(rows.mechanisms(table, lettered)),
+        "mechanism_pictures": list(rows.mechanism_pictures(table, lettered)),
         "classic": list(rows.classic(table)),
         "totals": list(rows.totals(table)),
         "dearest": rows.dearest(table),

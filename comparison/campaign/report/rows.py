@@ -1,5 +1,6 @@
 """Rows of the tables in a campaign's report, as texts; the templates only lay them out."""
 
+import base64
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -18,15 +19,17 @@ from comparison.campaign.row_values import (
     failed,
     link,
     over_weight,
+    own_folder,
     prediction,
     sweep_of,
     worst_first,
 )
 from comparison.campaign.table import CampaignTable
 from comparison.judge import LEAST_REACTION
-from comparison.numbers import DASH, exists, format_number, interval_words, signed
-from comparison.verdict import VERDICTS
+from comparison.numbers import DASH, LEAST_UNCERTAINTY, exists, format_number, interval_words, signed
+from comparison.verdict import VERDICTS, Verdict
 
+MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
 PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}
 SECONDS = ("limit_analysis_seconds", "classic_seconds", "yade_seconds")
 Words = dict[str, Any]
@@ -55,7 +58,9 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
         "symbol": sign,
         "word": word,
         "predicted": format_number(over_weight(row, predicted)),
-        "predicted_uncertainty": format_number(stated, 2) if predicted == "coulomb" and exists(stated) else "",
+        "predicted_uncertainty": format_number(stated, 2)
+        if predicted == "coulomb" and exists(stated) and stated >= LEAST_UNCERTAINTY
+        else "",
         "plateaus": f"one of {plateaus} plateaus" if exists(plateaus) and plateaus > 1 else "",
         "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
         "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
@@ -66,6 +71,7 @@ def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
         "share": f"{signed(100.0 * share, 3)} %" if exists(share) else DASH,
         "deviation": format_number(deviation(row), 2),
         "reason": row.get("reason") or "",
+        "is_said": row.get("verdict") in ("", None, Verdict.EXPECTED_MET),  # by the verdict's own words
     }
 
 
@@ -127,6 +133,26 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
             yield {"scene": scene, "letter": letter, "label": label, "mass": format_number(known[0] if known else None, 3)} | {
                 method: len(some) for method, some in having.items()
             }
+
+
+def mechanism_pictures(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
+    """Yield a picture of every mechanism, from the first case that has it by limit analysis, else by YADE; at most MOST_PICTURES."""
+    varying, pictures = _varying(table), 0
+    for scene, letter_of in lettered.items():
+        rows = [row for row in table.rows if sweep_of(row) == scene]
+        for label, letter in letter_of.items():
+            by = ((method, row) for method in ("coulomb", "associated", "yade") for row in rows if row.get(f"{method}_mechanism") == label)
+            for method, row in by:
+                folder = own_folder(table.folder, row)
+                drawn = sorted(folder.glob("*/mechanisms.png")) if folder is not None and pictures < MOST_PICTURES else []
+                if not drawn:
+                    continue
+                pictures += 1
+                yield _named(table, row, varying) | {
+                    "data": f"data:image/png;base64,{base64.b64encode(drawn[0].read_bytes()).decode()}",
+                    "caption": f"{scene}, mechanism {letter} by {WORDS[method]}, in the case",
+                }
+                break
 
 
 def classic(table: CampaignTable) -> Iterator[Words]:

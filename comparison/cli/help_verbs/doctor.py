@@ -45,12 +45,12 @@ def execute(context: Context) -> int:
     if context.options.json:
         context.print_json({"parts": [vars(finding) for finding in findings], "configuration": settings})
     else:
-        context.out.print(doctor_table(findings))
+        context.table(doctor_table(findings))
         for finding in findings:
             if finding.remedy:
-                context.out.print(f"{finding.part}: {finding.remedy}", markup=False)
-        context.out.print(settings_table(settings))
-        context.out.print(configuration_words(settings), markup=False)
+                context.tell(f"{finding.part}: {finding.remedy}")
+        context.table(settings_table(settings))
+        context.tell(configuration_words(settings))
     return AGREE if all(finding.well for finding in findings) else TOOL
 
 

@@ -56,5 +56,5 @@ def _list(context: Context) -> int:
     table = new_table("kind", "what it shows")
     for kind, purpose in kinds.items():
         table.add_row(kind, plain(purpose))
-    context.out.print(table)
+    context.table(table)
     return AGREE

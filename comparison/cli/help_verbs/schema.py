@@ -25,7 +25,7 @@ def execute(context: Context) -> int:
     else:
         if "description" in table:
             context.out.print(" ".join(table["description"].split()), markup=False)
-        context.out.print(keys_table(table))
+        context.table(keys_table(table))
     return AGREE
 
 

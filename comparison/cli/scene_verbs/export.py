@@ -4,7 +4,7 @@ from pathlib import Path
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
-from comparison.report import export
+from comparison.report import export_results
 from comparison.yade import Results, locate_results, read_results
 from la_core.analysis import analyse
 from la_core.scene import load_scene, shipped
@@ -27,11 +27,11 @@ def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
     files: list[str] = []
     for folder in folders:
         place = Path(f"{folder.name}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
-        files += map(str, export(read_results(folder), place))
+        files += map(str, export_results(read_results(folder), place))
     return files
 
 
 def _export_solved(source: str, output: Path | None) -> list[str]:
     """Export the limit analysis of a scene given by its path or shipped name; return the files to open. Raises SceneError."""
     scene = load_scene(shipped.find(source))
-    return list(map(str, export(Results(analyse(scene)), output or Path(f"{scene.name}-paraview"))))
+    return list(map(str, export_results(Results(analyse(scene)), output or Path(f"{scene.name}-paraview"))))

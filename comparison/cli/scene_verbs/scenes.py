@@ -12,7 +12,7 @@ def execute(context: Context) -> int:
     if context.options.json:
         context.print_json({"scenes": [_row(scene) for scene in scenes]})
     else:
-        context.out.print(tables.scene_table(scenes, context.out.width, context.options.long))
+        context.table(tables.scene_table(scenes, context.out.width, context.options.long))
     return AGREE
 
 

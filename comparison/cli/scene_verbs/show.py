@@ -1,13 +1,22 @@
-"""`crosscheck show`: draw a scene and list its counts and effects."""
+"""`crosscheck show`: draw a scene and list its dimensions, counts, effects, and the time that a run takes."""
 
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
 
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.figures import assembly_figure, save
-from la_core.analysis import decided_model
-from la_core.scene import load_scene, shipped
+from comparison.judge import effects_summary
+from comparison.studies import TimeEstimate, estimated_times
+from la_core.analysis import DecidedModel, decided_model
+from la_core.scene import Scene, geometry_changes, load_scene, shipped
+from la_core.text_table import number_text
+
+FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
 
 
 def execute(context: Context) -> int:
@@ -18,13 +27,50 @@ def execute(context: Context) -> int:
     decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
     save(assembly_figure(scene, decided.assembly), figure)
-    facts = tables.scene_facts(scene, decided)
+    facts = scene_facts(scene, decided)
     if options.json:
         context.print_json(facts | {"figure": str(figure)})
     else:
-        context.out.print(tables.facts_table(scene.title, facts))
+        context.table(facts_table(scene.title, facts))
         if facts["geometry"] is not None:
-            context.out.print(tables.changes_table(facts["geometry"]))
-        context.out.print(tables.effects_table(facts["effects"], options.long))
+            context.table(tables.changes_table(facts["geometry"]))
+        context.table(tables.effects_table(facts["effects"], options.long))
         context.narrator.print(f"drawn in {figure}", markup=False)
     return AGREE
+
+
+def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
+    """Return counts, dimensions (m), densities (kg/m3), weight (N) and effects of a scene, and estimates of both methods' times (s)."""
+    assembly, blocks = decided.assembly, scene.blocks
+    roles = {name: int((blocks.role == code).sum()) for code, name in enumerate(("free", "fixed", "support"))}
+    facts: dict[str, Any] = {"scene": scene.name, "warnings": list(scene.warnings), "weight": scene.weight}
+    facts |= {f"{name}_blocks": count for name, count in roles.items()}
+    facts |= {"interfaces": len(assembly.interfaces), "contact_points": len(assembly.points)}
+    facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
+    facts["dimensions"] = (blocks.high[blocks.free].max(axis=0) - blocks.low[blocks.free].min(axis=0)).tolist()
+    facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
+    times = estimated_times(len(assembly.points), yade=scene.live is None)
+    facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
+    facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
+    return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
+
+
+def facts_table(title: str, facts: dict[str, Any]) -> Table:
+    """Return a table of scene facts, one per row, without the effects and the warnings."""
+    units = {"weight": "N", "inset": "m"}
+    table = tables.new_table("what", "value", "unit", title=tables.plain(title))
+    table.add_row("scene", tables.plain(facts["scene"]), "")
+    table.add_row("dimensions (x, y, z)", " × ".join(number_text(length, 4) for length in facts["dimensions"]), "m")
+    table.add_row("density", _several(facts["densities"]), "kg/m3")
+    for name in FACTS:
+        value = facts[name]
+        table.add_row(name.replace("_", " "), number_text(value) if isinstance(value, float) else str(value), units.get(name, ""))
+    for method, words in (("limit_analysis", "limit analysis takes"), ("yade", "YADE takes")):
+        if method in facts["estimated_seconds"]:
+            table.add_row(words, str(TimeEstimate(*facts["estimated_seconds"][method])), "roughly")
+    return table
+
+
+def _several(values: list[float]) -> str:
+    """Return one value, or the range of several."""
+    return number_text(values[0]) if len(values) == 1 else f"{number_text(values[0])} to {number_text(values[-1])}"

@@ -30,10 +30,9 @@ class _BoundsFirst(Narration):
             super().tell_bounds(analysis)
             return
         if (concluded := _concluded(analysis, [])).verdict is Verdict.CANNOT_STAND:
-            self._context.out.print(f"{analysis.scene.name} cannot stand. {concluded.reason}", markup=False)
-        self._context.out.print(
-            tables.bounds_table(analysis.scene, {"associated": associated_values(analysis)}, self._context.options.long)
-        )
+            self._context.tell(f"{analysis.scene.name} cannot stand. {concluded.reason}")
+        values = {"associated": associated_values(analysis)}
+        self._context.table(tables.bounds_table(analysis.scene, values, self._context.options.long))
         self.has_printed_bounds = True
 
 
@@ -63,7 +62,7 @@ def execute(context: Context) -> int:
     if concluded.next_step:  # one method alone has nothing more to say about its own answer
         is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
         words = "" if is_said else f"{concluded.reason}\n"
-        narrator.print(f"{words}next: {concluded.next_step}", markup=False)
+        context.narrate(f"{words}next: {concluded.next_step}")
     if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
         return max(INCONCLUSIVE, EXIT_OF_VERDICT[concluded.verdict], key=GRAVITY.index)
     return EXIT_OF_VERDICT[concluded.verdict]
@@ -87,11 +86,11 @@ def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnal
 def _print_rest(scene: Scene, answer: dict[str, Any], checks: list[Check], has_printed_bounds: bool, context: Context) -> None:
     """Print the tables of an answer, without that of the bounds where it was printed already."""
     if not has_printed_bounds:
-        context.out.print(tables.bounds_table(scene, answer, context.options.long))
+        context.table(tables.bounds_table(scene, answer, context.options.long))
     if (rest := tables.prediction_table(scene, answer, checks, context.options.long)) is not None:
-        context.out.print(rest)
+        context.table(rest)
     if answer["path"] is not None:
-        context.out.print(tables.path_table(scene, answer["path"]))
+        context.table(tables.path_table(scene, answer["path"]))
 
 
 def _statuses(analysis: LimitAnalysis, bounds_only: bool) -> set[Status]:

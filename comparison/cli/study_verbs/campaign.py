@@ -7,11 +7,6 @@ import signal
 import threading
 from collections import Counter
 from collections.abc import Iterator
-from pathlib import Path
-
-from rich import box
-from rich.console import Console
-from rich.table import Table
 
 from comparison.campaign import (
     Campaign,
@@ -19,20 +14,24 @@ from comparison.campaign import (
     Dask,
     Engine,
     Local,
+    cores,
+    default_folder,
     definition,
     expand,
-    run_campaign,
-    shipped_campaigns,
+    find_campaign,
+    run_cases,
     write_campaign_report,
 )
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
+from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
-from comparison.verdict import mark_of
-from la_core.errors import SceneError, nearest
+from comparison.verdict import Verdict, mark_of
+from la_core.errors import SceneError
 from la_core.text_table import number_text
 
+NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
@@ -49,36 +48,13 @@ def execute(context: Context) -> int:
     campaign = Campaign(campaign_definition, cases, folder, yade, options.parquet, options.time_limit)
     engine: Engine = Dask(options.scheduler, folder) if options.scheduler else Local(options.workers or cores(), yade)
     with _sigterm_interrupts(), CampaignNarration(context.narrator, campaign_definition.title) as narration:
-        table = run_campaign(campaign, engine, narration, write_campaign_report)
+        table = run_cases(campaign, engine, narration, write_campaign_report)
     if options.json:
         stored = {name: value for name, value in vars(table).items() if name != "folder"}
         context.print_json(stored | {"folder": str(folder)})
     else:
-        show(table, context.out)
+        show(table, context)
     return exit_code(table)
-
-
-def find_campaign(path_or_name: Path) -> Path:
-    """Return the path of a campaign given by its path or shipped name; raises SceneError if neither exists."""
-    known = shipped_campaigns()
-    if path_or_name.suffix == ".toml" or path_or_name.exists():
-        return path_or_name
-    name = str(path_or_name)
-    if name not in known and (complete := path_or_name.with_name(f"{path_or_name.name}.toml")).is_file():
-        return complete
-    if name not in known:
-        raise SceneError(name, "neither a file nor a shipped campaign", hint=nearest(name, known, "campaigns"))
-    return known[name]
-
-
-def default_folder(path: Path) -> Path:
-    """Return the default folder of a campaign's results."""
-    return Path("crosscheck-campaigns") / path.stem
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextlib.contextmanager
@@ -101,25 +77,25 @@ def exit_code(table: CampaignTable) -> int:
     return max((EXIT_OF_VERDICT[row["verdict"] or None] for row in table.rows), key=GRAVITY.index, default=AGREE)
 
 
-def show(table: CampaignTable, out: Console) -> None:
+def show(table: CampaignTable, context: Context) -> None:
     """Print the first rows, the reasons of failures and disagreements, the counts, and the paths of results and report."""
-    headings = ("case", "least", "Coulomb", "greatest", "YADE", "verdict")
-    title = "reaction over the weight W of the free blocks, or the multiplier"
-    terminal_table = Table(*headings, title=title, box=box.SIMPLE_HEAD, title_justify="left")
+    out, headings = context.out, ("case", "least", "Coulomb", "greatest", "YADE", "verdict")
+    terminal_table = new_table(*headings, title="reaction over the weight W of the free blocks, or the multiplier")
     for row in table.rows[:MOST_SHOWN]:
         divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
         reactions = [row[name] for name in ("least", "coulomb", "greatest", "yade")]
         values = [number_text(None if reaction is None else reaction / divisor, 5) for reaction in reactions]
         verdict = "failed" if row["state"] == "failed" else mark_of(row["verdict"])
-        terminal_table.add_row(row["case"].replace("[", r"\["), *values, verdict)
-    out.print(terminal_table)
+        terminal_table.add_row(plain(row["case"]), *values, coloured(verdict, row["verdict"]))
+    unused = () if any(row["yade"] is not None for row in table.rows) else ("YADE",)
+    context.table(terminal_table, ("greatest", "least", *unused))
     if len(table.rows) > MOST_SHOWN:
         out.print(f"and {len(table.rows) - MOST_SHOWN} more", markup=False)
     for row in table.rows:
-        if row["reason"]:
-            out.print(f"{row['case']}: {row['reason']}", markup=False)
+        if row["reason"] and (row["state"] == "failed" or row["verdict"] not in NOTHING_TO_ADD):
+            context.tell(f"{row['case']}: {row['reason']}")
         if row.get("next_step"):
-            out.print(f"{row['case']}: next: {row['next_step']}", markup=False)
+            context.tell(f"{row['case']}: next: {row['next_step']}")
     counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in table.rows)
     out.print(f"{plural(len(table.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
     out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)

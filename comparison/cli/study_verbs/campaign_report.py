@@ -1,11 +1,13 @@
 """`crosscheck report` for folders of campaigns."""
 
+import os
 from pathlib import Path
 
-from comparison.campaign import STORED, read_campaign, stored_campaign_report, with_versions, write_campaign_report
+from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import GRAVITY
 from comparison.cli.study_verbs.campaign import exit_code, show
+from comparison.report import write_pdf
 from la_core.errors import SceneError
 
 
@@ -25,12 +27,16 @@ def report_campaigns(context: Context) -> int:
         raise SceneError(str(others[0]), "holds no campaign, unlike another folder", hint="report campaigns and runs separately")
     codes, stored = [], []
     for folder in folders:
-        results = read_campaign(folder)
-        write_campaign_report(results)
+        results = read_table(folder)
+        page = write_campaign_report(results)
         codes.append(exit_code(results))
         stored.append(stored_campaign_report(with_versions(results)))
         if not as_json:
-            show(results, context.out)
+            show(results, context)
+        if context.options.pdf:
+            printed = write_pdf(page)
+            if not as_json:
+                context.tell(f"report: {os.path.relpath(printed)}")
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
     return max(codes, key=GRAVITY.index)

@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-from rich.console import Console
-
 from comparison.campaign import (
     MOST_SHOWN,
     CampaignTable,
     Comparison,
-    compare,
-    read_campaign,
+    compare_tables,
+    read_table,
     sentence,
     stored_comparison,
     terminal_tables,
@@ -27,31 +25,31 @@ MOST_NAMES = 8  # of cases that only one campaign has, on a terminal
 def execute(context: Context) -> int:
     """Compare two campaigns; the exit code is 1 for any change beyond the stated uncertainties. Raises SceneError."""
     options = context.options
-    comparison = compare(_read(options.before), _read(options.after))
+    comparison = compare_tables(_read(options.before), _read(options.after))
     if options.output is not None:
         write_comparison(comparison, options.output)
         context.narrator.print(f"written in {options.output}", markup=False)
     if options.json:
         context.print_json(stored_comparison(comparison))
     else:
-        _show(comparison, context.out)
+        _show(comparison, context)
     return DISAGREE if comparison.changed else AGREE
 
 
-def _show(comparison: Comparison, out: Console) -> None:
+def _show(comparison: Comparison, context: Context) -> None:
     """Print the tables, the cases that only one campaign has, and a summary."""
     for table in terminal_tables(comparison):
-        out.print(table)
+        context.table(table)
     if len(comparison.changes) > MOST_SHOWN:
-        out.print(f"and {len(comparison.changes) - MOST_SHOWN} more changes", markup=False)
+        context.tell(f"and {len(comparison.changes) - MOST_SHOWN} more changes")
     for when, names in (("before", comparison.only_before), ("after", comparison.only_after)):
         if names:
             more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
-            out.print(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}", markup=False)
-    out.print(sentence(comparison), markup=False)
+            context.tell(f"only {when}: {', '.join(names[:MOST_NAMES])}{more}")
+    context.tell(sentence(comparison))
 
 
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
         raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
-    return with_versions(read_campaign(folder))
+    return with_versions(read_table(folder))

@@ -1,0 +1,253 @@
+"""Campaigns from Python: run or read one, show its rows as a table, compare two."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from comparison.campaign import (
+    Campaign,
+    CampaignTable,
+    Local,
+    change_words,
+    compare_tables,
+    cores,
+    default_folder,
+    definition,
+    expand,
+    find_campaign,
+    read_table,
+    run_cases,
+    sentence,
+    with_versions,
+    write_campaign_report,
+)
+from comparison.numbers import plural
+from comparison.progress import CampaignNarration
+from comparison.verdict import mark_of
+from la_core.errors import SceneError
+from la_core.text_table import Tabled, dataframe, number_text
+
+SHOWN = ("least", "coulomb", "greatest", "yade")  # columns of a printed campaign, over the weight
+MOST_ROWS = 20  # of a printed table; the data frame has all
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CampaignResult(Tabled):
+    """Results of a campaign.
+
+    `print(result)` shows one row a case, and so does a notebook.
+
+    Attributes
+    ----------
+    folder : Path
+        Folder of the results: report.html, results.csv, and one folder for each case.
+    title : str
+        Title of the campaign.
+    rows : list of dict
+        One row a case, with the columns of results.csv; None is undefined. Reactions are in N or N m.
+    """
+
+    folder: Path
+    title: str
+    rows: list[dict[str, Any]]
+
+    def to_dataframe(self) -> Any:
+        """Return the rows as a table of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row a case, with the columns of results.csv.
+
+        Raises
+        ------
+        SceneError
+            Pandas is not installed.
+        """
+        return dataframe(self.rows)
+
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in self.rows)
+        words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
+        title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}. Reactions over the weight W, or multipliers"
+        return title, ("case", "least", "Coulomb", "greatest", "YADE", "verdict"), [_cells(row) for row in self.rows[:MOST_ROWS]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CampaignChanges(Tabled):
+    """Differences between two campaigns beyond the stated uncertainties.
+
+    `print(changes)` shows one row a change, and so does a notebook.
+
+    Attributes
+    ----------
+    changes : list of dict
+        One row a change: "case", "what" changed, its value "before" and "after", their "difference" and the difference "allowed" by
+        the stated uncertainties; reactions in N or N m, None where undefined.
+    only_before : list of str
+        Cases that only the first campaign has.
+    only_after : list of str
+        Cases that only the second campaign has.
+    summary : str
+        All differences in one or two sentences.
+    """
+
+    changes: list[dict[str, Any]]
+    only_before: list[str]
+    only_after: list[str]
+    summary: str
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything changed; costs and versions do not count."""
+        return bool(self.changes or self.only_before or self.only_after)
+
+    def to_dataframe(self) -> Any:
+        """Return the changes as a table of pandas.
+
+        Returns
+        -------
+        pandas.DataFrame
+            One row a change.
+
+        Raises
+        ------
+        SceneError
+            Pandas is not installed.
+        """
+        return dataframe(self.changes)
+
+    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
+        columns = ("case", "what", "before", "after", "difference", "allowed")
+        rows = [[_text(row[column]) for column in columns] for row in self.changes[:MOST_ROWS]]
+        return self.summary, columns, rows
+
+
+def run_campaign(
+    campaign: Path | str,
+    folder: Path | str | None = None,
+    yade: bool = True,
+    workers: int | None = None,
+    time_limit: float | None = None,
+    quiet: bool = False,
+) -> CampaignResult:
+    """Run a campaign, as `crosscheck campaign` does; finished cases are not run again.
+
+    The cases run in processes of their own. A script that calls this function therefore does so below `if __name__ ==
+    "__main__":`; a notebook need not.
+
+    Parameters
+    ----------
+    campaign : Path or str
+        Path of a campaign file, or name of a shipped campaign.
+    folder : Path, str or None
+        Folder of the results. None takes "crosscheck-campaigns/NAME".
+    yade : bool
+        Whether to run YADE, where the campaign file asks for it; False runs limit analysis alone.
+    workers : int or None
+        Number of cases that run side by side. None takes one for each core.
+    time_limit : float or None
+        Longest wall time of each YADE run, s. None takes the scenes' own.
+    quiet : bool
+        Whether to write no progress to stderr.
+
+    Returns
+    -------
+    CampaignResult
+        One row a case.
+
+    Raises
+    ------
+    SceneError
+        The campaign or one of its cases is invalid.
+    comparison.errors.FolderInUseError
+        Another process works in the folder.
+    """
+    if workers is not None and workers < 1:
+        raise SceneError("workers", "must be at least 1, or None", value=workers)
+    path = find_campaign(Path(campaign))
+    defined = definition.load_campaign(path)
+    place = Path(folder) if folder is not None else default_folder(path)
+    runs_yade = defined.file.yade and yade
+    whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=time_limit)
+    console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
+    with CampaignNarration(console, defined.title) as narration:
+        return _result_of(run_cases(whole, Local(workers or cores(), runs_yade), narration, write_campaign_report))
+
+
+def read_campaign(folder: Path | str) -> CampaignResult:
+    """Read the stored results of a campaign.
+
+    Parameters
+    ----------
+    folder : Path or str
+        Folder of `run_campaign` or of `crosscheck campaign`.
+
+    Returns
+    -------
+    CampaignResult
+        One row a case.
+
+    Raises
+    ------
+    la_core.exchange.ExchangeError
+        The folder holds no campaign, or its table is damaged.
+    """
+    return _result_of(read_table(Path(folder)))
+
+
+def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | str) -> CampaignChanges:
+    """Compare two campaigns, before and after a change, as `crosscheck compare` does; cases are matched by name.
+
+    Parameters
+    ----------
+    before : CampaignResult, Path or str
+        Campaign before the change, or its folder.
+    after : CampaignResult, Path or str
+        Campaign after the change, or its folder.
+
+    Returns
+    -------
+    CampaignChanges
+        Changes beyond the stated uncertainties.
+
+    Raises
+    ------
+    la_core.exchange.ExchangeError
+        A folder holds no campaign, or its table is damaged.
+    """
+    first, second = (one.folder if isinstance(one, CampaignResult) else Path(one) for one in (before, after))
+    found = compare_tables(with_versions(read_table(first)), with_versions(read_table(second)))
+    changes = [
+        {
+            "case": change.case,
+            "what": words["what"],
+            "before": change.before,
+            "after": change.after,
+            "difference": change.difference,
+            "allowed": change.allowed,
+        }
+        for change, words in ((change, change_words(change)) for change in found.changes)
+    ]
+    return CampaignChanges(changes, list(found.only_before), list(found.only_after), sentence(found))
+
+
+def _result_of(table: CampaignTable) -> CampaignResult:
+    return CampaignResult(table.folder, table.title, table.rows)
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    """Return a case as the cells of a printed table."""
+    divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
+    values = [number_text(None if row[name] is None else row[name] / divisor, 5) for name in SHOWN]
+    return [str(row["case"]), *values, "failed" if row["state"] == "failed" else mark_of(row["verdict"])]
+
+
+def _text(value: Any) -> str:
+    """Return a value before or after a change as text."""
+    return value if isinstance(value, str) else number_text(value)

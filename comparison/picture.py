@@ -1,0 +1,88 @@
+"""Figures of scenes and answers, as pictures that notebooks show."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from comparison.figures import assembly_figure, rendered, save, scene_figures
+from comparison.run_folder import FIGURE_FORMATS
+from comparison.yade import Results, Run
+from la_core.analysis import Answer, decided_model
+from la_core.errors import SceneError, nearest
+from la_core.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Figure that a notebook shows as an image.
+
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        Figure of matplotlib; change it as you like before you save it.
+    """
+
+    figure: Any
+
+    def save(self, path: Path | str) -> "Picture":
+        """Write the figure to a file.
+
+        Parameters
+        ----------
+        path : Path or str
+            File to write; its ending chooses the format: .png, .svg or .pdf.
+
+        Returns
+        -------
+        Picture
+            This picture, so that a notebook shows the saved figure.
+
+        Raises
+        ------
+        SceneError
+            The path has another ending.
+        """
+        if Path(path).suffix not in FIGURE_FORMATS:
+            raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
+        save(self.figure, Path(path))
+        return self
+
+    def _repr_png_(self) -> bytes:
+        return rendered(self.figure, ".png")
+
+
+def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Picture:
+    """Draw a figure of a scene or of an answer.
+
+    Parameters
+    ----------
+    what : Scene or Answer
+        A scene, for a figure of its assembly, or an answer, for the figure `name`.
+    name : str
+        Figure of an answer: "assembly", "mechanisms" (default), "reaction", "forces" or "dissipation". Ignored for a scene.
+    run : Run or None
+        YADE's record, drawn beside the answer. Ignored for a scene.
+
+    Returns
+    -------
+    Picture
+        The figure.
+
+    Raises
+    ------
+    SceneError
+        No figure has this name.
+
+    Examples
+    --------
+    >>> import comparison, la_core
+    >>> picture = comparison.draw(la_core.load("two_pads"))
+    >>> picture.save("two_pads.png") is picture
+    True
+    """
+    if isinstance(what, Scene):
+        return Picture(assembly_figure(what, decided_model(what).assembly))
+    drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
+    if chosen not in drawings:
+        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
+    return Picture(drawings[chosen]())
