@@ -91,7 +91,8 @@ def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane:
     alone = alone[blocks.free[alone]]
     if len(alone):
         rule = f"has no joint of {2.0 * least:.3g} m or more, and shorter ones do not count"
-        raise SceneError(f'block "{blocks.names[alone[0]]}"', rule, hint="take a smaller inset and tolerance, or remove the block")
+        name = blocks.names[alone[0]]
+        raise SceneError(f'block "{name}"', rule, hint="take a smaller inset and tolerance, or remove the block", blocks=[name])
     return kept
 
 

@@ -1,6 +1,7 @@
 """Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -46,7 +47,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     Raises
     ------
     SceneError
-        A corner would move too far, or blocks overlap by more than the tolerance.
+        A corner would move too far, or nothing would be left of a block.
     """
     blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), shapes)
     parts, owner = blocks.parts, blocks.part_block
@@ -60,12 +61,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     farthest = int(np.argmax(distance))
     _refuse_far(parts, owner, distance, MOST_MOVE * (tolerance + joints.max() / 2.0), vertex_part)
     pieces = _pieces(parts, moved, normal, offset)
-    cut = 0
-    for _ in range(ROUNDS):
-        made = _cut_overlaps(names, pieces, owner, float(reach.max()))
-        cut += made
-        if not made:
-            break
+    found = _cut_overlaps(names, pieces, owner, float(reach.max()))
     repaired = [compound([pieces[part] for part in np.flatnonzero(owner == block)]) for block in range(len(shapes))]
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
@@ -75,9 +71,9 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         moved_block=names[owner[vertex_part[farthest]]] if distance[farthest] > 0.0 else "",
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
-        overlaps_cut=cut,
+        overlaps_cut=found.cut,
         shortest_joint=SHORTEST * tolerance,
-        unclosed=_unclosed(names, parts, owner, pairs, closed, tolerance),
+        unclosed=(*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance)),
     )
     return repaired, repairs
 
@@ -110,9 +106,9 @@ def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np
 def _refuse_far(parts: Blocks, owner: np.ndarray, distance: np.ndarray, limit: float, vertex_part: np.ndarray) -> None:
     worst = int(np.argmax(distance))
     if distance[worst] > limit:
-        where = ", ".join(f"{value:.4g}" for value in parts.vertices[worst])
+        where, name = ", ".join(f"{value:.4g}" for value in parts.vertices[worst]), parts.names[vertex_part[worst]]
         rule = f"its vertex at ({where}) would have to move {distance[worst]:.3g} m to close its joints, more than {limit:.3g} m"
-        raise SceneError(f'block "{parts.names[vertex_part[worst]]}"', rule, hint="correct it in the drawing, or take a larger tolerance")
+        raise SceneError(f'block "{name}"', rule, hint="correct it in the drawing, or take a larger tolerance", blocks=[name])
 
 
 def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> list[Shape]:
@@ -143,36 +139,51 @@ def _between(normal: np.ndarray, offset: np.ndarray, inside: np.ndarray, name: s
         return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist())
     except (scipy.spatial.QhullError, ValueError) as error:
         hint = "take a smaller tolerance, or remove the block"
-        raise SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint) from error
+        raise SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint, blocks=[name]) from error
 
 
-def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> int:
-    """Cut every part that overlaps another block, in place, along the face of the other that it passes least; their number."""
-    parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
-    size = np.linalg.norm(parts.high - parts.low, axis=1)
-    pairs = near_pairs(parts, np.zeros(len(parts)))
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
-    changed: set[int] = set()
-    count = 0
-    for a, b, depth in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
-        if depth > most:
-            pair = f'blocks "{parts.names[a]}" and "{parts.names[b]}"'
-            raise SceneError(pair, f"overlap by about {depth:.3g} m, more than the tolerance can remove", hint="correct the drawing")
-        if a in changed or b in changed:
-            count += 1  # found again in the next round
-            continue
-        _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
-        faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
-        normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
-        offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
-        own = pieces[cut].vertices
-        below = own[own @ plane[:3] > plane[3]]  # what stays lies beyond the plane
-        inside = below.mean(axis=0) if len(below) else own.mean(axis=0)
-        centre = parts.centroid[cut]
-        pieces[cut] = _between(normal, offset, centre if centre @ plane[:3] > plane[3] else 0.5 * (inside + centre), parts.names[cut])
-        changed.add(cut)
-        count += 1
-    return count
+@dataclass
+class _Overlaps:
+    """What became of overlaps: the number of cuts, and those that are too deep to be cut, by their two blocks."""
+
+    cut: int = 0
+    deep: dict[tuple[str, str], Unclosed] = field(default_factory=dict)
+
+
+def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> _Overlaps:
+    """Cut every part that overlaps another block by at most `most` (m), in place, along the face of the other that it passes least."""
+    found = _Overlaps()
+    for _ in range(ROUNDS):
+        parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+        size = np.linalg.norm(parts.high - parts.low, axis=1)
+        pairs = near_pairs(parts, np.zeros(len(parts)))
+        pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+        changed: set[int] = set()
+        for a, b, depth, middle in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
+            if depth > most:
+                both = parts.names[a], parts.names[b]
+                found.deep[both] = Unclosed(both, middle, -depth)
+            elif a not in changed and b not in changed:  # what is left out here is found again in the next round
+                cut, rest = _cut_part(parts, a, b, pieces)
+                pieces[cut] = rest
+                changed.add(cut)
+        found.cut += len(changed)
+        if not changed:
+            break
+    return found
+
+
+def _cut_part(parts: Blocks, a: int, b: int, pieces: Sequence[Shape]) -> tuple[int, Shape]:
+    """The part that is cut of two overlapping ones, and what is left of it."""
+    _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
+    faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
+    normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
+    offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
+    own = pieces[cut].vertices
+    below = own[own @ plane[:3] > plane[3]]  # what stays lies beyond the plane
+    inside = below.mean(axis=0) if len(below) else own.mean(axis=0)
+    centre = parts.centroid[cut]
+    return cut, _between(normal, offset, centre if centre @ plane[:3] > plane[3] else 0.5 * (inside + centre), parts.names[cut])
 
 
 def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:

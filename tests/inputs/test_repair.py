@@ -101,9 +101,14 @@ def test_what_is_wider_than_the_tolerance_stays_open() -> None:
         find_interfaces(scene.blocks)
 
 
-def test_an_overlap_beyond_the_tolerance_is_refused() -> None:
-    with pytest.raises(SceneError, match=r'"fixed base" and "a": overlap by about 0.05 m, more than the tolerance'):
-        scenes.build(*scenes.base(0.5, 1.0), scenes.box("a", (0.0, 0.0, -0.05), (1.0, 1.0, 0.5)), scenes.table("geometry", tolerance=0.005))
+def test_an_overlap_beyond_the_tolerance_is_named_with_its_place_and_refused() -> None:
+    parts = (*scenes.base(0.5, 1.0), scenes.box("a", (0.0, 0.0, -0.05), (1.0, 1.0, 0.5)))
+    scene = scenes.build(*parts, scenes.table("geometry", tolerance=0.005))
+    assert {one.blocks for one in scene.repairs.unclosed} == {("fixed base", "a"), ("settling base", "a")}
+    assert [one.gap for one in scene.repairs.unclosed] == pytest.approx([-0.05, -0.05])
+    assert all(-0.05 <= one.vertex[2] <= 0.0 for one in scene.repairs.unclosed)
+    with pytest.raises(SceneError, match=r'"fixed base" and "a": overlap by about 0.05 m; so do "settling base" and "a" by 0.05 m'):
+        find_interfaces(scene.blocks)
 
 
 def test_a_short_joint_within_the_tolerance_goes() -> None:

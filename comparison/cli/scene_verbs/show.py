@@ -7,16 +7,24 @@ from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.figures import assembly_figure, save
 from la_core.analysis import decided_model
+from la_core.errors import SceneError
+from la_core.model import unjoined
 from la_core.scene import load_scene, shipped
 
 
 def execute(context: Context) -> int:
-    """Draw a scene and print its facts; raises SceneError."""
+    """Draw a scene and print its facts; raises SceneError, after drawing what is wrong where that has a place."""
     options = context.options
     scene = load_scene(shipped.find(options.scene))
     context.warn(scene)
-    decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
+    try:
+        decided = decided_model(scene)
+    except SceneError as error:
+        if error.spots:
+            save(assembly_figure(scene, unjoined(scene), spots=error.spots), figure)
+            context.narrator.print(f"drawn in {figure}, with a red cross at each place to correct", markup=False)
+        raise
     save(assembly_figure(scene, decided.assembly), figure)
     facts = tables.scene_facts(scene, decided)
     if options.json:
