@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import scipy.spatial
+from scipy.optimize import linprog
 
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, overlaps, polyhedron
@@ -59,10 +60,10 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     distance = np.linalg.norm(moved - parts.vertices, axis=1)
     vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
     farthest = int(np.argmax(distance))
-    _refuse_far(parts, owner, distance, MOST_MOVE * (tolerance + joints.max() / 2.0), vertex_part)
-    pieces = _pieces(parts, moved, normal, offset)
-    found = _cut_overlaps(names, pieces, owner, float(reach.max()))
-    repaired = [compound([pieces[part] for part in np.flatnonzero(owner == block)]) for block in range(len(shapes))]
+    _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0))
+    pieces, owner_left = _pieces(parts, owner, moved, normal, offset)
+    found = _cut_overlaps(names, pieces, owner_left, float(reach.max()))
+    repaired = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
         tolerance=tolerance,
@@ -103,23 +104,36 @@ def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np
     return np.asarray(parts.vertices + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
 
 
-def _refuse_far(parts: Blocks, owner: np.ndarray, distance: np.ndarray, limit: float, vertex_part: np.ndarray) -> None:
-    worst = int(np.argmax(distance))
-    if distance[worst] > limit:
-        where, name = ", ".join(f"{value:.4g}" for value in parts.vertices[worst]), parts.names[vertex_part[worst]]
-        rule = f"its vertex at ({where}) would have to move {distance[worst]:.3g} m to close its joints, more than {limit:.3g} m"
-        raise SceneError(f'block "{name}"', rule, hint="correct it in the drawing, or take a larger tolerance", blocks=[name])
+def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float) -> None:
+    """Raise SceneError where the surface of a block would move by more than `limit`, m.
+
+    A corner between two nearly level faces may slide farther along them, because this hardly moves the surface.
+    """
+    vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
+    for vertex in np.flatnonzero(np.linalg.norm(moved - parts.vertices, axis=1) > limit).tolist():
+        part = vertex_part[vertex]
+        faces, before = slice(*parts.part_face_start[part : part + 2]), parts.vertices[vertex]
+        beyond = np.max(parts.face_normal[faces] @ moved[vertex] - parts.face_offset[faces])
+        depth = float(max(beyond, np.max(normal[faces] @ before - offset[faces])))
+        if depth > limit:
+            where, name = ", ".join(f"{value:.4g}" for value in before), parts.names[part]
+            rule = f"its surface at the vertex ({where}) would have to move {depth:.3g} m to close its joints, more than {limit:.3g} m"
+            hint = "correct it in the drawing, or take a larger tolerance"
+            raise SceneError(f'block "{name}"', rule, hint=hint, blocks=[name])
 
 
-def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> list[Shape]:
-    """The parts with moved vertices; a part that would be folded keeps only those planes that still bound it."""
+def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> tuple[list[Shape], np.ndarray]:
+    """The parts with moved vertices, and the block of each; a part that would be folded keeps only those planes that still bound it.
+
+    Parts of which nothing is left are dropped; raises SceneError for a block without another part.
+    """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
     following = np.arange(1, len(parts.face_vertex) + 1)
     following[parts.face_start[1:] - 1] = parts.face_start[:-1]
     edge = np.linalg.norm(moved[parts.face_vertex[following]] - moved[parts.face_vertex], axis=1)
     shortest = np.minimum.reduceat(edge, parts.face_start[:-1][parts.part_face_start[:-1]])
-    shapes = []
-    for part, name in enumerate(parts.names):
+    shapes: list[Shape | None] = []
+    for part in range(len(parts)):
         first, last = parts.vertex_start[part], parts.vertex_start[part + 1]
         low, high = parts.part_face_start[part], parts.part_face_start[part + 1]
         beyond = moved[first:last] @ normal[low:high].T - offset[low:high]
@@ -128,18 +142,30 @@ def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.nda
             loops = tuple(tuple((parts.face_vertex[i:j] - first).tolist()) for i, j in pairwise(bounds))
             shapes.append(Shape(moved[first:last], loops))
         else:
-            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), name))
-    return shapes
+            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), PLANE * size[part]))
+    left = np.array([shape is not None for shape in shapes])
+    gone = np.setdiff1d(owner, owner[left])
+    if len(gone):
+        raise _nothing_left(parts.names[int(np.argmax(owner == gone[0]))])
+    return [shape for shape in shapes if shape is not None], owner[left]
 
 
-def _between(normal: np.ndarray, offset: np.ndarray, inside: np.ndarray, name: str) -> Shape:
-    """The convex body behind all these planes; `inside` (3,) is a point of it."""
+def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:
+    """The convex body behind all these planes; None where no ball of the radius `least` (m) fits in it. near: a point (3,) beside it."""
+    height = offset - normal @ near
+    ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4)
+    if not ball.success or ball.x[3] <= least:
+        return None
     try:
-        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), inside)
+        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
         return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist())
-    except (scipy.spatial.QhullError, ValueError) as error:
-        hint = "take a smaller tolerance, or remove the block"
-        raise SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint, blocks=[name]) from error
+    except (scipy.spatial.QhullError, ValueError):
+        return None
+
+
+def _nothing_left(name: str) -> SceneError:
+    hint = "take a smaller tolerance, or remove the block"
+    return SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint, blocks=[name])
 
 
 @dataclass
@@ -164,7 +190,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
                 both = parts.names[a], parts.names[b]
                 found.deep[both] = Unclosed(both, middle, -depth)
             elif a not in changed and b not in changed:  # what is left out here is found again in the next round
-                cut, rest = _cut_part(parts, a, b, pieces)
+                cut, rest = _cut_part(parts, a, b)
                 pieces[cut] = rest
                 changed.add(cut)
         found.cut += len(changed)
@@ -173,17 +199,17 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     return found
 
 
-def _cut_part(parts: Blocks, a: int, b: int, pieces: Sequence[Shape]) -> tuple[int, Shape]:
+def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
     """The part that is cut of two overlapping ones, and what is left of it."""
     _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
     faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
     normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
     offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
-    own = pieces[cut].vertices
-    below = own[own @ plane[:3] > plane[3]]  # what stays lies beyond the plane
-    inside = below.mean(axis=0) if len(below) else own.mean(axis=0)
-    centre = parts.centroid[cut]
-    return cut, _between(normal, offset, centre if centre @ plane[:3] > plane[3] else 0.5 * (inside + centre), parts.names[cut])
+    size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
+    rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
+    if rest is None:
+        raise _nothing_left(parts.names[cut])
+    return cut, rest
 
 
 def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from la_core.drawing import straightened
 from la_core.errors import SceneError, nearest
 from la_core.exchange import FREE, SETTINGS
 from la_core.geometry import ROLES, shapes
@@ -65,7 +66,7 @@ class Tables:
 
     def _blocks_of(self, kind: str, table: Any, tolerance: float, folder: Path) -> Iterator[NamedShape]:
         if kind == "block":
-            yield NamedShape(table.name, table.role, table.density, _shape(table))
+            yield NamedShape(table.name, table.role, table.density, _shape(table, tolerance))
         elif kind == "mesh":
             content = read_files(table, folder)
             self.files += content
@@ -89,11 +90,11 @@ _GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
 }
 
 
-def _shape(block: scene_file.Block) -> shapes.Shape:
+def _shape(block: scene_file.Block, tolerance: float) -> shapes.Shape:
     if block.box:
         return shapes.box(block.box.from_, block.box.to)
     if block.prism:
-        return shapes.prism(block.prism.profile, block.prism.y)
+        return shapes.prism(straightened(block.prism.profile, tolerance), block.prism.y)
     assert block.polyhedron is not None  # the schema demands exactly one shape
     return shapes.polyhedron(block.polyhedron.vertices)
 
