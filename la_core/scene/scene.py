@@ -82,7 +82,7 @@ class Scene(Tabled):
     warnings : tuple of str
         Sentences about values that are allowed but seldom meant, such as an angle for friction.
     places : tuple
-        Table of the file that each block comes from, such as ("wall", 0); empty for a scene that was not read from a file.
+        Table of the file that each block comes from, such as ("wall", 0).
     """
 
     name: str
@@ -112,8 +112,23 @@ class Scene(Tabled):
     places: tuple[KeyPath, ...] = ()
 
     def located(self, error: SceneError) -> SceneError:
-        """The error with the scene's file, and with the lines of the blocks or the key that it names, where they are known."""
-        found = with_lines(error, self.text if self.places else "", self.blocks.names, self.places)
+        """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
+
+        Parameters
+        ----------
+        error : SceneError
+            Error that names blocks or a key.
+
+        Returns
+        -------
+        SceneError
+            The same with its place.
+        """
+        try:
+            counted = self.text if reading.read_text(self.path) == self.text else ""
+        except SceneError:  # a scene that was made in code has no file
+            counted = ""
+        found = with_lines(error, counted, self.blocks.names, self.places)
         return SceneError.told(f"{self.path}: {found}", found)
 
     @property
@@ -223,5 +238,5 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         drawn=tuple(tables.drawn),
         repairs=repairs,
         warnings=implausible(blocks, stones, file.joint.friction, gravity, twist),
-        places=tuple(tables.places) if counted else (),
+        places=tuple(tables.places),
     )
