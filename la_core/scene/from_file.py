@@ -40,6 +40,8 @@ def scene_from_file(source: Path, folder: Path) -> str:
         raise SceneError(
             str(source), f"does not lie in {folder} or below it", hint="a scene stands beside its files or above them"
         ) from error
+    if not source.exists():
+        raise SceneError(str(source), "there is no such file or folder")
     place = PurePosixPath(relative.as_posix())
     suffix = source.suffix.lower()
     if suffix in DRAWING_FORMATS:
