@@ -1,7 +1,7 @@
 """Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,6 +20,7 @@ PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
 SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
+FAR = 1024.0  # m: a structure farther from the origin is repaired about one of its own
 ROUNDS = 4  # a cut may uncover another overlap
 CLOSED = 1e-6  # m: a smaller gap was closed already
 
@@ -50,7 +51,9 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     SceneError
         A corner would move too far, or nothing would be left of a block.
     """
-    blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), shapes)
+    middle = np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
+    origin = FAR * np.round(middle / FAR)  # round-off grows with the distance, and surveys lie in the grids of countries
+    blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), [_shifted(shape, -origin) for shape in shapes])
     parts, owner = blocks.parts, blocks.part_block
     reach = joints + 2.0 * tolerance
     pairs = facing_faces(parts, owner, reach[owner])
@@ -60,10 +63,11 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     distance = np.linalg.norm(moved - parts.vertices, axis=1)
     vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
     farthest = int(np.argmax(distance))
-    _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0))
+    _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0), origin)
     pieces, owner_left = _pieces(parts, owner, moved, normal, offset)
     found = _cut_overlaps(names, pieces, owner_left, float(reach.max()))
-    repaired = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
+    wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
+    unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
         tolerance=tolerance,
@@ -74,9 +78,13 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
         overlaps_cut=found.cut,
         shortest_joint=SHORTEST * tolerance,
-        unclosed=(*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance)),
+        unclosed=tuple(replace(one, vertex=tuple((np.array(one.vertex) + origin).tolist())) for one in unclosed),
     )
-    return repaired, repairs
+    return [_shifted(whole, origin) for whole in wholes], repairs
+
+
+def _shifted(shape: Shape, shift: np.ndarray) -> Shape:
+    return replace(shape, vertices=shape.vertices + shift) if shift.any() else shape
 
 
 def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
@@ -104,8 +112,8 @@ def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np
     return np.asarray(parts.vertices + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
 
 
-def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float) -> None:
-    """Raise SceneError where the surface of a block would move by more than `limit`, m.
+def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float, origin: np.ndarray) -> None:
+    """Raise SceneError where the surface of a block would move by more than `limit`, m; origin: of the parts in the scene, m.
 
     A corner between two nearly level faces may slide farther along them, because this hardly moves the surface.
     """
@@ -116,7 +124,7 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
         beyond = np.max(parts.face_normal[faces] @ moved[vertex] - parts.face_offset[faces])
         depth = float(max(beyond, np.max(normal[faces] @ before - offset[faces])))
         if depth > limit:
-            where, name = ", ".join(f"{value:.4g}" for value in before), parts.names[part]
+            where, name = ", ".join(f"{value:.4g}" for value in before + origin), parts.names[part]
             rule = f"its surface at the vertex ({where}) would have to move {depth:.3g} m to close its joints, more than {limit:.3g} m"
             hint = "correct it in the drawing, or take a larger tolerance"
             raise SceneError(f'block "{name}"', rule, hint=hint, blocks=[name])

@@ -148,6 +148,18 @@ def test_bodies_in_space_close_too() -> None:
     assert len(joints(scene)) == 8 + 6 + 8 + 6
 
 
+def test_a_structure_far_from_the_origin_closes_as_one_near_it() -> None:
+    near, far = ([], [])
+    for parts, east in ((near, 0.0), (far, 3_512_345.0)):
+        for name, role, x, low, high in (("a", "fixed", 0, -1.0, -0.002), ("b", "support", 1, -1.0, 0.001), ("c", "free", 0, 0.0, 0.5)):
+            width = 2.0 if role == "free" else 1.0
+            parts.append(scenes.box(name, (x + east, 0.0, low), (x + width + east, 1.0, high), role))
+        parts.append(scenes.table("geometry", tolerance=0.002))
+    one, other = scenes.build(*near), scenes.build(*far)
+    assert other.blocks.vertices - (3_512_345.0, 0.0, 0.0) == pytest.approx(one.blocks.vertices, abs=1e-8)
+    assert joints(one) == joints(other) and one.repairs.largest_move == pytest.approx(other.repairs.largest_move, abs=1e-8)
+
+
 STONES = {"origin": (0.0, 0.0, 0.0), "size": (4.0, 2.5), "depth": 0.5, "stones": 50, "shortest": 0.02}
 
 
