@@ -128,7 +128,7 @@ def test_both_methods_say_the_same_of_a_shape(name: str, tmp_path: Path) -> None
 
 def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(tmp_path: Path) -> None:
     """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or are not there."""
-    profiles = rubble.profiles(1)
+    profiles = rubble.profiles(6)
     walls = {
         "kept": rubble.wall(rubble.shrunk(profiles, 0.005), model="auto"),
         "dropped": rubble.wall(rubble.shrunk(profiles, 0.005), tolerance=0.003, model="auto"),
@@ -139,4 +139,4 @@ def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(tmp_path: Pat
     assert dropped == {"kept": 0, "dropped": rubble.SHRUNK, "one point": rubble.SHRUNK}
     assert len({result.verdict for result in results.values()}) == 1
     values = [result.yade.reaction / result.scene.weight for result in results.values()]
-    assert max(values) - min(values) <= 0.02 * max(values)  # three joints of 5 mm beside stones of a metre change no more
+    assert max(values) - min(values) <= 0.01 * max(values)  # what the judge, too, allows two values that state half a per cent
