@@ -39,6 +39,8 @@ class Interfaces:
         Corners of the overlaps, interface after interface, m.
     polygon_start : (I + 1,) array of int
         Interface i has polygon[polygon_start[i]:polygon_start[i + 1]].
+    dropped : int
+        Interfaces that were left out because they are too short to count.
     """
 
     block_a: np.ndarray
@@ -47,6 +49,7 @@ class Interfaces:
     area: np.ndarray
     polygon: np.ndarray
     polygon_start: np.ndarray
+    dropped: int = 0
 
     def __len__(self) -> int:
         return len(self.block_a)

@@ -192,7 +192,7 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
     if scene.support_twist is not None:
         _refuse_idle_support(blocks.role == SUPPORT, interfaces)
-    return _loaded(scene, effects, interfaces, points, slivers=len(found) - len(interfaces))
+    return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
 
 
 def unjoined(scene: Scene) -> Assembly:
