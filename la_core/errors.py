@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Self
 
 CONTROL = re.compile(
@@ -25,16 +25,30 @@ class SceneError(Exception):
         Value that breaks the rule; the message shows at most 80 characters of it. None leaves it out.
     hint : str, optional
         Next step for the user; "" leaves it out.
+    blocks : sequence of str, optional
+        Names of the blocks at fault, from which the lines of the scene file follow.
+    spots : sequence of points, optional
+        Where the fault lies, (x, y, z) in m, for the figure.
     """
 
-    def __init__(self, where: str, rule: str, *, value: object = None, hint: str = "") -> None:
+    def __init__(
+        self,
+        where: str,
+        rule: str,
+        *,
+        value: object = None,
+        hint: str = "",
+        blocks: Sequence[str] = (),
+        spots: Sequence[tuple[float, float, float]] = (),
+    ) -> None:
         shown = "" if value is None else f" = {_short(value)}"
         super().__init__(f"{where}{shown}: {rule}" + (f"; {hint}" if hint else ""))
+        self.where, self.blocks, self.spots = where, tuple(blocks), tuple(spots)
 
     @classmethod
-    def told(cls, message: str) -> Self:
-        """An error with a message that is complete already, such as that of several errors in one file."""
-        error = cls("", "")
+    def told(cls, message: str, about: "SceneError | None" = None) -> Self:
+        """An error with a message that is complete already, such as that of several errors; `about`: one of the same place."""
+        error = cls("", "") if about is None else cls(about.where, "", blocks=about.blocks, spots=about.spots)
         error.args = (message,)
         return error
 

@@ -93,11 +93,18 @@ class Definition:
         return self.file.title or self.path.stem
 
 
+def _refuse_a_scene(path: Path, data: dict[str, Any]) -> None:
+    if "joint" in data and "sweep" not in data:
+        hint = f'a campaign names it: [[sweep]] scene = "{path.name}", vary = {{ "joint.friction" = [0.5, 0.6, 0.7] }}'
+        raise SceneError("the file", "is a scene, not a campaign", hint=hint)
+
+
 def load_campaign(path: Path) -> Definition:
     """Read and validate a campaign file; raises SceneError for an invalid one."""
     try:
         text = _read(path)
         data = tomllib.loads(text)
+        _refuse_a_scene(path, data)
         file = CampaignFile.model_validate(data)
         varied = list(dict.fromkeys(key for sweep in file.sweep for key in sweep.varied()))
         _require_sense(file, varied)

@@ -49,10 +49,11 @@ SLIDES = {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}
 MARKED = {ContactState.OPENING: ("opens", POINT), ContactState.SLIDING: ("slides", SLIDES)}  # joints that are marked in a mechanism
 
 
-def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) -> Figure:
+def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, spots: Sequence[Sequence[float]] = ()) -> Figure:
     """Draw the structure: blocks by role, interfaces, contact points, gravity, and the support's motion or live load.
 
-    The title is the scene's where none is given.
+    The title is the scene's where none is given. spots: places of faults, (x, y, z) in m, that are marked as those are which a
+    tolerance could not close.
     """
     figure = blank_figure(assembly, 1, scene.title if title is None else title)
     (canvas,) = canvases(figure, assembly, 1)
@@ -61,21 +62,22 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None) 
     if canvas.plane or canvas.few:
         canvas.outlines(loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
     position = assembly.points.position
-    has_points = canvas.few or canvas.dot > LEAST_DOT
+    has_points = len(position) > 0 and (canvas.few or canvas.dot > LEAST_DOT)
     if has_points:
         canvas.marks(position[canvas.seen(position)], markersize=canvas.dot, markeredgewidth=canvas.dot / 5.0, **POINT)
-    unclosed = scene.repairs.unclosed if scene.repairs is not None else ()
+    unclosed = [*(one.vertex for one in scene.repairs.unclosed), *spots] if scene.repairs is not None else [*spots]
     if unclosed:
-        canvas.marks(np.array([one.vertex for one in unclosed]), markersize=UNCLOSED_SIZE, **UNCLOSED)
+        canvas.marks(np.array(unclosed), markersize=UNCLOSED_SIZE, **UNCLOSED)
     if canvas.few:
         canvas.names()
     driven = _draw_drive(canvas, assembly)
     canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
-    unclosed_key = [_mark("not closed", UNCLOSED)] if unclosed else []
+    points_key = [_mark("contact point", POINT)] if has_points else []
+    unclosed_key = [_mark("to correct" if spots else "not closed", UNCLOSED)] if unclosed else []
     arrows = [_arrow_key(driven, INK), _arrow_key("gravity", FAINT)]
-    legend_below(figure, [*handles, *([_mark("contact point", POINT)] if has_points else []), *unclosed_key, *arrows])
+    legend_below(figure, [*handles, *points_key, *unclosed_key, *arrows])
     return figure
 
 

@@ -14,6 +14,7 @@ from comparison.report.templating import flat
 from comparison.report.values import associated_of, expected_rows, rounding_words, value_rows, values_of
 from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
+from la_core.scene import change_rows
 
 FIGURES = {  # in the order of the page: what happens first, then how much and why
     "mechanisms": ("Mechanism", "What moves when the support moves, by both methods; marks show joints that open or slide. {motion}"),
@@ -85,6 +86,7 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
         "results": results,
         "quantities": list(value_rows(results)),
         "inputs": input_rows(comparison, units),
+        "geometry": list(change_rows(comparison["geometry"])) if comparison.get("geometry") else [],
         "given": key_rows(text) if text else [],
         "scene_file": text,
         "expected": list(expected_rows(comparison)),

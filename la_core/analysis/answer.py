@@ -228,7 +228,7 @@ def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener:
     """
     if path and scene.effects.friction not in ("auto", "coulomb"):
         rule = "a path needs friction without dilatancy"
-        raise SceneError(f"{scene.path}: effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"')
+        raise scene.located(SceneError("effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"'))
     if path and bounds_only:
         raise SceneError("bounds_only", "a path is no bound", value=True, hint="leave out `path` or `bounds_only`")
     return Answer(scene, analyse(scene, AnalysisSettings(follow_path=path, bounds_only=bounds_only), listener))

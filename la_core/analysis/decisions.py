@@ -131,5 +131,5 @@ def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> E
     if scene.effects.elasticity == "none" and search.known:
         reason = f"{search.reason}, and friction without dilatancy depends on the strain of the joints"
         hint = 'leave it out, or use friction = "associated" for the bounds alone'
-        raise SceneError(f"{scene.path}: effects.elasticity", reason, value="none", hint=hint)
+        raise scene.located(SceneError("effects.elasticity", reason, value="none", hint=hint))
     return effects.with_effect("friction", "coulomb", search.reason)

@@ -56,7 +56,7 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
     try:
         stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)
     except SceneError as error:
-        raise SceneError(str(scene.path), str(error)) from error
+        raise scene.located(error) from error
     assembly, least_gap = decide_dem_effects(scene, assembly, stiffness)
     return StructuralModel(scene, assembly, sharp, stiffness, least_gap)
 

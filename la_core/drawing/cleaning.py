@@ -1,5 +1,6 @@
 """Outlines made fit for blocks: enclosed by lines, without doubles, simplified within a tolerance."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,24 +61,42 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
         loose += idle
     if not outlines:
         return Cleaned((), 0, 0, loose, 0)
-    polygons = shapely.polygons([shapely.linearrings(outline.points) for outline in outlines])
-    polygons = shapely.simplify(shapely.normalize(polygons), tolerance) if tolerance > 0.0 else polygons
+    polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
     crossed = ~shapely.is_valid(polygons)
     if crossed.any():
         raise ValueError(f"{_place(outlines[int(np.argmax(crossed))])}: the outline crosses itself")
     area = shapely.area(polygons)
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
     double = _doubles(polygons, speck)
-    hull = shapely.convex_hull(polygons)
-    dent = shapely.hausdorff_distance(shapely.boundary(hull), shapely.boundary(polygons), densify=0.25)
-    straight = (dent > 0.0) & (dent <= tolerance) & (shapely.area(hull) > area)
-    polygons = np.where(straight, hull, polygons)
+    polygons, straight = _without_dents(polygons, tolerance)
     kept = np.flatnonzero(~speck & ~double)
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
     rings = [shapely.get_coordinates(polygons[k])[:-1] for k in order]
     found = tuple(Outline(ring, outlines[k].layer, outlines[k].colour) for k, ring in zip(order, rings, strict=True))
     return Cleaned(found, int(double.sum()), int(speck.sum()), loose, int(straight[kept].sum()))
+
+
+def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:
+    """A simple profile (n, 2), m, simplified within the tolerance (m), and convex where only dents within it made it not so."""
+    outline = shapely.Polygon(profile)
+    if tolerance == 0.0 or not outline.is_valid or not outline.area > 0.0:  # which is refused where the block is made
+        return [(float(x), float(z)) for x, z in profile]
+    polygons, _ = _without_dents(_simplified(np.array([outline]), tolerance), tolerance)
+    corners = shapely.get_coordinates(polygons[0])[:-1]
+    return [(float(x), float(z)) for x, z in (profile if len(corners) == len(profile) else corners)]
+
+
+def _simplified(polygons: np.ndarray, tolerance: float) -> np.ndarray:
+    return np.asarray(shapely.simplify(shapely.normalize(polygons), tolerance)) if tolerance > 0.0 else polygons
+
+
+def _without_dents(polygons: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """The polygons, convex where their dents are no deeper than the tolerance (m), and the mask of those that were made so."""
+    hull = shapely.convex_hull(polygons)
+    dent = shapely.hausdorff_distance(shapely.boundary(hull), shapely.boundary(polygons), densify=0.25)
+    straight = (dent > 0.0) & (dent <= tolerance) & (shapely.area(hull) > shapely.area(polygons))
+    return np.where(straight, hull, polygons), straight
 
 
 def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:

@@ -18,6 +18,8 @@ from la_core.geometry.blocks import Blocks
 from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygon_areas, polygons_of, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
+MOST_MORTAR = 0.05  # m: a wider gap is no joint
+MOST_NAMED = 4  # overlaps that one message names
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
 
@@ -37,6 +39,8 @@ class Interfaces:
         Corners of the overlaps, interface after interface, m.
     polygon_start : (I + 1,) array of int
         Interface i has polygon[polygon_start[i]:polygon_start[i + 1]].
+    dropped : int
+        Interfaces that were left out because they are too short to count.
     """
 
     block_a: np.ndarray
@@ -45,6 +49,7 @@ class Interfaces:
     area: np.ndarray
     polygon: np.ndarray
     polygon_start: np.ndarray
+    dropped: int = 0
 
     def __len__(self) -> int:
         return len(self.block_a)
@@ -152,14 +157,28 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 
 
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
-    for a, b, depth in overlaps(blocks, pairs, tolerance):
-        names = f'blocks "{blocks.names[a]}" and "{blocks.names[b]}"'
-        hint = "blocks may touch but not share volume; [geometry] tolerance removes the overlaps of a survey"
-        raise SceneError(names, f"overlap by about {depth:.3g} m", hint=hint)
+    """Raise SceneError for blocks that overlap: the first pair, and others that a reader can mend with it."""
+    found: dict[tuple[str, str], tuple[float, tuple[float, float, float]]] = {}
+    for a, b, depth, middle in overlaps(blocks, pairs, tolerance):
+        found.setdefault((blocks.names[a], blocks.names[b]), (depth, middle))
+        if len(found) > MOST_NAMED:
+            break
+    if not found:
+        return
+    (pair, (depth, _)), *others = found.items()
+    more = ", ".join(f'"{one}" and "{other}" by {far:.3g} m' for (one, other), (far, _) in others[: MOST_NAMED - 1])
+    rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}{', and others' if len(others) >= MOST_NAMED else ''}" if more else "")
+    raise SceneError(
+        f'blocks "{pair[0]}" and "{pair[1]}"',
+        rule,
+        hint="blocks may touch but not share volume; [geometry] tolerance removes overlaps of up to twice the tolerance",
+        blocks=pair,
+        spots=[middle for _, middle in found.values()],
+    )
 
 
-def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterator[tuple[int, int, float]]:
-    """Yield both blocks and the depth, m, of each pair (P, 2) of convex blocks that overlap by more than its tolerance (P,), m.
+def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterator[tuple[int, int, float, tuple[float, float, float]]]:
+    """Yield both blocks, depth and middle, m, of each pair (P, 2) of convex blocks that overlap by more than its tolerance (P,), m.
 
     Separating faces decide almost every pair. For the others a linear programme finds the largest ball within both
     blocks; its diameter is the depth.
@@ -172,7 +191,8 @@ def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterat
         rows = np.column_stack([normal, np.ones(len(normal))])
         ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=offset - normal @ centre, bounds=[(None, None)] * 3 + [(0.0, None)])
         if ball.success and ball.x[3] > limit:
-            yield a, b, 2.0 * float(ball.x[3])
+            x, y, z = (centre + ball.x[:3]).tolist()
+            yield a, b, 2.0 * float(ball.x[3]), (x, y, z)
 
 
 def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
@@ -253,8 +273,11 @@ def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:
         gap = np.linalg.norm(np.maximum(between, 0.0), axis=1)
         near = int(others[np.argmin(gap)])  # a scene has at least a free and a held block
         names = ", ".join(f'"{blocks.names[i]}"' for i in alone[:10])
+        hint = f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min():.3g} m away'
         raise SceneError(
             f"block{'s' if len(alone) > 1 else ''} {names}",
             "touches nothing: no face lies on another block's face",
-            hint=f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min():.3g} m away',
+            hint=hint + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else ""),
+            blocks=[blocks.names[i] for i in alone],
+            spots=[tuple(blocks.centroid[i].tolist()) for i in alone],
         )

@@ -5,7 +5,7 @@ quarter of its length, so that one short joint does not make the inset of all ot
 an inset is no joint: a worn edge, which the inset stands for, would have removed it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -86,12 +86,13 @@ def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane:
     slivers = joint_rooms(interfaces, plane, least) < least if least > 0.0 else np.zeros(len(interfaces), dtype=bool)
     if not slivers.any():
         return interfaces
-    kept = interfaces.subset(~slivers)
+    kept = replace(interfaces.subset(~slivers), dropped=interfaces.dropped + int(slivers.sum()))
     alone = np.setdiff1d(np.stack([interfaces.block_a, interfaces.block_b]), np.stack([kept.block_a, kept.block_b]))
     alone = alone[blocks.free[alone]]
     if len(alone):
         rule = f"has no joint of {2.0 * least:.3g} m or more, and shorter ones do not count"
-        raise SceneError(f'block "{blocks.names[alone[0]]}"', rule, hint="take a smaller inset and tolerance, or remove the block")
+        name = blocks.names[alone[0]]
+        raise SceneError(f'block "{name}"', rule, hint="take a smaller inset and tolerance, or remove the block", blocks=[name])
     return kept
 
 

@@ -141,4 +141,4 @@ def refuse_slivers(names: Sequence[str], shapes: Sequence[Shape]) -> None:
     if thin.any():
         k = int(np.argmax(thin))
         rule = f"is {extent[k].min():.3g} m thin, which is round-off beside its length or its distance from the origin"
-        raise SceneError(f'block "{names[k]}"', rule, hint="make it thicker, or move the scene to the origin")
+        raise SceneError(f'block "{names[k]}"', rule, hint="make it thicker, or move the scene to the origin", blocks=[names[k]])

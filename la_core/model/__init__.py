@@ -1,6 +1,6 @@
 """The mechanical model of a scene: assembly, scaling, elastic joints, and which effects it calls for."""
 
-from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length
+from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_length, unjoined
 from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import decide_dem_effects
 from la_core.model.effects import Effects
@@ -21,5 +21,6 @@ __all__ = [
     "scaled_load",
     "support_motion",
     "twists_of",
+    "unjoined",
     "with_grid",
 ]

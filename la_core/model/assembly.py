@@ -176,12 +176,12 @@ def assemble(scene: Scene, interfaces: Interfaces | None = None) -> Assembly:
     ------
     SceneError
         Blocks overlap or touch nothing, or the scene requests an effect that it does not allow. The message begins
-        with the scene's path.
+        with the scene's path, and with the lines of what it names.
     """
     try:
         return _assemble(scene, interfaces)
     except SceneError as error:
-        raise SceneError(str(scene.path), str(error)) from error
+        raise scene.located(error) from error
 
 
 def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
@@ -190,18 +190,30 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     found = find_interfaces(blocks) if interfaces is None else interfaces
     interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
+    if scene.support_twist is not None:
+        _refuse_idle_support(blocks.role == SUPPORT, interfaces)
+    return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
+
+
+def unjoined(scene: Scene) -> Assembly:
+    """The model without any joint, for a figure of blocks that overlap or touch nothing."""
+    none, nowhere = np.zeros(0, dtype=int), np.zeros((0, 3))
+    interfaces = Interfaces(none, none, nowhere, np.zeros(0), nowhere, np.zeros(1, dtype=int))
+    return _loaded(scene, decide(scene), interfaces, ContactPoints(none, nowhere, np.zeros(0), np.zeros(0)), slivers=0)
+
+
+def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: ContactPoints, slivers: int) -> Assembly:
+    blocks = scene.blocks
     dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
     dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
     if scene.live is not None:
         live_load[:, :3] = np.linalg.norm(dead_load[:, :3], axis=1)[:, None] * scene.live
     if scene.support_twist is not None:
         support = blocks.role == SUPPORT
-        _refuse_idle_support(support, interfaces)
         velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
         support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
         support_twist[support, 3:] = spin
     aside = np.zeros(len(blocks), dtype=bool)
-    slivers = len(found) - len(interfaces)
     return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside, slivers)
 
 

@@ -49,7 +49,7 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     near = f"{names} are {gap:.3g} m apart without a joint"
     if request == "small":
         rule = f"{near}, and may meet where the support moves {travel:.3g} m: less than {distance:.3g} m is too near"
-        raise SceneError(f"{scene.path}: effects.displacement", rule, value=request, hint='take "finite", or leave it out')
+        raise scene.located(SceneError("effects.displacement", rule, value=request, hint='take "finite", or leave it out'))
     return "finite", f"{near}, and the support moves {travel:.3g} m", gap
 
 

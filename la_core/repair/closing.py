@@ -1,10 +1,12 @@
 """Close the joints of a structure: faces move to common planes, corners follow them, and what still overlaps is cut."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 import scipy.spatial
+from scipy.optimize import linprog
 
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, overlaps, polyhedron
@@ -18,6 +20,7 @@ PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
 SHORTEST = 2.0  # over the tolerance: of a shorter joint nobody knows whether it is there, for both its ends are uncertain
 OVERLAP = 1e-6  # of the smaller block's size: a smaller overlap is round-off
+FAR = 1024.0  # m: a structure farther from the origin is repaired about one of its own
 ROUNDS = 4  # a cut may uncover another overlap
 CLOSED = 1e-6  # m: a smaller gap was closed already
 
@@ -46,9 +49,11 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     Raises
     ------
     SceneError
-        A corner would move too far, or blocks overlap by more than the tolerance.
+        A corner would move too far, or nothing would be left of a block.
     """
-    blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), shapes)
+    middle = np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
+    origin = FAR * np.round(middle / FAR)  # round-off grows with the distance, and surveys lie in the grids of countries
+    blocks = Blocks.gather(names, ["fixed"] * len(shapes), [1.0] * len(shapes), [_shifted(shape, -origin) for shape in shapes])
     parts, owner = blocks.parts, blocks.part_block
     reach = joints + 2.0 * tolerance
     pairs = facing_faces(parts, owner, reach[owner])
@@ -58,15 +63,11 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     distance = np.linalg.norm(moved - parts.vertices, axis=1)
     vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
     farthest = int(np.argmax(distance))
-    _refuse_far(parts, owner, distance, MOST_MOVE * (tolerance + joints.max() / 2.0), vertex_part)
-    pieces = _pieces(parts, moved, normal, offset)
-    cut = 0
-    for _ in range(ROUNDS):
-        made = _cut_overlaps(names, pieces, owner, float(reach.max()))
-        cut += made
-        if not made:
-            break
-    repaired = [compound([pieces[part] for part in np.flatnonzero(owner == block)]) for block in range(len(shapes))]
+    _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0), origin)
+    pieces, owner_left = _pieces(parts, owner, moved, normal, offset)
+    found = _cut_overlaps(names, pieces, owner_left, float(reach.max()))
+    wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
+    unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
     widest = pairs.gap[pairs.widest]
     repairs = Repairs(
         tolerance=tolerance,
@@ -75,11 +76,15 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         moved_block=names[owner[vertex_part[farthest]]] if distance[farthest] > 0.0 else "",
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
-        overlaps_cut=cut,
+        overlaps_cut=found.cut,
         shortest_joint=SHORTEST * tolerance,
-        unclosed=_unclosed(names, parts, owner, pairs, closed, tolerance),
+        unclosed=tuple(replace(one, vertex=tuple((np.array(one.vertex) + origin).tolist())) for one in unclosed),
     )
-    return repaired, repairs
+    return [_shifted(whole, origin) for whole in wholes], repairs
+
+
+def _shifted(shape: Shape, shift: np.ndarray) -> Shape:
+    return replace(shape, vertices=shape.vertices + shift) if shift.any() else shape
 
 
 def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
@@ -107,23 +112,36 @@ def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np
     return np.asarray(parts.vertices + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
 
 
-def _refuse_far(parts: Blocks, owner: np.ndarray, distance: np.ndarray, limit: float, vertex_part: np.ndarray) -> None:
-    worst = int(np.argmax(distance))
-    if distance[worst] > limit:
-        where = ", ".join(f"{value:.4g}" for value in parts.vertices[worst])
-        rule = f"its vertex at ({where}) would have to move {distance[worst]:.3g} m to close its joints, more than {limit:.3g} m"
-        raise SceneError(f'block "{parts.names[vertex_part[worst]]}"', rule, hint="correct it in the drawing, or take a larger tolerance")
+def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float, origin: np.ndarray) -> None:
+    """Raise SceneError where the surface of a block would move by more than `limit`, m; origin: of the parts in the scene, m.
+
+    A corner between two nearly level faces may slide farther along them, because this hardly moves the surface.
+    """
+    vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
+    for vertex in np.flatnonzero(np.linalg.norm(moved - parts.vertices, axis=1) > limit).tolist():
+        part = vertex_part[vertex]
+        faces, before = slice(*parts.part_face_start[part : part + 2]), parts.vertices[vertex]
+        beyond = np.max(parts.face_normal[faces] @ moved[vertex] - parts.face_offset[faces])
+        depth = float(max(beyond, np.max(normal[faces] @ before - offset[faces])))
+        if depth > limit:
+            where, name = ", ".join(f"{value:.4g}" for value in before + origin), parts.names[part]
+            rule = f"its surface at the vertex ({where}) would have to move {depth:.3g} m to close its joints, more than {limit:.3g} m"
+            hint = "correct it in the drawing, or take a larger tolerance"
+            raise SceneError(f'block "{name}"', rule, hint=hint, blocks=[name])
 
 
-def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> list[Shape]:
-    """The parts with moved vertices; a part that would be folded keeps only those planes that still bound it."""
+def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> tuple[list[Shape], np.ndarray]:
+    """The parts with moved vertices, and the block of each; a part that would be folded keeps only those planes that still bound it.
+
+    Parts of which nothing is left are dropped; raises SceneError for a block without another part.
+    """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
     following = np.arange(1, len(parts.face_vertex) + 1)
     following[parts.face_start[1:] - 1] = parts.face_start[:-1]
     edge = np.linalg.norm(moved[parts.face_vertex[following]] - moved[parts.face_vertex], axis=1)
     shortest = np.minimum.reduceat(edge, parts.face_start[:-1][parts.part_face_start[:-1]])
-    shapes = []
-    for part, name in enumerate(parts.names):
+    shapes: list[Shape | None] = []
+    for part in range(len(parts)):
         first, last = parts.vertex_start[part], parts.vertex_start[part + 1]
         low, high = parts.part_face_start[part], parts.part_face_start[part + 1]
         beyond = moved[first:last] @ normal[low:high].T - offset[low:high]
@@ -132,47 +150,74 @@ def _pieces(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.nda
             loops = tuple(tuple((parts.face_vertex[i:j] - first).tolist()) for i, j in pairwise(bounds))
             shapes.append(Shape(moved[first:last], loops))
         else:
-            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), name))
-    return shapes
+            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), PLANE * size[part]))
+    left = np.array([shape is not None for shape in shapes])
+    gone = np.setdiff1d(owner, owner[left])
+    if len(gone):
+        raise _nothing_left(parts.names[int(np.argmax(owner == gone[0]))])
+    return [shape for shape in shapes if shape is not None], owner[left]
 
 
-def _between(normal: np.ndarray, offset: np.ndarray, inside: np.ndarray, name: str) -> Shape:
-    """The convex body behind all these planes; `inside` (3,) is a point of it."""
+def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:
+    """The convex body behind all these planes; None where no ball of the radius `least` (m) fits in it. near: a point (3,) beside it."""
+    height = offset - normal @ near
+    ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4)
+    if not ball.success or ball.x[3] <= least:
+        return None
     try:
-        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), inside)
+        found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
         return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist())
-    except (scipy.spatial.QhullError, ValueError) as error:
-        hint = "take a smaller tolerance, or remove the block"
-        raise SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint) from error
+    except (scipy.spatial.QhullError, ValueError):
+        return None
 
 
-def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> int:
-    """Cut every part that overlaps another block, in place, along the face of the other that it passes least; their number."""
-    parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
-    size = np.linalg.norm(parts.high - parts.low, axis=1)
-    pairs = near_pairs(parts, np.zeros(len(parts)))
-    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
-    changed: set[int] = set()
-    count = 0
-    for a, b, depth in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
-        if depth > most:
-            pair = f'blocks "{parts.names[a]}" and "{parts.names[b]}"'
-            raise SceneError(pair, f"overlap by about {depth:.3g} m, more than the tolerance can remove", hint="correct the drawing")
-        if a in changed or b in changed:
-            count += 1  # found again in the next round
-            continue
-        _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
-        faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
-        normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
-        offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
-        own = pieces[cut].vertices
-        below = own[own @ plane[:3] > plane[3]]  # what stays lies beyond the plane
-        inside = below.mean(axis=0) if len(below) else own.mean(axis=0)
-        centre = parts.centroid[cut]
-        pieces[cut] = _between(normal, offset, centre if centre @ plane[:3] > plane[3] else 0.5 * (inside + centre), parts.names[cut])
-        changed.add(cut)
-        count += 1
-    return count
+def _nothing_left(name: str) -> SceneError:
+    hint = "take a smaller tolerance, or remove the block"
+    return SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint, blocks=[name])
+
+
+@dataclass
+class _Overlaps:
+    """What became of overlaps: the number of cuts, and those that are too deep to be cut, by their two blocks."""
+
+    cut: int = 0
+    deep: dict[tuple[str, str], Unclosed] = field(default_factory=dict)
+
+
+def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> _Overlaps:
+    """Cut every part that overlaps another block by at most `most` (m), in place, along the face of the other that it passes least."""
+    found = _Overlaps()
+    for _ in range(ROUNDS):
+        parts = Blocks.gather([names[block] for block in owner], ["fixed"] * len(pieces), [1.0] * len(pieces), pieces).parts
+        size = np.linalg.norm(parts.high - parts.low, axis=1)
+        pairs = near_pairs(parts, np.zeros(len(parts)))
+        pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+        changed: set[int] = set()
+        for a, b, depth, middle in overlaps(parts, pairs, OVERLAP * size[pairs].min(axis=1)):
+            if depth > most:
+                both = parts.names[a], parts.names[b]
+                found.deep[both] = Unclosed(both, middle, -depth)
+            elif a not in changed and b not in changed:  # what is left out here is found again in the next round
+                cut, rest = _cut_part(parts, a, b)
+                pieces[cut] = rest
+                changed.add(cut)
+        found.cut += len(changed)
+        if not changed:
+            break
+    return found
+
+
+def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
+    """The part that is cut of two overlapping ones, and what is left of it."""
+    _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
+    faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
+    normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])
+    offset = np.concatenate([parts.face_offset[faces], [-plane[3]]])
+    size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
+    rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
+    if rest is None:
+        raise _nothing_left(parts.names[cut])
+    return cut, rest
 
 
 def _least_passing(parts: Blocks, a: int, b: int) -> tuple[float, np.ndarray, int]:

@@ -6,6 +6,7 @@ from typing import Any
 from la_core.scene.scene import Scene
 
 LISTED = 10  # of the places that could not be repaired
+ROUND_OFF = 1e-7  # m: a smaller move changed nothing
 WHAT_WAS_LEFT = {
     "doubles": "outlines drawn twice, dropped",
     "specks": "outlines without area, dropped",
@@ -49,18 +50,32 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
             yield "  not read", ", ".join(f"{count} {kind}" for kind, count in drawing["ignored"].items())
     repairs = changes["repairs"]
     if repairs is not None:
-        yield "open joints closed, overlapping faces parted", f"{repairs['gaps_closed']}, {repairs['overlaps_closed']}"
-        yield "overlapping corners cut off", str(repairs["overlaps_cut"])
-        if repairs["moved_block"]:
-            yield f'largest move of a corner, of "{repairs["moved_block"]}"', f"{1e3 * repairs['largest_move']:.3g} mm"
+        yield from _repair_rows(repairs)
     if changes["joints_dropped"]:
         yield "joints dropped, too short to count", str(changes["joints_dropped"])
     if changes["short_joints"]:
         yield "short joints with an inset of their own", str(changes["short_joints"])
     unclosed = repairs["unclosed"] if repairs is not None else ()
+    if unclosed:
+        yield "places that are not closed", str(len(unclosed))
     for one in unclosed[:LISTED]:
         where = ", ".join(f"{value:.4g}" for value in one["vertex"])
         first, second = one["blocks"]
-        yield f'not closed: "{first}" and "{second}", at ({where}) m', f"{1e3 * one['gap']:.3g} mm"
+        kind = "gap" if one["gap"] > 0.0 else "overlap"
+        yield f'  "{first}" and "{second}", at ({where}) m', f"{kind} of {1e3 * abs(one['gap']):.3g} mm"
     if len(unclosed) > LISTED:
-        yield "more places that are not closed", str(len(unclosed) - LISTED)
+        yield "  and others", str(len(unclosed) - LISTED)
+
+
+def _repair_rows(repairs: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What was moved, cut or dropped within the tolerance; one row says so where nothing was."""
+    allowed = f"within {1e3 * repairs['tolerance']:.3g} mm"
+    if repairs["largest_move"] <= ROUND_OFF and not repairs["overlaps_cut"]:
+        yield "faces and corners", f"nothing had to be moved {allowed}"
+        return
+    yield "coordinates", f"may be wrong by {1e3 * repairs['tolerance']:.3g} mm"
+    widest = f", up to {1e3 * repairs['joint_width']:.3g} mm wide" if repairs["joint_width"] else ""
+    yield f"open joints closed{widest}", str(repairs["gaps_closed"])
+    yield "overlapping faces parted", str(repairs["overlaps_closed"])
+    yield "overlapping corners cut off", str(repairs["overlaps_cut"])
+    yield f'largest move of a corner, of "{repairs["moved_block"]}"', f"{1e3 * repairs['largest_move']:.3g} mm"

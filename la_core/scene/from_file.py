@@ -28,6 +28,7 @@ LARGEST_SIZE = 500.0  # m: a larger structure is drawn in mm
 WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no joint; closer ones need no mortar
 WEDGE = 1.3  # of the width of a joint at its narrow end
 SHARE_OF_JOINTS = 0.3  # of all neighbours have open joints where a drawing has any
+FARTHEST = 1000.0  # m: a drawing farther from its origin is shifted there, because round-off grows with the distance
 SETTLING = 1.0 / 3.0  # of the length of a base that is put under a structure without one
 CURVE = 0.005  # m
 
@@ -42,6 +43,8 @@ def scene_from_file(source: Path, folder: Path) -> str:
         ) from error
     place = PurePosixPath(relative.as_posix())
     suffix = source.suffix.lower()
+    if suffix in (*SOURCE_FORMATS, "") and not source.exists():
+        raise SceneError(str(source), "cannot be read: there is no such file or folder")
     if suffix in DRAWING_FORMATS:
         return _drawing_text(source, place)
     if suffix in FORMATS or source.is_dir():
@@ -76,6 +79,10 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     rows += [f"{key:9} = {_array(names)}" for key, names in lists.items() if names]
     held = lists["ground"] + lists["support"]
     low, high = points.min(axis=0), points.max(axis=0)
+    if np.abs(points).max() > FARTHEST:  # as in the grid of a country
+        shift = -np.round(low)
+        low, high = low + shift, high + shift
+        rows.append(_shift_row("shift    ", shift))
     base = [] if held else _base((low[0], 0.0), (high[0], THICKNESS), float(low[1]) - joints / 2.0)
     return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
 
@@ -134,8 +141,16 @@ def _mesh_text(place: PurePosixPath, folder: Path) -> str:
     rows += [f"{key} = {_array(lists[name])}" for key, name in (("fixed", "ground"), ("support", "support")) if lists[name]]
     held = lists["ground"] or lists["support"] or any(body.role != "free" for body in bodies)
     low, high = scale * vertices.min(axis=0), scale * vertices.max(axis=0)
+    if max(np.abs(low).max(), np.abs(high).max()) > FARTHEST:
+        shift = -np.round(low)
+        low, high = low + shift, high + shift
+        rows.append(_shift_row("shift", shift))
     base = [] if held else _base((low[0], low[1]), (high[0], high[1]), float(low[2]))
     return _text(place.name, rows, base, has_support=bool(lists["support"]) or not held)
+
+
+def _shift_row(key: str, shift: np.ndarray) -> str:
+    return f"{key} = [{', '.join(f'{part:.0f}' for part in shift)}]   # m, from the grid of the survey to the origin"
 
 
 def _base(low: tuple[float, float], high: tuple[float, float], top: float) -> list[str]:

@@ -4,6 +4,9 @@ import bisect
 import re
 from collections.abc import Sequence
 
+from la_core.errors import SceneError
+
+MOST_LINES = 3  # named in one message
 KeyPath = tuple[str | int, ...]  # names of keys and places in arrays, from the top of the file
 
 _BLANK = re.compile(r"(?:[\s,]|#[^\n]*)*")
@@ -24,6 +27,29 @@ def line_of(lines: dict[KeyPath, int], place: Sequence[str | int]) -> int | None
     """
     around = (tuple(place[:length]) for length in range(len(place), 0, -1))
     return next((lines[path] for path in around if path in lines), None)
+
+
+def with_lines(error: SceneError, text: str, names: Sequence[str], places: Sequence[KeyPath]) -> SceneError:
+    """The error with the lines of the blocks that it names, or else of its key.
+
+    Parameters
+    ----------
+    error : SceneError
+        Error of the blocks or of a key, found after the file was read.
+    text : str
+        TOML of the file; "" leaves the error as it is.
+    names, places : sequences
+        Name of every block, and the table that it comes from.
+    """
+    lines = key_lines(text) if text else {}
+    table = dict(zip(names, places, strict=False)) if error.blocks else {}
+    wanted = [table[name] for name in error.blocks if name in table] or [tuple(error.where.split("."))]
+    found = sorted({line for place in wanted if (line := line_of(lines, place)) is not None})
+    if not found:
+        return error
+    *rest, last = map(str, found[:MOST_LINES])
+    words = f"lines {', '.join(rest)} and {last}" if rest else f"line {last}"
+    return SceneError.told(f"{words}: {error}", error)
 
 
 class _Scan:

@@ -1,32 +1,27 @@
 """From a TOML file to a `Scene`, with every check that needs no solver."""
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pydantic
 
-from la_core.errors import SceneError, nearest, visible
-from la_core.exchange import FREE, SETTINGS
+from la_core.errors import SceneError, visible
 from la_core.geometry import ROLES, Blocks, shapes
 from la_core.pictures import picture
 from la_core.repair import Repairs
 from la_core.scene import reading
-from la_core.scene.generators import arches, building, dome, rubble, wall
 from la_core.scene.generators.drawings import DrawnBlocks
 from la_core.scene.generators.mesh import MeshFile
-from la_core.scene.generators.placing import shape_of
-from la_core.scene.generators.wall import NamedShape
-from la_core.scene.imported import imported_blocks, repaired
+from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.plausibility import implausible
+from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.motion import support_twist, unit_vector
 from la_core.scene.schema.types import MOST_BLOCKS
-from la_core.scene.validation import Fault, as_scene_error, joined
+from la_core.scene.validation import as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
 
@@ -87,6 +82,8 @@ class Scene(Tabled):
         Changes of the geometry within its tolerance. None where none was asked for.
     warnings : tuple of str
         Sentences about values that are allowed but seldom meant, such as an angle for friction.
+    places : tuple
+        Table of the file that each block comes from, such as ("wall", 0).
     """
 
     name: str
@@ -113,6 +110,27 @@ class Scene(Tabled):
     drawn: tuple[DrawnBlocks, ...] = ()
     repairs: Repairs | None = None
     warnings: tuple[str, ...] = ()
+    places: tuple[KeyPath, ...] = ()
+
+    def located(self, error: SceneError) -> SceneError:
+        """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
+
+        Parameters
+        ----------
+        error : SceneError
+            Error that names blocks or a key.
+
+        Returns
+        -------
+        SceneError
+            The same with its place.
+        """
+        try:
+            counted = self.text if reading.read_text(self.path) == self.text else ""
+        except SceneError:  # a scene that was made in code has no file
+            counted = ""
+        found = with_lines(error, counted, self.blocks.names, self.places)
+        return SceneError.told(f"{self.path}: {found}", found)
 
     @property
     def weight(self) -> float:
@@ -191,18 +209,20 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     if not name.isprintable():
         rule = "must be printable text, because it names a folder of results"
         raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
-    imported, files, drawn = imported_blocks(file, path.parent)
-    faults: list[Fault] = []
-    named = list(islice(chain(_named_shapes(file, faults), imported), MOST_BLOCKS + 1))
-    if faults:
-        raise joined(faults, counted)
-    if len(named) > MOST_BLOCKS:
+    tables = Tables(file, path.parent)
+    if len(tables.named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
-    _require_sense(named, file)
-    named, repairs = repaired(named, file)
-    shapes.refuse_slivers([n.name for n in named], [n.shape for n in named])
-    densities = _densities(named, file)
-    blocks = Blocks.gather([n.name for n in named], [n.role for n in named], _with_floors(named, densities), [n.shape for n in named])
+    if faults := tables.faults or list(faults_of_sense(tables, file)):
+        raise joined(faults, counted)
+    names = [one.name for one in tables.named]
+    try:
+        named, repairs = repaired(tables.named, file)
+        shapes.refuse_slivers(names, [one.shape for one in named])
+    except SceneError as error:
+        raise with_lines(error, counted, names, tables.places) from error
+    stones = densities(named, file)
+    loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
+    blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named])
     gravity, twist = np.array(file.gravity), support_twist(file.settlement)
     return Scene(
         name=name,
@@ -220,77 +240,14 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         path_asked=file.path,
         expected=file.expected,
         yade=file.yade,
-        meshes=files,
+        meshes=tuple(tables.files),
         accuracy=file.accuracy,
         effort=file.effort,
         project=file.project,
         author=file.author,
         date=file.date,
-        drawn=drawn,
+        drawn=tuple(tables.drawn),
         repairs=repairs,
-        warnings=implausible(blocks, densities, file.joint.friction, gravity, twist),
+        warnings=implausible(blocks, stones, file.joint.friction, gravity, twist),
+        places=tuple(tables.places),
     )
-
-
-def _named_shapes(file: scene_file.SceneFile, faults: list[Fault]) -> Iterator[NamedShape]:
-    """Blocks of all tables but those of meshes; what cannot be built is added to `faults`, and the next table follows."""
-    for place, block in enumerate(file.block):
-        try:
-            yield NamedShape(block.name, block.role, block.density, shape_of(block))
-        except ValueError as error:
-            faults.append((("block", place), f'block "{block.name}": {error}'))
-    for kind, blocks_of in _GENERATORS.items():
-        for place, table in enumerate(getattr(file, kind)):
-            try:
-                yield from blocks_of(table)
-            except ValueError as error:
-                faults.append(((kind, place), f'{kind} "{table.name}": {error}'))
-            except SceneError as error:  # which names the table already
-                faults.append(((kind, place), str(error)))
-
-
-_GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
-    "wall": wall.wall_blocks,
-    "building": building.building_blocks,
-    "arch": arches.arch_blocks,
-    "vault": arches.vault_blocks,
-    "dome": dome.dome_blocks,
-    "rubble": rubble.rubble_blocks,
-}
-
-
-_WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'
-
-
-def _require_sense(named: list[NamedShape], file: scene_file.SceneFile) -> None:
-    twice = [name for name, count in Counter(n.name for n in named).items() if count > 1]
-    if twice:
-        raise SceneError(f'block "{twice[0]}"', "the name is used twice; every block needs its own")
-    roles = {n.role for n in named}
-    if "free" not in roles:
-        raise SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"')
-    if file.settlement and "support" not in roles:
-        raise SceneError("settlement", "no block has the role of support", hint=_WHERE_A_SUPPORT_IS)
-    if file.live and "support" in roles:
-        raise SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"')
-    if file.expected and (file.expected.multiplier is None) != (file.live is None):
-        wanted = "multiplier" if file.live else "reaction_over_weight"
-        raise SceneError("expected", f"a [{'live' if file.live else 'settlement'}] scene expects a `{wanted}`")
-    for name in file.yade:
-        if name not in SETTINGS:
-            raise SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS))
-
-
-def _densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
-    """Density of every block; None for a held block without one. Raises SceneError for a free block without one."""
-    stone = file.stone.density if file.stone else None
-    densities = [n.density if n.density is not None else stone for n in named]
-    for n, density in zip(named, densities, strict=True):
-        if density is None and ROLES[n.role] == FREE:
-            raise SceneError(f'block "{n.name}": density', "missing", hint="give it one, or give all blocks one by [stone] density")
-    return densities
-
-
-def _with_floors(named: list[NamedShape], densities: list[float | None]) -> list[float]:
-    """Density of every block with what it carries; NaN for a held block without one."""
-    return [np.nan if density is None else density + n.added_density for n, density in zip(named, densities, strict=True)]

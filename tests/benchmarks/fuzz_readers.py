@@ -30,6 +30,7 @@ from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
 from la_core.exchange.checksummed_file import ExchangeError, write_sealed
 from la_core.repair import close_joints
+from la_core.scene.from_file import scene_from_file
 from la_core.scene.generators.drawings import drawing_blocks
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks
 from la_core.scene.scene import load_scene, scene_of_text
@@ -70,6 +71,7 @@ def readers(folder: Path) -> list[Reader]:
         Reader("scene", "shipped scenes (TOML), small ones up to their model", _scene_attempt()),
         *(Reader(name, f"{what} of a wall's blocks", _mesh_attempt(suffix, content)) for name, what, suffix, content in _mesh_files()),
         *(Reader(name, f"{name.upper()} of a wall, with closed joints", _drawing_attempt(name, content)) for name, content in _drawings()),
+        Reader("new", "DXF, SVG and OBJ by `crosscheck new --from`, and the scene that it writes", _new_attempt(folder)),
         *_exchange_readers(folder),
     ]
 
@@ -129,6 +131,19 @@ def _drawing_attempt(suffix: str, content: bytes) -> Callable[[random.Random], N
         damaged = mutated_text(content, content, chance) if chance.random() < 0.7 else mutated_bytes(content, chance)
         blocks, _ = drawing_blocks(table, MeshFile(PurePosixPath(table.file), damaged, of_folder=False), 0.002)
         close_joints([one.name for one in blocks], [one.shape for one in blocks], 0.002, np.full(len(blocks), table.joints))
+
+    return attempt
+
+
+def _new_attempt(folder: Path) -> Callable[[random.Random], None]:
+    bodies = {name: vertices for name, (vertices, _) in list(meshes.wall().items())[:4]}
+    whole = {**dict(_drawings()), "obj": meshes.obj(bodies).encode()}
+
+    def attempt(chance: random.Random) -> None:
+        suffix = chance.choice(sorted(whole))
+        content, source = whole[suffix], folder / f"wall.{suffix}"
+        source.write_bytes(mutated_text(content, content, chance) if chance.random() < 0.7 else mutated_bytes(content, chance))
+        scene_of_text(scene_from_file(source, folder), folder / "wall.toml", "wall")
 
     return attempt
 

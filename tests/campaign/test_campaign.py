@@ -55,6 +55,7 @@ def sweep(text: str, scene: str = "two_pads") -> str:
 WRONG = {
     "not TOML": ("sweep = [", "not valid TOML"),
     "no sweep": ('title = "nothing"', "sweep: missing"),
+    "a scene": ("[joint]\nfriction = 0.6\n[stone]\ndensity = 2000.0", "the file: is a scene, not a campaign; a campaign names it"),
     "misspelt key": ('yad = true\n[[sweep]]\nscene = "two_pads"', 'yad: unknown key; did you mean "yade"?'),
     "misspelt key of a sweep": (sweep("[sweep.varry]\na = [1]"), 'varry: unknown key; did you mean "vary"?'),
     "wrong type": ('yade = "no"\n[[sweep]]\nscene = "two_pads"', "yade = 'no': must be true or false"),

@@ -417,3 +417,33 @@ def test_words_and_numbers_of_a_report_have_one_unit() -> None:
         == "said 0.3633 ± 0.0001 kN; 1.30040 kN (plateaus: 0.3633, 0.402 kN)"
     )
     assert heavy.words("off by −4e-12 m") == "off by −4e-9 mm" and light.words("363.3 ± 0.1 N") == "363.3 ± 0.1 N"
+
+
+CHANGED = {
+    "drawings": [
+        {"file": "wall.dxf", "blocks": 40, "doubles": 6, "specks": 0, "loose_lines": 2, "in_openings": 0, "straightened": 0, "compounds": 3}
+        | {"ignored": {"TEXT": 4}}
+    ],
+    "repairs": {"tolerance": 0.003, "joint_width": 0.016, "largest_move": 0.0071, "moved_block": "block 7", "gaps_closed": 81}
+    | {"overlaps_closed": 9, "overlaps_cut": 1, "shortest_joint": 0.006}
+    | {"unclosed": [{"blocks": ["block 3", "block <4>"], "vertex": [1.25, 0.0, 2.5], "gap": -0.004}]},
+    "joints_dropped": 5,
+    "short_joints": 0,
+}
+CHANGES = (
+    "blocks from wall.dxf 40", "outlines drawn twice, dropped 6", "lines that enclose nothing, dropped 2", "several parts 3", "4 TEXT",
+    "wrong by 3 mm", "open joints closed, up to 16 mm wide 81", "overlapping faces parted 9", 'of "block 7" 7.1 mm', "too short to count 5",
+    "places that are not closed 1", '"block 3" and "block <4>", at (1.25, 0, 2.5) m overlap of 4 mm',
+)  # fmt: skip
+
+
+def test_the_report_lists_what_reading_changed_in_the_geometry(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of(geometry=CHANGED))
+    part = page[page.index('id="scene-1-geometry"') :]
+    shown = " ".join(html.unescape(re.sub(r"<[^>]*>", " ", part)).split())
+    for words in CHANGES:
+        assert words in shown, words
+    assert "changed in the geometry on reading" in markdown and "| 7.1 mm |" in markdown
+    assert "block <4>" not in page
+    unchanged, _ = page_and_markdown(tmp_path, comparison_of(geometry=None))
+    assert "scene-1-geometry" not in unchanged

@@ -45,7 +45,7 @@ def block(name: str, role: str = "free", density: float | None = None, **shape: 
     return "\n".join(lines + ([f"density = {inline(density)}"] if density is not None else []))
 
 
-def table(name: str, **entries: Any) -> str:
+def table(name: str, /, **entries: Any) -> str:
     """Any other table, such as table("[wall]", courses=3) or table("joint", friction=0.6)."""
     return "\n".join([f"[{name}]", *(f"{key} = {inline(value)}" for key, value in entries.items())])
 

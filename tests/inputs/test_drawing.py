@@ -228,6 +228,15 @@ def test_a_structure_without_ground_gets_a_base(tmp_path: Path) -> None:
     assert len(find_interfaces(scene.blocks)) == 2
 
 
+def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: Path) -> None:
+    """Millimetres from an origin 6,000 km away leave too few digits for joints."""
+    far = [[(x + 3_512_345_678, z + 5_401_234_567) for x, z in outline] for outline in (BASE, SQUARE, ABOVE)]
+    (tmp_path / "far.dxf").write_bytes(dxf([polyline(far[0], "GROUND"), polyline(far[1], "A"), polyline(far[2], "A")]))
+    assert main(["new", "-q", "--from", str(tmp_path / "far.dxf")]) == 0
+    scene = load_scene(tmp_path / "far.toml")
+    assert np.abs(scene.blocks.vertices).max() < 3.0 and len(find_interfaces(scene.blocks)) == 2
+
+
 @pytest.mark.parametrize("unit", [1.0, 1000.0])
 def test_bodies_become_a_scene_without_typing(unit: float, tmp_path: Path) -> None:
     import test_mesh as meshes

@@ -25,7 +25,8 @@ def readers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Reader]:
 
 
 NAMES = (
-    "scene", "obj", "ply", "stl text", "stl", "compas", "old compas", "dxf", "svg", "case.h5", "case.h5 forged", "run.h5", "run.h5 forged",
+    "scene", "obj", "ply", "stl text", "stl", "compas", "old compas", "dxf", "svg", "new", "case.h5", "case.h5 forged", "run.h5",
+    "run.h5 forged",
 )  # fmt: skip
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from comparison.cli.commands import main
+from la_core.analysis.modelling import structural_model
 from la_core.errors import SceneError
 from la_core.scene import shipped
 from la_core.scene.line_numbers import key_lines, line_of
@@ -101,6 +103,7 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ('= "support"', "= support", "write text in quotes"),
         ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: unknown key; joints have none: they open without force"),
         ("[settlement]", "[[load]]\nforce = 1\n[settlement]", "load: unknown key; loads are the blocks' weights"),
+        ("[settlement]", '[[sweep]]\nscene = "wall"\n[settlement]', "sweep: unknown key; this is a campaign, not a scene"),
         ("[settlement]", "[live]\ndirection = [1, 0, 0]\n[settlement]", "needs either a [settlement] or a [live] table; it has both"),
     ],
 )
@@ -163,3 +166,69 @@ def test_every_key_of_a_scene_has_its_line(text: str) -> None:
     assert set(lines) == set(places(tomllib.loads(text))) - {()}
     rows = text.splitlines()
     assert all(str(place[-1]) in rows[line - 1] for place, line in lines.items() if isinstance(place[-1], str))
+
+
+LATE = """[stone]
+density = 2000.0
+[joint]
+friction = 0.6
+{joint}
+[[block]]
+name = "left"
+role = "fixed"
+box = {{ from = [0.0, 0.0, -0.5], to = [0.5, 1.0, 0.0] }}
+[[block]]
+name = "right"
+role = "{role}"
+box = {{ from = [0.5, 0.0, -0.5], to = [1.0, 1.0, 0.0] }}
+[[block]]
+name = "stone"
+box = {{ from = [0.0, 0.0, {foot}], to = [1.0, 1.0, 1.0] }}
+{more}
+[settlement]
+direction = [0.0, 0.0, -1.0]
+{end}
+"""
+PLAIN = {"joint": "", "role": "support", "foot": "0.0", "more": "", "end": ""}
+WALL_TOO_LOW = '[[wall]]\nbond = "stack"\norigin = [0, 0, 0.9]\nblock = [1, 1, 1]\nper_course = 1\ncourses = 1'
+NOT_PLANE = '[effects]\nplane = true\n[[block]]\nname = "b"\nbox = { from = [0, 0, 1], to = [1, 0.5, 2] }'
+TWICE = '[[block]]\nname = "stone"\nbox = { from = [0, 0, 1], to = [1, 1, 2] }'
+THIN = '[[block]]\nname = "thin"\nbox = { from = [0, 0, 1], to = [1, 1, 1.0000000001] }'
+OVERLAP = 'lines 6 and 14: blocks "left" and "stone": overlap by about 0.01 m; so do "right" and "stone" by 0.01 m'
+FOUND_LATE = {  # what is changed, and the beginning of the message
+    "overlap": ({"foot": "-0.01"}, OVERLAP),
+    "gap": ({"foot": "0.01"}, 'line 14: block "stone": touches nothing'),
+    "generated": ({"more": WALL_TOO_LOW}, 'lines 14 and 17: blocks "stone" and "wall 1.1": overlap by about 0.1 m'),
+    "inset": ({"joint": "inset = 0.6"}, "line 5: joint.inset = 0.6: larger than half the interface"),
+    "effect": ({"end": NOT_PLANE}, "line 21: effects.plane = true"),
+    "setting": ({"end": "[yade]\nmax_travel = -1.0"}, "line 21: yade.max_travel"),
+    "roles": ({"role": "fixed"}, "line 18: settlement: no block has the role of support"),
+    "name": ({"more": TWICE}, 'line 17: block "stone": the name is used twice'),
+    "thin": ({"more": THIN}, 'line 17: block "thin": is 1e-10 m'),
+}
+
+
+@pytest.mark.parametrize("name", FOUND_LATE)
+def test_what_is_found_after_the_blocks_are_built_has_its_lines(name: str, tmp_path: Path) -> None:
+    changes, words = FOUND_LATE[name]
+    path = tmp_path / "late.toml"
+    path.write_text(LATE.format(**PLAIN | changes))
+    with pytest.raises(SceneError) as error:
+        structural_model(load_scene(path))
+    assert str(error.value).startswith(f"{path}: {words}"), error.value
+
+
+def test_faults_between_tables_come_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "late.toml"
+    path.write_text(LATE.format(**PLAIN | {"role": "fixed", "more": TWICE, "end": "[yade]\nsped = 1.0"}))
+    told = message(path).splitlines()
+    assert [line[:10] for line in told] == ["3 errors", "  line 17:", "  line 20:", "  line 23:"]
+
+
+def test_show_draws_what_is_to_be_corrected(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, figure = tmp_path / "late.toml", tmp_path / "late.png"
+    path.write_text(LATE.format(**PLAIN | {"foot": "-0.01"}))
+    assert main(["show", str(path), "-o", str(figure)]) == 2
+    assert figure.read_bytes()[:4] == b"\x89PNG"
+    said = capsys.readouterr().err
+    assert "with a red cross at each place to correct" in said and "overlap by about 0.01 m" in said

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
+from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
 from la_core.geometry.interfaces import find_interfaces
@@ -289,6 +290,39 @@ def test_an_arch_is_symmetric_closed_and_as_high_and_wide_as_asked(name: str, ri
     assert crown.at(0.0) == pytest.approx((0.0, changes.get("rise", 1.5)), abs=ROUND_OFF)
 
 
+@pytest.mark.parametrize("rings", [1, 2])
+def test_a_notched_keystone_follows_the_apex(rings: int) -> None:
+    """Its profile is that of the plain one with a triangle more above and a triangle less below."""
+    changes = {"shape": "pointed", "rise": 2.2, "rings": rings}
+    notched, plain = (scenes.build(arch(**changes, keystone=kind), settlement=SPREADS) for kind in ("notched", "plain"))
+    assert notched.blocks.is_compound.sum() == rings
+    left, right = stations(ring(**changes))[5:7]
+    apex = stations(ring(**(changes | {"voussoirs": 12})))[6]
+    triangles = [0.5 * 0.5 * (right.at(d)[0] - left.at(d)[0]) * (apex.at(d)[1] - right.at(d)[1]) for d in (0.0, 0.4)]
+    assert free_volume(notched) - free_volume(plain) == pytest.approx(triangles[1] - triangles[0], rel=1e-6)
+    joints = find_interfaces(notched.blocks)
+    assert len(joints) == 12 * rings + (11 + 1) * (rings - 1)  # the keystones of two rings share two faces
+    for where in (notched.blocks.centroid, joints.polygon):  # symmetric about its middle, x = 0.3
+        assert cKDTree(where).query(where * (-1, 1, 1) + (0.6, 0, 0))[0].max() < ROUND_OFF
+
+
+def test_of_a_notched_keystone_only_the_weight_counts() -> None:
+    """Its joints are those of the plain one, and both are symmetric: a plain one that weighs as much pushes as much."""
+    notched, plain = (scenes.build(arch(shape="pointed", rise=2.2, keystone=kind), settlement=SPREADS) for kind in ("notched", "plain"))
+    blocks, key = plain.blocks, plain.blocks.names.index("arch 6")
+    parts = []
+    for k, name in enumerate(blocks.names):
+        corners = blocks.vertices[slice(*blocks.vertex_start[k : k + 2])]
+        heavier = float(notched.blocks.mass[key] / blocks.mass[key]) if k == key else 1.0
+        profile = corners[: len(corners) // 2, [0, 2]].tolist()  # a prism has its front corners first
+        role = ("free", "fixed", "support")[blocks.role[k]]
+        parts.append(scenes.block(name, role, heavier * 2000.0, prism=(profile, (-0.2, 0.3))))
+    loaded = scenes.build(*parts, settlement=SPREADS, density=2000.0)
+    assert loaded.weight == pytest.approx(notched.weight, rel=1e-9)
+    assert loaded.weight != pytest.approx(plain.weight, rel=1e-3)
+    assert reaction(loaded) == pytest.approx(reaction(notched), abs=EXACT)
+
+
 def test_points_of_the_inner_face_lie_on_the_curve() -> None:
     for joint in stations(ring(**SHAPES["elliptical"])):
         x, z = joint.at(0.0)
@@ -362,6 +396,8 @@ REFUSED_ARCHES = {
     "flat pointed": ({"shape": "pointed", "rise": 1.0}, "the `rise` of the shape pointed over this `span` is 1.5 m or more"),
     "high basket": ({"shape": "basket", "rise": 1.6}, "the `rise` of the shape basket over this `span` is 0.422 m to 1.5 m"),
     "two voussoirs": ({"voussoirs": 2}, "needs at least 3 `voussoirs`"),
+    "notch in a circle": ({"keystone": "notched"}, '`keystone = "notched"` needs `shape = "pointed"` and an odd number'),
+    "notch at a joint": ({"shape": "pointed", "rise": 2.2, "voussoirs": 12, "keystone": "notched"}, "an odd number of `voussoirs`"),
     "unknown shape": ({"shape": "gothic"}, "must be 'circular', 'pointed', 'elliptical' or 'basket'"),
 }
 

@@ -13,6 +13,8 @@ from comparison.figures import assembly_figure, save
 from comparison.judge import effects_summary
 from comparison.studies import TimeEstimate, estimated_times
 from la_core.analysis import DecidedModel, decided_model
+from la_core.errors import SceneError
+from la_core.model import unjoined
 from la_core.scene import Scene, geometry_changes, load_scene, shipped
 from la_core.text_table import number_text
 
@@ -20,12 +22,18 @@ FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces"
 
 
 def execute(context: Context) -> int:
-    """Draw a scene and print its facts; raises SceneError."""
+    """Draw a scene and print its facts; raises SceneError, after drawing what is wrong where that has a place."""
     options = context.options
     scene = load_scene(shipped.find(options.scene))
     context.warn(scene)
-    decided = decided_model(scene)
     figure = options.output or Path(f"{scene.name}.png")
+    try:
+        decided = decided_model(scene)
+    except SceneError as error:
+        if error.spots:
+            save(assembly_figure(scene, unjoined(scene), spots=error.spots), figure)
+            context.narrator.print(f"drawn in {figure}, with a red cross at each place to correct", markup=False)
+        raise
     save(assembly_figure(scene, decided.assembly), figure)
     facts = scene_facts(scene, decided)
     if options.json:

@@ -76,8 +76,16 @@ def vault_blocks(vault: Vault) -> Iterator[NamedShape]:
 
 
 def _voussoir(ring: Ring, left: Station, right: Station, layer: Sequence[float], y: Sequence[float]) -> Shape:
-    """Solid between two joints and two depths within the ring (m), from y[0] to y[1] beyond the ring's centre (m)."""
-    return _placed(ring, [left.at(layer[0]), right.at(layer[0]), right.at(layer[1]), left.at(layer[1])], y)
+    """Solid between two joints and two depths within the ring (m), from y[0] to y[1] beyond the ring's centre (m).
+
+    A notched keystone follows the apex of a pointed arch: it has a notch below and a ridge above.
+    """
+    below, above = ([joint.at(depth) for joint in (left, right)] for depth in layer)
+    if ring.keystone == "notched" and left.angle < 0.0 < right.angle:
+        apex = _apex(ring)
+        below.insert(1, apex.at(layer[0]))
+        above.insert(1, apex.at(layer[1]))
+    return _placed(ring, [*below, *reversed(above)], y)
 
 
 def _placed(ring: Ring, profile: Sequence[tuple[float, float]], y: Sequence[float]) -> Shape:
@@ -126,8 +134,11 @@ def _mirrored(joint: Station) -> Station:
 
 def _middle(ring: Ring, right: Callable[[float], Station]) -> Station:
     """The joint at the crown; at the apex of a pointed arch it is vertical."""
-    if ring.shape != "pointed":
-        return right(0.0)
+    return _apex(ring) if ring.shape == "pointed" else right(0.0)
+
+
+def _apex(ring: Ring) -> Station:
+    """The vertical line through the apex of a pointed arch."""
     assert ring.span is not None and ring.rise is not None  # the schema demands both
     radius = (ring.span**2 / 4.0 + ring.rise**2) / ring.span
     return Station((0.0, 0.0), 0.0, ring.rise, (radius - ring.span / 2.0, radius))

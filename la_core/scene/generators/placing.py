@@ -1,4 +1,4 @@
-"""The shape of a single block; profiles drawn out to solids between two faces that may lean; solids turned in plan."""
+"""Profiles drawn out to solids between two faces that may lean, and solids turned in plan."""
 
 import math
 from collections.abc import Sequence
@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from la_core.geometry import Shape, compound, loft, prism, shapes
-from la_core.scene.schema import scene_file
+from la_core.geometry import Shape, compound, loft, prism
 
 Corner = tuple[float, float]  # x and z, m
 QUARTER = {0: (1.0, 0.0), 1: (0.0, 1.0), 2: (-1.0, 0.0), 3: (0.0, -1.0)}  # cosine and sine of quarter turns, without round-off
@@ -47,13 +46,3 @@ def turned(shape: Shape, about: Sequence[float], degrees: float) -> Shape:
     cosine, sine = QUARTER[int(degrees // 90.0) % 4] if degrees % 90.0 == 0.0 else (math.cos(angle), math.sin(angle))
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
     return replace(shape, vertices=(shape.vertices - about) @ turn.T + about)
-
-
-def shape_of(block: scene_file.Block) -> Shape:
-    """The shape that a [[block]] table gives."""
-    if block.box:
-        return shapes.box(block.box.from_, block.box.to)
-    if block.prism:
-        return shapes.prism(block.prism.profile, block.prism.y)
-    assert block.polyhedron is not None  # the schema demands exactly one shape
-    return shapes.polyhedron(block.polyhedron.vertices)

@@ -42,6 +42,10 @@ class Ring(Table):
     rise: Positive | None = described("clear height of the crown above the springings", "m", default=None)
     thickness: Positive = described("of the ring, across it; less than twice the radius", "m")
     voussoirs: Count = described("number of voussoirs of a ring, of equal length on the inner face; one may span at most 120 degrees")
+    keystone: Literal["plain", "notched"] = described(
+        "of a pointed arch with an odd number of voussoirs: plain, with a straight face below and above; notched, following the apex",
+        default="plain",
+    )
     embrace: Annotated[Real, Field(gt=0.0, le=180.0)] = described(
         "angle that a ring with a `radius` spans: 180 is semicircular, less is segmental", "degrees", default=180.0
     )
@@ -66,6 +70,8 @@ class Ring(Table):
             raise ValueError(f"a voussoir may span at most {WIDEST:g} degrees; take more `voussoirs`")
         if self.radius is None and self.voussoirs < FEWEST:
             raise ValueError(f"needs at least {FEWEST} `voussoirs`")
+        if self.keystone == "notched" and (self.shape != "pointed" or self.voussoirs % 2 == 0):
+            raise ValueError('`keystone = "notched"` needs `shape = "pointed"` and an odd number of `voussoirs`')
         return self
 
     @model_validator(mode="after")

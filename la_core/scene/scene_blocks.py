@@ -1,0 +1,149 @@
+"""Blocks of all tables of a scene file, checked against each other, and the repair of their geometry within its tolerance."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from la_core.drawing import straightened
+from la_core.errors import SceneError, nearest
+from la_core.exchange import FREE, SETTINGS
+from la_core.geometry import ROLES, shapes
+from la_core.repair import Repairs, close_joints
+from la_core.scene.generators import arches, building, dome, rubble, wall
+from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_drawing
+from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
+from la_core.scene.generators.wall import NamedShape
+from la_core.scene.line_numbers import KeyPath
+from la_core.scene.schema import scene_file
+from la_core.scene.schema.types import MOST_BLOCKS
+from la_core.scene.validation import Fault
+
+LEAST_TOLERANCE = 1e-4  # m: where open joints are closed without a stated tolerance
+WHERE_A_SUPPORT_IS = 'give a [[block]] role = "support", a wall a `footing` with a `settling` part, or an arch `springers`'
+Placed = tuple[KeyPath, NamedShape]  # table of the file, and a block of it
+
+
+class Tables:
+    """What the tables of a file build, with every fault on the way.
+
+    Attributes
+    ----------
+    named : list of NamedShape
+        Blocks of all tables.
+    places : list of tuples
+        Table of each block, such as ("wall", 0).
+    faults : list of Fault
+        What could not be built, each with its table.
+    files : list of MeshFile
+        Files of meshes and drawings as read.
+    drawn : list of DrawnBlocks
+        What became of each drawing.
+    """
+
+    def __init__(self, file: scene_file.SceneFile, folder: Path) -> None:
+        self.faults: list[Fault] = []
+        self.files: list[MeshFile] = []
+        self.drawn: list[DrawnBlocks] = []
+        placed = list(islice(self._placed(file, folder), MOST_BLOCKS + 1))
+        self.places, self.named = [place for place, _ in placed], [named for _, named in placed]
+
+    def _placed(self, file: scene_file.SceneFile, folder: Path) -> Iterator[Placed]:
+        """Blocks of every table; what cannot be built becomes a fault, and the next table follows."""
+        for kind in ("block", *_GENERATORS, "mesh", "drawing"):
+            for number, table in enumerate(getattr(file, kind)):
+                place = (kind, number)
+                try:
+                    for named in self._blocks_of(kind, table, file.geometry.tolerance or 0.0, folder):
+                        yield place, named
+                except ValueError as error:
+                    self.faults.append((place, f'{kind} "{table.name}": {error}'))
+                except SceneError as error:  # which names the table already
+                    self.faults.append((place, str(error)))
+
+    def _blocks_of(self, kind: str, table: Any, tolerance: float, folder: Path) -> Iterator[NamedShape]:
+        if kind == "block":
+            yield NamedShape(table.name, table.role, table.density, _shape(table, tolerance))
+        elif kind == "mesh":
+            content = read_files(table, folder)
+            self.files += content
+            yield from mesh_blocks(table, content)
+        elif kind == "drawing":
+            self.files.append(read_drawing(table, folder))
+            blocks, became = drawing_blocks(table, self.files[-1], tolerance)
+            self.drawn.append(became)
+            yield from blocks
+        else:
+            yield from _GENERATORS[kind](table)
+
+
+_GENERATORS: dict[str, Callable[[Any], Iterator[NamedShape]]] = {
+    "wall": wall.wall_blocks,
+    "building": building.building_blocks,
+    "arch": arches.arch_blocks,
+    "vault": arches.vault_blocks,
+    "dome": dome.dome_blocks,
+    "rubble": rubble.rubble_blocks,
+}
+
+
+def _shape(block: scene_file.Block, tolerance: float) -> shapes.Shape:
+    if block.box:
+        return shapes.box(block.box.from_, block.box.to)
+    if block.prism:
+        return shapes.prism(straightened(block.prism.profile, tolerance), block.prism.y)
+    assert block.polyhedron is not None  # the schema demands exactly one shape
+    return shapes.polyhedron(block.polyhedron.vertices)
+
+
+def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
+    """Yield what no table alone shows: names used twice, and roles, loads and expected values that do not fit together."""
+    seen: set[str] = set()
+    for place, one in zip(tables.places, tables.named, strict=True):
+        if one.name in seen:
+            yield place, str(SceneError(f'block "{one.name}"', "the name is used twice; every block needs its own"))
+        seen.add(one.name)
+    roles = {one.role for one in tables.named}
+    if "free" not in roles:
+        yield ("block",), str(SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"'))
+    if file.settlement and "support" not in roles:
+        yield ("settlement",), str(SceneError("settlement", "no block has the role of support", hint=WHERE_A_SUPPORT_IS))
+    if file.live and "support" in roles:
+        yield ("live",), str(SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"'))
+    if file.expected and (file.expected.multiplier is None) != (file.live is None):
+        wanted = "multiplier" if file.live else "reaction_over_weight"
+        rule = f"a [{'live' if file.live else 'settlement'}] scene expects a `{wanted}`"
+        yield ("expected",), str(SceneError("expected", rule))
+    for name in file.yade:
+        if name not in SETTINGS:
+            yield ("yade", name), str(SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS)))
+    yield from _faults_of_density(tables, file)
+
+
+def _faults_of_density(tables: Tables, file: scene_file.SceneFile) -> Iterator[Fault]:
+    """Yield each table with a free block that has no density, once."""
+    told: set[KeyPath] = set()
+    for place, one, density in zip(tables.places, tables.named, densities(tables.named, file), strict=True):
+        if density is None and ROLES[one.role] == FREE and place not in told:
+            told.add(place)
+            hint = "give it one, or give all blocks one by [stone] density"
+            yield place, str(SceneError(f'block "{one.name}": density', "missing", hint=hint))
+
+
+def densities(named: list[NamedShape], file: scene_file.SceneFile) -> list[float | None]:
+    """Density of every block without what it carries, kg/m3; None for a block without one."""
+    stone = file.stone.density if file.stone else None
+    return [one.density if one.density is not None else stone for one in named]
+
+
+def repaired(named: list[NamedShape], file: scene_file.SceneFile) -> tuple[list[NamedShape], Repairs | None]:
+    """The blocks with closed joints, and what was changed; None where the scene asks for no repair."""
+    joints = np.array([one.joint for one in named])
+    if file.geometry.tolerance is None and not joints.any():
+        return named, None
+    tolerance = file.geometry.tolerance or min(LEAST_TOLERANCE, float(joints.max()) / 10.0)
+    closed, repairs = close_joints([one.name for one in named], [one.shape for one in named], tolerance, joints)
+    return [replace(one, shape=shape) for one, shape in zip(named, closed, strict=True)], repairs
