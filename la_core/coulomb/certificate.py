@@ -28,7 +28,7 @@ ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
 END_ITERATIONS, LEAST_END_ITERATIONS, END_STEPS = 0.2, 200, 20  # most iterations of the last stretch over those of the path
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
-MOST_ROUNDS = 8  # of two programmes each, to a limit state near the end of a path
+MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
 # its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
 NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-6, 1e-6
@@ -136,7 +136,7 @@ class _Pressed:
         self.motion, self.friction = joints.motion[self.points], joints.friction[self.points]
         self.blocks = len(joints.weights) / joints.freedoms
         self.live = sparse.csr_matrix(joints.live_load[None, :] if joints.live else np.zeros((0, len(joints.weights))))
-        self._forces = {held: self._force_programme(held) for held in (True, False)}
+        self._frames = {held: self._force_frame(held) for held in (True, False)}
         self._mechanism = self._mechanism_programme()
 
     def _cones(self, equalities: int, others: int) -> Cones:
@@ -156,8 +156,8 @@ class _Pressed:
         row = np.arange(self.count)
         return sparse.csr_matrix((np.ones(self.count), (row, row * self.width + number)), shape=(self.count, self.count * self.width))
 
-    def _force_programme(self, held: bool) -> Programme:
-        """Programme for the forces and the value, which is the last unknown; one more equation where the value is held."""
+    def _force_frame(self, held: bool) -> tuple[sparse.csr_matrix, Cones]:
+        """Rows of the forces and the value, which is the last unknown, and their cones; one more row where the value is held."""
         normal, *tangents = (self._axis(i) for i in range(self.width))
         cone = self._in_cones(sparse.diags(self.friction) @ normal, tangents)
         reaction = None if self.joints.live else sparse.csr_matrix(self.motion.reshape(1, -1))
@@ -165,8 +165,7 @@ class _Pressed:
         columns += [] if self.joints.live else [[reaction, -sparse.identity(1)]]
         columns += [[None, sparse.identity(1)]] if held else []
         frame = sparse.bmat([*columns, [normal, None], [cone, None]]).tocsr()
-        quadratic = np.append(np.ones(self.count * self.width), 0.0)
-        return Programme(frame, self._cones(len(self.joints.weights) + len(columns) - 1, self.count), quadratic)
+        return frame, self._cones(len(self.joints.weights) + len(columns) - 1, self.count)
 
     def _mechanism_programme(self) -> Programme:
         normal, *tangents = (self._axis(i) @ self.kinematics for i in range(self.width))
@@ -192,7 +191,8 @@ class _Pressed:
         reaction, holding = np.zeros(0 if self.joints.live else 1), np.full(int(held), -self.blocks * value)
         others = np.zeros(self.count * (1 + (2 if self.width == 2 else 3)))
         offset = np.concatenate([self.blocks * self.joints.weights, reaction, holding, others])
-        answer = self._forces[held].solve(np.append(self.blocks * at_end.ravel() - cost.ravel() / near, 0.0), offset)
+        programme = Programme(*self._frames[held], np.append(np.full(cost.size, near), 0.0))
+        answer = programme.solve(np.append(near * self.blocks * at_end.ravel() - cost.ravel(), 0.0), offset)
         if answer.outcome is not ProgrammeOutcome.OPTIMUM:
             return None
         return answer.x[:-1].reshape(self.count, self.width) / self.blocks, float(answer.x[-1]) / self.blocks
