@@ -4,15 +4,23 @@ A limit state is a set of contact forces with a mechanism: the forces balance th
 loaded joints do not part, friction mu n acts against the slip, and the power of the weights equals the dissipation plus
 the power of the support or of the live load. The drag and the changing strain of the joints keep a path from this
 exactly; every residual measures what they leave.
+
+A small structure comes this close on its path. A large one creeps for too long; the limit state next to the end of its path is
+computed instead. What forces f and a mechanism miss is the power that should vanish, sum(n |u_n| + mu n |u_t| + t . u_t), with
+the rates u of parting and slip. For a mechanism it is linear in the forces, and for forces it is convex in the mechanism. Two
+conic programmes in turn therefore lower it: forces in balance for the mechanism, then the mechanism for these forces,
+each as near to the one before as a slight quadratic term keeps it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
 from la_core.coulomb.quasi_static_path import QuasiStaticPath
+from la_core.limit import Cones, Programme, ProgrammeOutcome
 from la_core.measures import residuals
 from la_core.model import global_forces
 
@@ -20,6 +28,10 @@ ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
 END_ITERATIONS, LEAST_END_ITERATIONS, END_STEPS = 0.2, 200, 20  # most iterations of the last stretch over those of the path
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
+MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
+# Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
+# its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
+NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-6, 1e-6
 
 
 @dataclass(frozen=True)
@@ -109,4 +121,127 @@ def certified_end(path: QuasiStaticPath, stretch: float) -> tuple[State, State, 
             best = (path.before, path.last, certificate)
         if certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
             break
+    return best
+
+
+class _Pressed:
+    """Contact points that may carry forces near the end of a path, and the programmes for their forces and for their mechanism."""
+
+    def __init__(self, joints: ElasticJoints, state: State) -> None:
+        self.joints = joints
+        self.points = np.flatnonzero(state.joints.displacement[:, 0] <= joints.sag)  # a joint that is open by more carries nothing
+        self.count, self.width = len(self.points), joints.width
+        rows = (self.points[:, None] * self.width + np.arange(self.width)).ravel()
+        self.kinematics = joints.kinematics[rows].tocsr()
+        self.motion, self.friction = joints.motion[self.points], joints.friction[self.points]
+        self.blocks = len(joints.weights) / joints.freedoms
+        self.live = sparse.csr_matrix(joints.live_load[None, :] if joints.live else np.zeros((0, len(joints.weights))))
+        self._frames = {held: self._force_frame(held) for held in (True, False)}
+        self._mechanism = self._mechanism_programme()
+
+    def _cones(self, equalities: int, others: int) -> Cones:
+        """Cones of `equalities`, `others` inequalities, then one friction cone a point."""
+        plane = self.width == 2
+        return Cones(equalities, others + (2 * self.count if plane else 0), 0 if plane else self.count)
+
+    def _in_cones(self, size: sparse.spmatrix, parts: list[sparse.spmatrix]) -> sparse.csr_matrix:
+        """Rows that hold a tangential vector of `parts` within `size`, in the order of `_cones`."""
+        if self.width == 2:
+            return sparse.vstack([size - parts[0], size + parts[0]]).tocsr()
+        order = (np.arange(3)[None, :] * self.count + np.arange(self.count)[:, None]).ravel()
+        return sparse.vstack([size, *parts]).tocsr()[order]
+
+    def _axis(self, number: int) -> sparse.csr_matrix:
+        """Matrix (P, P k) that takes one axis of every point."""
+        row = np.arange(self.count)
+        return sparse.csr_matrix((np.ones(self.count), (row, row * self.width + number)), shape=(self.count, self.count * self.width))
+
+    def _force_frame(self, held: bool) -> tuple[sparse.csr_matrix, Cones]:
+        """Rows of the forces and the value, which is the last unknown, and their cones; one more row where the value is held."""
+        normal, *tangents = (self._axis(i) for i in range(self.width))
+        cone = self._in_cones(sparse.diags(self.friction) @ normal, tangents)
+        reaction = None if self.joints.live else sparse.csr_matrix(self.motion.reshape(1, -1))
+        columns = [[self.kinematics.T, self.live.T if self.joints.live else None]]
+        columns += [] if self.joints.live else [[reaction, -sparse.identity(1)]]
+        columns += [[None, sparse.identity(1)]] if held else []
+        frame = sparse.bmat([*columns, [normal, None], [cone, None]]).tocsr()
+        return frame, self._cones(len(self.joints.weights) + len(columns) - 1, self.count)
+
+    def _mechanism_programme(self) -> Programme:
+        normal, *tangents = (self._axis(i) @ self.kinematics for i in range(self.width))
+        freedoms, one = len(self.joints.weights), sparse.identity(self.count)
+        none = sparse.csr_matrix((self.count, self.count))
+        cone = self._in_cones(
+            sparse.hstack([sparse.csr_matrix((self.count, freedoms)), none, one]).tocsr(),
+            [sparse.hstack([axis, none, none]).tocsr() for axis in tangents],
+        )
+        live = sparse.hstack([self.live, sparse.csr_matrix((self.live.shape[0], 2 * self.count))])
+        parting = sparse.vstack([sparse.hstack([normal, one, none]), sparse.hstack([-normal, one, none])])
+        quadratic = np.concatenate([np.full(freedoms, NEAR_RATE), np.zeros(2 * self.count)])
+        return Programme(sparse.vstack([live, parting, cone]).tocsr(), self._cones(self.live.shape[0], 2 * self.count), quadratic)
+
+    def forces(self, rate: np.ndarray, end: tuple[np.ndarray, float], near: float, held: bool) -> tuple[np.ndarray, float] | None:
+        """Forces (P, k) in balance, near those at the end of the path, that do least wrong on a mechanism, and their value.
+
+        The value is that of the end where it is `held`. None without an answer.
+        """
+        at_end, value = end
+        u = (self.kinematics @ rate).reshape(self.count, self.width) + self.motion
+        cost = np.column_stack([np.abs(u[:, 0]) + self.friction * np.linalg.norm(u[:, 1:], axis=1), u[:, 1:]])
+        reaction, holding = np.zeros(0 if self.joints.live else 1), np.full(int(held), -self.blocks * value)
+        others = np.zeros(self.count * (1 + (2 if self.width == 2 else 3)))
+        offset = np.concatenate([self.blocks * self.joints.weights, reaction, holding, others])
+        programme = Programme(*self._frames[held], np.append(np.full(cost.size, near), 0.0))
+        answer = programme.solve(np.append(near * self.blocks * at_end.ravel() - cost.ravel(), 0.0), offset)
+        if answer.outcome is not ProgrammeOutcome.OPTIMUM:
+            return None
+        return answer.x[:-1].reshape(self.count, self.width) / self.blocks, float(answer.x[-1]) / self.blocks
+
+    def mechanism(self, forces: np.ndarray, before: np.ndarray) -> np.ndarray | None:
+        """Rates (n,) of the free blocks, near those before, on which forces do least wrong; None without an answer."""
+        normal = np.maximum(forces[:, 0], 0.0) * self.blocks
+        friction = np.concatenate([np.zeros((self.count, 1)), forces[:, 1:] * self.blocks], axis=1)
+        power = np.concatenate([NEAR_RATE * before - self.kinematics.T @ friction.ravel(), -normal, -self.friction * normal])
+        across = self.motion[:, 1:]
+        if self.width == 2:
+            in_cones = np.concatenate([-across[:, 0], across[:, 0]])
+        else:
+            in_cones = np.column_stack([np.zeros(self.count), across]).ravel()
+        offset = np.concatenate([-np.ones(self.live.shape[0]), self.motion[:, 0], -self.motion[:, 0], in_cones])
+        answer = self._mechanism.solve(power, offset)
+        return answer.x[: len(self.joints.weights)] if answer.outcome is ProgrammeOutcome.OPTIMUM else None
+
+    def states(self, last: State, forces: np.ndarray, value: float, rate: np.ndarray) -> tuple[State, State]:
+        """The end of a path with these forces, and the state from which the mechanism leads there in one travel, without strain."""
+        force = np.zeros_like(last.joints.force)
+        force[self.points] = forces
+        joints = replace(last.joints, force=force, memory=force[:, 1:])
+        moved = self.joints.local(self.joints.kinematics @ rate) + self.joints.motion
+        earlier = replace(joints, displacement=joints.displacement - moved)
+        multiplier = value if self.joints.live else 0.0
+        return State(last.progress - 1.0, last.blocks - rate, earlier, multiplier), replace(last, joints=joints, multiplier=multiplier)
+
+
+def limit_state_near(path: QuasiStaticPath) -> tuple[State, State, Certificate]:
+    """Limit state near the end of a path, as two states between which its mechanism moves; or the closest that is found.
+
+    It has the value of the path, unless no limit state with that value is found.
+    """
+    best = (path.before, path.last, certify(path.joints, path.before, path.last))
+    pressed = _Pressed(path.joints, path.last)
+    end = path.last.joints.force[pressed.points], path.points[-1].value
+    for held in (True, False):
+        rate = path.rate
+        for number in range(MOST_ROUNDS):
+            balanced = pressed.forces(rate, end, max(NEAR * NEARER**number, LEAST_NEAR), held)
+            mechanism = None if balanced is None else pressed.mechanism(balanced[0], rate)
+            if balanced is None or mechanism is None:
+                break
+            rate = mechanism
+            before, last = pressed.states(path.last, *balanced, rate)
+            certificate = certify(path.joints, before, last)
+            if certificate.worst < best[2].worst:
+                best = (before, last, certificate)
+            if certificate.worst <= ACCEPTED_RESIDUAL:
+                return best
     return best

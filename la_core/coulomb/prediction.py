@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, joint_rates
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, joint_rates, limit_state_near
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
 from la_core.coulomb.interval import THRESHOLDS, reaction_interval
@@ -33,8 +33,9 @@ LARGE = 2500.0
 BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last as the square of that
 # Over the first viscosity: force over which joints part and slip at first, in mean contact forces; the force at the end; the
 # stretch on which they become sharp, over the travel before.
-SMOOTH, SMOOTH_END, SHARPENED = 3000.0, 1e-3, 0.3
+SMOOTH, SMOOTH_END, SHARPENED = 3000.0, 1e-2, 0.3
 MORE_VISCOUS, LAST_OF_SMOOTH = 10.0, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
+MORE_EFFORT = 2.0  # iterations of a path over those of a small structure of this size
 # Times its last change: what a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
 # changed it by about three quarters of the change before; such changes add up to three times the last one.
 UNFINISHED = 3.0
@@ -194,7 +195,7 @@ def _follow(
 def _follow_large(
     joints: ElasticJoints, tangent: Tangent, wedging: float, first: float, settings: PredictionSettings, send: Sender
 ) -> _Followed | None:
-    """Follow a path with smooth joints over the first travel, then with joints that become sharp, to a certified end.
+    """Follow a path with smooth joints over the first travel, then with joints that become sharp, and to the limit state near its end.
 
     None where the path cannot begin.
     """
@@ -207,15 +208,14 @@ def _follow_large(
     if rest is None:
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, smoothing)
-    for point in path.advance_to(end, _effort(joints, settings)):
+    for point in path.advance_to(end, MORE_EFFORT * _effort(joints, settings)):
         send(point.progress, end, point.value)
     reached, progress, values = path.last.progress, *path.curve
     if reached == 0.0:
         return None
     smooth = values[np.array([smoothing.at(point) > 10.0 * smoothing.last for point in progress])]
     rounded = float(smooth[-1]) if len(smooth) else float("nan")
-    ended = certified_end(path, END_STRETCH * reached)
-    return _Followed.on(path, (progress, values), ended, reached < end, rounded)
+    return _Followed.on(path, (progress, values), limit_state_near(path), reached < end, rounded)
 
 
 def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:
@@ -287,8 +287,8 @@ def _interval(joints: ElasticJoints, chosen: _Followed, alike: list[_Followed], 
 def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:
     """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
-    if np.isfinite(chosen.rounded):  # of smooth joints: what the smoothing changes
-        return SMOOTHED * max(abs(end.value - chosen.rounded), *(abs(end.value - value) for value in values))
+    if np.isfinite(chosen.rounded):  # of smooth joints: what the smoothing and the last move to the limit state change
+        return SMOOTHED * max(abs(end.value - other) for other in (chosen.rounded, chosen.values[-1], *values))
     if len(plateau.groups(values)) > 1:
         differ = max(abs(end.value - value) for value in values)
     else:

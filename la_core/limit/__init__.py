@@ -3,7 +3,7 @@
 from la_core.limit import section_forces
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, solve_sequentially
-from la_core.limit.conic import Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
+from la_core.limit.conic import Cones, Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.plane_in_space import residual_in_space
 from la_core.limit.problem import ACCEPTED, Drive, box_limits, scaled_problem
@@ -13,6 +13,7 @@ __all__ = [
     "ACCEPTED",
     "ClassicParameters",
     "ClassicSolution",
+    "Cones",
     "Drive",
     "Programme",
     "ProgrammeAnswer",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb import ACCEPTED_RESIDUAL, predict, prediction
+from la_core.coulomb import ACCEPTED_RESIDUAL, certificate, predict, prediction
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
 from la_core.limit import Drive, Status, solve_associated
 from la_core.model import assemble, joint_stiffness
@@ -87,3 +87,26 @@ def test_large_structures_state_an_uncertainty_that_holds(split, friction, monke
     assert smooth.certificate <= ACCEPTED_RESIDUAL
     assert abs(smooth.value - sharp.value) <= smooth.uncertainty + sharp.uncertainty
     assert (smooth.status is Status.SOLVED) == (smooth.uncertainty <= prediction.BROAD * smooth.value)
+
+
+@pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+@pytest.mark.parametrize("live", [None, (1.0, 0.0, 0.0)], ids=["settlement", "live load"])
+def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monkeypatch) -> None:
+    """The state is computed from forces and mechanism that are both well away from a limit state."""
+    scene = scenes.build(*scenes.wall(6, 4, split=None if live else 1.2), friction=0.6, plane=plane, live=live)
+    assembly = assemble(scene)
+    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    ends = []
+
+    def watched(path):
+        ends.append((certificate.certify(path.joints, path.before, path.last).worst, path.points[-1].value, path.joints))
+        return certificate.limit_state_near(path)
+
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    monkeypatch.setattr(prediction, "limit_state_near", watched)
+    found = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE if live else Drive.YIELDING))
+    before, value, joints = ends[-1]
+    assert before > 10.0 * ACCEPTED_RESIDUAL
+    assert found.certificate <= ACCEPTED_RESIDUAL
+    assert found.value == pytest.approx(joints.value_in_units(value), rel=0.02)
+    assert found.uncertainty >= prediction.SMOOTHED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
