@@ -48,7 +48,7 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
     whole : bool
         Whether to print every column on one line each, even where the table is then wider than the terminal.
     """
-    title, table.title = Text.from_markup(str(table.title or "")).plain, None
+    title, table.title = Text.from_markup(str(table.title or ""), emoji=False).plain, None
     gone = set() if whole else _gone(table, console.width, can_go)
     if gone:
         title += f" (--long: also {', '.join(heading for heading in can_go if heading in gone)})"
@@ -87,4 +87,4 @@ def _width(table: Table, gone: set[str]) -> int:
 
 
 def _cell_width(cell: object) -> int:
-    return max((Text.from_markup(line).cell_len for line in str(cell).split("\n")), default=0)
+    return max((Text.from_markup(line, emoji=False).cell_len for line in str(cell).split("\n")), default=0)

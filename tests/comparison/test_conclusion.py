@@ -111,7 +111,7 @@ def open_checks(pads: LimitAnalysis, wall: LimitAnalysis) -> list[list[Check]]:
         Results(pads, perfect_run(pads, uncertainty=math.nan)),
         Results(with_answers(pads, bounds={**pads.bounds, Drive.YIELDING: unsolved}), perfect_run(pads)),
         Results(wall, coulomb_run(wall, reaction=1.1 * value)),
-        Results(wall, coulomb_run(wall, uncertainty=0.1 * value)),
+        Results(wall, coulomb_run(wall, reaction=1.02 * value, uncertainty=0.1 * value)),
     ]
     for changes in ({"uncertainty": value}, {"plateaus": np.array([value, 2.0 * value])}, {"status": Status.INACCURATE}):
         other = with_answers(wall, coulomb=dataclasses.replace(wall.coulomb, **changes))  # type: ignore[arg-type]
@@ -128,7 +128,7 @@ def test_everything_that_stays_open_has_a_reason_and_a_next_step(pads: LimitAnal
 
 def test_the_next_step_reaches_json_and_report(wall: LimitAnalysis, tmp_path: Path) -> None:
     assert wall.coulomb is not None
-    run = coulomb_run(wall, uncertainty=0.1 * wall.coulomb.value)
+    run = coulomb_run(wall, reaction=1.02 * wall.coulomb.value, uncertainty=0.1 * wall.coulomb.value)
     summary = summary_of(Results(wall, run), {"status": "plateau"}, check_run(Results(wall, run)))
     assert "--try-harder" in summary["next_step"]
     assert view_of_scene(tmp_path, 1, summary, NEWTON)["next_step"] == summary["next_step"]
