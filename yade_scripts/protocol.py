@@ -86,6 +86,7 @@ class Protocol:
     _last_time: float = 0.0
     _end_time: float = 0.0
     _next_pose: float = 0.0
+    _origin: float = 0.0
     _at_rest: int = 0
     _began: float = field(default_factory=time.monotonic)
 
@@ -129,6 +130,7 @@ class Protocol:
         self._stage, self._start_time = SETTLEMENT, max(Omega().time, self._end_time)
         self._last_time = self._start_time
         self._next_pose = FIRST_POSE * settings.max_travel / settings.poses
+        self._origin = self.asked_settlement
         every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
         full_time = (settings.max_travel + settings.wedging) / settings.speed + 0.5 * settings.ramp_time
         self._set_speed(every * dt)
@@ -188,7 +190,7 @@ class Protocol:
         self._last_time = row.time
         if self._speed < settings.speed:
             self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
-        if row.settlement >= self._next_pose:
+        if row.settlement - self._origin >= self._next_pose:  # a lifted support begins below zero
             self.record.store_pose()
             early = row.settlement < settings.plateau_travel
             apart = settings.plateau_travel / EARLY_POSES if early else settings.max_travel / settings.poses
