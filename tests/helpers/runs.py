@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from comparison.yade.run_record import Poses, Run, RunResult, RunSeries
+from comparison.yade.run_parts import Poses, RunResult, RunSeries
+from comparison.yade.run_record import Run
 from la_core import exchange
 from la_core.analysis.result import LimitAnalysis
 from la_core.limit.problem import Drive
