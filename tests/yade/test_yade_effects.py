@@ -60,7 +60,8 @@ def buffer(gap: float = GAP, travel: float = TRAVEL) -> str:
         scenes.box("block", (0.0, 0.0, 0.0), (0.4, 0.2, 0.2)),
         scenes.box("stop", (0.4 + gap, -0.1, 0.0), (0.8, 0.3, 0.4), "fixed"),
     )
-    return scenes.text(*parts, inset=0.001, settlement=(1.0, 0.0, 0.0), plane=False) + scenes.table("yade", max_travel=travel) + "\n"
+    goes_on = scenes.table("yade", max_travel=travel, plateau_travel=0.8 * travel)  # beyond the plateau of zero before the stop
+    return scenes.text(*parts, inset=0.001, settlement=(1.0, 0.0, 0.0), plane=False) + goes_on + "\n"
 
 
 def run_in_yade(scene: Scene, folder: Path, time_limit: float = TIME_LIMIT) -> Ran:
