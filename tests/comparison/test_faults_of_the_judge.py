@@ -241,6 +241,17 @@ def test_a_block_at_the_threshold_of_motion_is_the_same_in_both_methods(wall: Li
     assert check.difference == 0.0 and check.limit_analysis != check.yade
 
 
+# --- sharp values without a witness -------------------------------------------------------------------------------------------------
+
+
+def test_no_sharp_value_is_stated_where_the_history_of_friction_decides(wall: LimitAnalysis) -> None:
+    assert coulomb_of(wall).value > 1.05 * wall.bounds[Drive.YIELDING].value  # joints slide: the history decides
+    assert wall.sharp.coulomb is None
+    arch = analyse(scenes.shipped("arch_spreading"))
+    assert arch.sharp.coulomb is not None  # nothing slides: the value is that of the bound, with other lever arms
+    assert arch.sharp.coulomb.value == pytest.approx(arch.sharp.bounds[Drive.YIELDING].value)
+
+
 # --- whole curves -----------------------------------------------------------------------------------------------------------------
 
 

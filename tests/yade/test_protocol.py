@@ -40,6 +40,17 @@ def test_a_wall_that_rattles_is_run_again_with_critical_damping(cross_checked: C
 
 @pytest.mark.slow
 @pytest.mark.yade
+def test_a_single_jump_calls_for_critical_damping(tmp_path: Path) -> None:
+    """A leaning wall, friction 1.2: under light damping one jump of a block by inertia, which no scatter of the plateau shows."""
+    run_scene(scenes.load(wall("leaning", 1.2, 2).text), tmp_path, Silent(), with_yade=True, figures=lambda results: {})
+    results = read_results(tmp_path)
+    run, coulomb = results.recorded, results.analysis.coulomb
+    assert run.settings["damping_ratio"] == pytest.approx(1.0) and "blocks rattle" in run.result.message and coulomb is not None
+    assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty + 5e-3 * coulomb.value
+
+
+@pytest.mark.slow
+@pytest.mark.yade
 def test_a_wall_whose_joints_still_strain_gets_stiffer_ones_and_comes_to_its_plateau(tmp_path: Path) -> None:
     """A leaning wall, friction 0.7: over one travel at the derived stiffness the reaction falls by 7 % above its plateau."""
     run_scene(scenes.load(wall("leaning", 0.7, 1).text), tmp_path, Silent(), with_yade=True, figures=lambda results: {})
