@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 from conftest import CrossChecked
 
+from comparison.judge import FLOOR
 from comparison.judge.prediction import SIMILAR
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
@@ -48,7 +49,8 @@ def test_yade_meets_the_coulomb_prediction_where_it_is_steady_and_its_interval_a
     assert all(("Stick-slip" in reason) is (found.run.scatter() > STEADY) for reason in named)
     if found.run.scatter() <= STEADY:
         assert abs(reaction - coulomb.value) <= HISTORY * max(abs(coulomb.value), 1e-2 * found.scene.weight)
-    unsure = coulomb.uncertainty > 1e-2 * abs(coulomb.value)  # a method that states so much is not judged
+    apart = abs(reaction - coulomb.value) > FLOOR * abs(reaction)  # the floor counts however much a method states
+    unsure = coulomb.uncertainty > 1e-2 * abs(coulomb.value) and apart
     assert found.summary["verdict"] == ("inconclusive" if unsure else "agree"), found.summary["reason"]
 
 
