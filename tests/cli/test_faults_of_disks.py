@@ -87,7 +87,7 @@ def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
 def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(plain_figures: None, tmp_path: Path) -> None:
     """YADE's process inherits the limit, below which everything but its result, of many stored states, fits."""
     scene, undisturbed, out = tmp_path / "two_pads.toml", tmp_path / "undisturbed", tmp_path / "out"
-    scene.write_text(scenes.shipped("two_pads").text + "\n[yade]\nposes = 200\n")
+    scene.write_text(scenes.shipped("two_pads").text + "\n[yade]\nposes = 200\nstop_uncertainty = 1e-9\n")
     assert main(["run", str(scene), "-o", str(undisturbed), "-q"]) == 0
     case, run = ((undisturbed / "two_pads" / name).stat().st_size for name in ("case.h5", "run.h5"))
     assert case < run
