@@ -19,8 +19,8 @@ from yade_scripts.settings import CRITICAL, Settings
 ROWS_BETWEEN_FITS = 20
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
 GRAVITY_ROWS = 2000  # of the longest gravity stage
-FIRST_POSE = 1.0 / 32.0  # of the distance between stored states: forces change most at first, as joints lose their strain
-EARLY_POSES = 8  # between the joints' loss of strain and the first settlement at which the run may stop
+FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
+EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
 JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
@@ -129,7 +129,7 @@ class Protocol:
         self.model.integrator.damping = 0.0
         self._stage, self._start_time = SETTLEMENT, max(Omega().time, self._end_time)
         self._last_time = self._start_time
-        self._next_pose = FIRST_POSE * settings.max_travel / settings.poses
+        self._next_pose = FIRST_POSE * settings.max_travel / settings.poses / max(settings.stiffening, 1.0)
         self._origin = self.asked_settlement
         every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
         full_time = (settings.max_travel + settings.wedging) / settings.speed + 0.5 * settings.ramp_time
