@@ -54,11 +54,13 @@ def test_yade_moves_as_it_recorded_from_rest_and_limit_analysis_by_its_mechanism
     found = cross_checked("two_pads")
     data, run, blocks = data_of(found), found.run, len(found.analysis.assembly.blocks)
     limit_analysis, yade = data["methods"]
+    shown, recorded = array(yade["settlement"], "<f4", -1), run.poses.settlement
+    kept = np.flatnonzero(np.isin(recorded.astype("<f4"), shown))  # a run that stores many states shows some of them
+    assert len(kept) == len(shown) == min(len(recorded), viewer.MOST_STATES) and kept[0] == 0 and kept[-1] == len(recorded) - 1
     moved = array(yade["displacement"], "<f4", -1, blocks, 6)
     poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
-    assert moved == pytest.approx(poses - poses[0], rel=SINGLE, abs=SINGLE * np.abs(poses).max())
-    assert array(yade["settlement"], "<f4", -1) == pytest.approx(run.poses.settlement, rel=SINGLE)
-    resultants = np.stack([joint_forces(found.analysis.assembly, forces).force for forces in run.poses.forces])
+    assert moved == pytest.approx(poses[kept] - poses[0], rel=SINGLE, abs=SINGLE * np.abs(poses).max())
+    resultants = np.stack([joint_forces(found.analysis.assembly, forces).force for forces in run.poses.forces[kept]])
     assert array(yade["forces"], "<f4", len(moved), -1, 3) == pytest.approx(resultants, rel=SINGLE, abs=1e-3)
     assert data["names"] == list(found.analysis.assembly.blocks.names) and data["force_unit"] == "kN"
     assert found.analysis.coulomb is not None
