@@ -59,7 +59,7 @@ class Settings:
     settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
-    rattling: float  # mean unbalanced force over the mean block weight beyond which a run is no quasi-static one
+    rattling: float  # mean unbalanced force over the mean block weight, above which blocks rattle
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
 
 
@@ -73,7 +73,7 @@ def derive(case: Case) -> Settings:
 
     set_default(
         damping_ratio=0.3,
-        rattling=0.02,
+        rattling=0.02,  # unbalanced force that the judge, too, accepts of a quasi-static run
         time_step_share=0.9,
         wedging=0.0,
         gravity_damping=0.3,

@@ -24,7 +24,7 @@ from la_core.coulomb.tangent import Tangent
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 
-# Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 32 travels,
+# Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64 travels,
 # six doublings took 988 iterations and four, which left an uncertainty of 1.6 %, took 981.
 MOST_DOUBLINGS = 6
 ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value

@@ -197,7 +197,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
             if depth > most:
                 both = parts.names[a], parts.names[b]
                 found.deep[both] = Unclosed(both, middle, -depth)
-            elif a not in changed and b not in changed:  # what is left out here is found again in the next round
+            elif a not in changed and b not in changed:  # the next round finds the other pairs again
                 cut, rest = _cut_part(parts, a, b)
                 pieces[cut] = rest
                 changed.add(cut)
@@ -208,7 +208,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
 
 
 def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
-    """The part that is cut of two overlapping ones, and what is left of it."""
+    """The part to cut of two overlapping ones, and its remainder."""
     _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
     faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
     normal = np.concatenate([parts.face_normal[faces], -plane[None, :3]])

@@ -26,7 +26,7 @@ def value_words(entry: dict[str, Any], named: NameOfTable) -> str:
 
 
 def default_words(entry: dict[str, Any]) -> str:
-    """The value that holds where a key is left out; a dash where there is none."""
+    """The default of a key; a dash where it has none."""
     value = entry.get("default")
     if value in (None, "", [], {}) or isinstance(value, dict):
         return "–"
