@@ -207,4 +207,8 @@ def _state(report: dict[str, Any]) -> str:
         return "coming to rest under gravity"
     settlement, reaction = report.get("settlement"), report.get("reaction")
     moved = "" if settlement is None else f"moved {settlement * 1e3:.3f} {report.get('unit', '')}"
-    return moved if reaction is None else f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"
+    if reaction is None:
+        return moved
+    if report.get("quantity") == "multiplier":
+        return f"{moved}, multiplier {reaction:.5g}"
+    return f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"

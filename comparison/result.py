@@ -15,7 +15,7 @@ from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.report import export_results, write_report
 from comparison.run_folder import refuse_name
-from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, Verdict, check_words, mark_of, stored_check, verdict_cells
+from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, mark_of, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
@@ -133,7 +133,7 @@ class Result(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         *cells, own_seconds, yade_seconds = verdict_cells(self.summary)
-        return VERDICT_TITLE, VERDICT_HEADINGS, [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]]
+        return verdict_title([self.summary]), VERDICT_HEADINGS, [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]]
 
     def __repr__(self) -> str:
         return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)

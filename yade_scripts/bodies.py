@@ -66,8 +66,8 @@ class Model:
         Position (B, 3) of every clump as built, m.
     rotation : tuple of Quaternion
         Orientation (B,) of every clump as built.
-    integrator, drive, watch : NewtonIntegrator, KinematicEngine, PyRunner
-        Engines that move the free blocks, move the supports, and record rows.
+    integrator, drive, watch : NewtonIntegrator, KinematicEngine or PyRunner, PyRunner
+        Engines that move the free blocks, move the supports (or set the live load, at rest until it is started), and record rows.
     """
 
     clump: tuple[int, ...]
@@ -76,12 +76,14 @@ class Model:
     position: np.ndarray
     rotation: tuple[Quaternion, ...]
     integrator: NewtonIntegrator
-    drive: KinematicEngine
+    drive: KinematicEngine | PyRunner
     watch: PyRunner
 
 
-def build(case: Case, settings: Settings, watch_command: str) -> Model:
-    """Build the case in YADE's scene. watch_command: Python statement that YADE repeats at every recorded row.
+def build(case: Case, settings: Settings, watch_command: str, pull_command: str) -> Model:
+    """Build the case in YADE's scene.
+
+    watch_command: Python statement that YADE repeats at every recorded row; pull_command: the same of every step of a live load.
 
     Raises YadeError when a clump does not have the mass and inertia of its block.
     """
@@ -113,7 +115,7 @@ def build(case: Case, settings: Settings, watch_command: str) -> Model:
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
     if case.displacement == "small":
         _pair(spheres.tolist(), faces.tolist())
-    integrator, drive, watch = _engines(case, settings, clumps, watch_command)
+    integrator, drive, watch = _engines(case, settings, clumps, (watch_command, pull_command))
     position = np.array([omega.bodies[clump].state.pos for clump in clumps])
     rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
     return Model(tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist()), position, rotation, integrator, drive, watch)
@@ -224,8 +226,11 @@ def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
     return collider
 
 
-def _engines(case: Case, settings: Settings, clumps: list[int], command: str) -> tuple[NewtonIntegrator, KinematicEngine, PyRunner]:
-    """Set YADE's engines; the drive is at rest until its velocity is set. command: statement of both PyRunners."""
+def _engines(
+    case: Case, settings: Settings, clumps: list[int], commands: tuple[str, str]
+) -> tuple[NewtonIntegrator, KinematicEngine | PyRunner, PyRunner]:
+    """Set YADE's engines; the drive is at rest until its velocity is set. commands: statements that watch, and that pull."""
+    command, pull_command = commands
     colliders = [_collider(settings, float(case.own_inset.min() / case.inset))] if case.displacement == "finite" else []
     contacts = InteractionLoop(
         [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Ig2_Sphere_Polyhedra_ScGeom else [])],
@@ -233,7 +238,10 @@ def _engines(case: Case, settings: Settings, clumps: list[int], command: str) ->
         [Law2_ScGeom_ViscElPhys_Basic()],
     )
     integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
-    drive = drive_of(case, [clumps[block] for block in case.supports])
+    if case.live is None:
+        drive = drive_of(case, [clumps[block] for block in case.supports])
+    else:
+        drive = PyRunner(command=pull_command, iterPeriod=1, initRun=False, dead=True)
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
     clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # watches, however many steps lie between two rows
     omega = Omega()

@@ -11,6 +11,7 @@ import numpy as np
 from yade_scripts import sphere_placement
 
 FREE, FIXED, SUPPORT = 0, 1, 2
+_UNIT = 1e-9  # of a unit vector's length: round-off
 _JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag")
 
 
@@ -39,7 +40,9 @@ class Case:
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
-        Velocity of the global origin and angular velocity (6,) of the supports per unit settlement.
+        Velocity of the global origin and angular velocity (6,) of the supports per unit settlement; NaN for a live load.
+    live : np.ndarray or None
+        Unit direction (3,) of a load in proportion to the weights, which drives the structure in place of supports.
     overrides : dict
         Settings of the scene's table [yade], by name.
     role : np.ndarray
@@ -86,6 +89,7 @@ class Case:
     own_inset: np.ndarray
     gravity: np.ndarray
     support_twist: np.ndarray
+    live: np.ndarray | None
     overrides: dict[str, Any]
     role: np.ndarray
     mass: np.ndarray
@@ -123,6 +127,11 @@ class Case:
         return np.flatnonzero(self.role == SUPPORT)
 
     @cached_property
+    def weight(self) -> float:
+        """Weight of all free blocks, N: the live load of multiplier 1."""
+        return float(self.mass[self.free].sum() * np.linalg.norm(self.gravity))
+
+    @cached_property
     def block_weight(self) -> float:
         """Mean weight of a free block, N: the unit of force in every tolerance."""
         return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
@@ -136,11 +145,13 @@ class Case:
     @cached_property
     def is_rotation(self) -> bool:
         """Whether the settlement is an angle (rad) rather than a length (m)."""
-        return bool(np.any(self.support_twist[3:]))
+        return self.live is None and bool(np.any(self.support_twist[3:]))
 
     @cached_property
     def support_speed(self) -> float:
-        """Largest speed of a contact point of the support per unit settlement speed: 1 for translations, m for rotations."""
+        """Largest speed of a contact point of the support per unit settlement speed: 1 for translations and live loads, m for rotations."""
+        if self.live is not None:
+            return 1.0
         touching = np.isin(self.block_a, self.supports) | np.isin(self.block_b, self.supports)
         velocity = self.support_twist[:3] + np.cross(self.support_twist[3:], self.position[touching])
         return float(np.linalg.norm(velocity, axis=1).max())
@@ -165,6 +176,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         own_inset=data.get("contacts/inset", np.full(len(interface), float(data["scene/inset"]))),
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
+        live=data.get("scene/live"),
         overrides=_overrides(data["scene/settings"]),
         role=data["blocks/role"][index],
         mass=data["blocks/mass"][index],
@@ -218,6 +230,19 @@ def _overrides(text: str) -> dict[str, Any]:
     return values
 
 
+def _refuse_undriven(case: Case) -> None:
+    if case.live is not None:
+        if not abs(float(np.linalg.norm(case.live)) - 1.0) <= _UNIT:
+            raise CaseError(f"scene/live is {case.live}: the direction of the load must be a unit vector")
+        if case.overrides.get("wedging"):
+            raise CaseError("scene/settings: wedging lifts the support, and under a live load there is none; leave it out")
+        return
+    if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
+        raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
+    if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
+        raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
+
+
 def _refuse_unrunnable(case: Case) -> None:
     if not case.inset > 0.0:
         raise CaseError(f"scene/inset is {case.inset}: contact spheres need an inset greater than 0")
@@ -225,10 +250,7 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError(f"contacts/inset: every entry must be greater than 0 and at most the inset of the scene, {case.inset} m")
     if len(case.free) == 0:
         raise CaseError("blocks/role: no free block, nothing to simulate")
-    if not np.isin(case.role[np.union1d(case.block_a, case.block_b)], SUPPORT).any():
-        raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
-    if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
-        raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
+    _refuse_undriven(case)
     if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
         given = f"displacement is {case.displacement!r} and recording {case.recording!r}"
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")

@@ -140,6 +140,12 @@ def turning_slope(case: Case, first: State, last: State) -> float:
     return float(np.abs(np.einsum("ci,ci->c", 0.5 * (first[3] + last[3]), turned)).sum())
 
 
+def largest_speed(first: State, last: State) -> float:
+    """Return the largest displacement of a block between two states over the change of the settlement, at least 1."""
+    travelled = last[0] - first[0]
+    return max(1.0, float(np.linalg.norm(last[1] - first[1], axis=1).max()) / travelled) if travelled > 0.0 else 1.0
+
+
 def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:
     """Return the line through the later part of reaction (T,) against settlement (T,), which rises from 0; NONE below 20 rows.
 

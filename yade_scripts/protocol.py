@@ -12,8 +12,9 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_speed
 from yade_scripts.case import Case
-from yade_scripts.plateau import Geometry, Outcome, Plateau, turning_slope
+from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
+from yade_scripts.servo import Servo, servo_of
 from yade_scripts.settings import CRITICAL, Settings
 
 ROWS_BETWEEN_FITS = 20
@@ -80,6 +81,7 @@ class Protocol:
     asked_settlement: float = 0.0
     error: BaseException | None = None
     steps: int = 0
+    _servo: Servo | None = None
     _stage: int = GRAVITY
     _speed: float = 0.0
     _start_time: float = 0.0
@@ -133,11 +135,31 @@ class Protocol:
         self._origin = self.asked_settlement
         every = max(1, int(settings.max_travel / settings.speed / settings.record_rows / dt))
         full_time = (settings.max_travel + settings.wedging) / settings.speed + 0.5 * settings.ramp_time
-        self._set_speed(every * dt)
+        if self.case.live is None:
+            self._set_speed(every * dt)
+        else:
+            self._servo = servo_of(self.case, settings)
+            self._servo.start(self.record, self.model)
+            full_time += self._servo.loading_time
         self._advance(math.ceil(full_time / dt), every)
-        self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
+        if self._servo is None:
+            self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
         if self.record.poses[-1][0] < self.record.settlement():
             self.record.store_pose()
+
+    def pull(self) -> None:
+        """Set the multiplier of the live load. Runs in YADE's thread, as `watch` does."""
+        if self._servo is None or self.error is not None:
+            return
+        try:
+            self._servo.pull(Omega().time - self._start_time, self.record, self.model)
+        except BaseException as error:
+            self.error = error
+            self._pause()
+
+    def _travelled(self, row: Row) -> float:
+        """Return what the travel limits: the motion of the supports, or the displacement of the fastest block under a live load."""
+        return row.settlement if self.case.live is None else row.displacement
 
     def _advance(self, steps: int, every: int) -> None:
         self.model.watch.iterPeriod = every
@@ -185,18 +207,24 @@ class Protocol:
             self._pause()
 
     def _watch_settlement(self, row: Row) -> None:
-        settings = self.settings
-        self.asked_settlement += self._speed * (row.time - self._last_time)
-        self._last_time = row.time
-        if self._speed < settings.speed:
-            self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
-        if row.settlement - self._origin >= self._next_pose:  # a lifted support begins below zero
+        settings, travelled = self.settings, self._travelled(row)
+        if self._servo is None:
+            self.asked_settlement += self._speed * (row.time - self._last_time)
+            self._last_time = row.time
+            if self._speed < settings.speed:
+                self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
+        else:
+            self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
+        # A lifted support begins below zero.
+        if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:
             self.record.store_pose()
-            early = row.settlement < settings.plateau_travel
+            early = travelled < settings.plateau_travel
             apart = settings.plateau_travel / EARLY_POSES if early else settings.max_travel / settings.poses
             self._next_pose += min(self._next_pose, apart)
-        self.progress("settlement", min(1.0, row.settlement / settings.max_travel), row.settlement, row.reaction, "")
-        if row.settlement >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
+        self.progress("settlement", min(1.0, travelled / settings.max_travel), row.settlement, row.reaction, "")
+        if self._servo is not None and travelled >= settings.max_travel:
+            self._judge()
+        elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             self.plateau = self._fit()
             if self.may_damp and self.rattles:
                 self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {row.settlement:.3g}")
@@ -232,7 +260,10 @@ class Protocol:
         middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
         before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
         turning = turning_slope(self.case, before, self.record.pose())
-        return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed))
+        if self.case.live is None:
+            return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed))
+        fastest = largest_speed(before, self.record.pose())
+        return plateau.fit(settlement, reaction, Geometry(turning / self.case.weight, self.case.block_size / fastest))
 
     def _settling(self) -> tuple[np.ndarray, np.ndarray]:
         """Return settlement and reaction of all rows of the settlement stage."""
@@ -240,7 +271,7 @@ class Protocol:
         return np.array([row.settlement for row in rows]), np.array([row.reaction for row in rows])
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
-        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
+        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0
         scale = max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
         return not fit.creeps and fit.uncertainty <= uncertainty * scale and abs(fit.drift) <= self.settings.plateau_drift * scale
 

@@ -21,13 +21,13 @@ class Row:
     Attributes
     ----------
     stage : int
-        GRAVITY or SETTLEMENT.
+        GRAVITY or SETTLEMENT, which stands for the live load, too.
     time : float
         Simulated time, s.
     settlement : float
-        Settlement of the supports, m or rad.
+        Settlement of the supports, m or rad; under a live load the mean displacement along it since rest, m.
     reaction : float
-        Reaction, N or N m.
+        Reaction, N or N m; under a live load its multiplier.
     support_wrench : np.ndarray
         Force and moment about the origin (6,) of the supports on the structure, N and N m.
     kinetic_energy : float
@@ -83,13 +83,14 @@ class Record:
     poses: list[State] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
+    _rest_along: float | None = None
+
     def __post_init__(self) -> None:
         """Look up what every row needs: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
         self._rest, self._mass, self._inertia = self.model.position[case.free], case.mass[case.free], case.inertia[case.free]
-        self._weights = self._mass[:, None] * case.gravity
         self._direction = case.support_twist[3:] if case.is_rotation else case.support_twist[:3]
 
     def read_row(self, stage: int) -> Row:
@@ -98,7 +99,7 @@ class Record:
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
         vectors = _array(chain(*read)).reshape(len(read), -1, 3)
         vectors[2] -= self._rest
-        vectors[3] += self._weights
+        vectors[3] += self._mass[:, None] * _array([self.model.integrator.gravity])
         _, spin, moved, _ = vectors
         squares = (vectors**2).sum(axis=2)
         speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
@@ -108,7 +109,7 @@ class Record:
             stage=stage,
             time=omega.time + omega.dt,  # YADE's clock advances after the last engine, the bodies have moved already
             settlement=self.settlement(),
-            reaction=-float(case.support_twist @ wrench),
+            reaction=-float(case.support_twist @ wrench) if case.live is None else self.multiplier(),
             support_wrench=wrench,
             kinetic_energy=0.5 * float(self._mass @ squares[0] + rotational),
             unbalanced=unbalanced / case.block_weight,
@@ -120,7 +121,9 @@ class Record:
         return row
 
     def support_wrench(self) -> np.ndarray:
-        """Return force and moment about the global origin (6,), N and N m, of the supports on the structure."""
+        """Return force and moment about the global origin (6,), N and N m, of the supports on the structure; 0 without supports."""
+        if not self._supports:
+            return np.zeros(6)
         forces, supports = Omega().forces, self._supports
         read = [map(forces.f, supports), map(forces.t, supports), (state.pos for state in self._support_states)]
         force, torque, place = _array(chain(*read)).reshape(len(read), -1, 3)
@@ -128,7 +131,12 @@ class Record:
         return -np.concatenate([force, moment], axis=1).sum(axis=0)
 
     def settlement(self) -> float:
-        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the first support."""
+        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the first support.
+
+        Under a live load: the mean displacement along it since `start_load`, weighted by mass, m.
+        """
+        if self.case.live is not None:
+            return 0.0 if self._rest_along is None else self._along("pos") - self._rest_along
         block, direction = int(self.case.supports[0]), self._direction
         if self.case.is_rotation:
             moved = self.rotation(block)
@@ -136,6 +144,24 @@ class Record:
             place = self._support_states[0].pos
             moved = np.array([place[0], place[1], place[2]]) - self.model.position[block]
         return float(moved @ direction) / float(direction @ direction)
+
+    def start_load(self) -> None:
+        """Measure the displacement along the live load from here."""
+        self._rest_along = self._along("pos")
+
+    def speed_along(self) -> float:
+        """Return the mean velocity of the free blocks along the live load, weighted by mass, m/s."""
+        return self._along("vel")
+
+    def multiplier(self) -> float:
+        """Return the multiplier of the live load that acts."""
+        gravity = self.case.gravity
+        extra = _array([self.model.integrator.gravity])[0] - gravity
+        return float(extra @ self.case.live / np.linalg.norm(gravity))
+
+    def _along(self, name: str) -> float:
+        vectors = _array(getattr(state, name) for state in self._states)
+        return float(self._mass @ (vectors @ self.case.live) / self._mass.sum())
 
     def rotation(self, block: int) -> np.ndarray:
         """Return the rotation vector (3,), rad, of a block relative to the case's geometry."""

@@ -84,7 +84,11 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    own = tuple(field for field in (*exchange.PART_FIELDS, exchange.JOINT_INSET) if exchange.holds(options.case, field.path))
+    own = tuple(
+        field
+        for field in (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION)
+        if exchange.holds(options.case, field.path)
+    )
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
     limit = settings.derive(problem).time_limit if options.time_limit is None else options.time_limit
     sys.path.append(find_yade())
@@ -92,9 +96,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
 
     def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
-        model = bodies.build(one, left, "watch()")
+        model = bodies.build(one, left, "watch()", "pull()")
         made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress)
-        _expose(made.watch)
+        _expose(watch=made.watch, pull=made.pull)
         made.run()
         made.settings = dataclasses.replace(chosen, time_limit=limit)
         return made
@@ -104,9 +108,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     reporter.done(values["result/status"])
 
 
-def _expose(watch: Callable[[], Any]) -> None:
-    """YADE's PyRunner evaluates its command in the main module."""
-    sys.modules["__main__"].__dict__["watch"] = watch
+def _expose(**called: Callable[[], Any]) -> None:
+    """YADE's PyRunners evaluate their commands in the main module."""
+    sys.modules["__main__"].__dict__.update(called)
 
 
 def _end_with_parent() -> None:

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import percent
-from comparison.verdict import VERDICT_HEADINGS, VERDICT_TITLE, Check, check_words, mark_of, verdict_cells
+from comparison.verdict import VERDICT_HEADINGS, Check, check_words, mark_of, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
 from la_core.text_table import number_text, over_weight
@@ -139,7 +139,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
 
     Names of scenes are never broken.
     """
-    table = new_table(*VERDICT_HEADINGS, title=VERDICT_TITLE)
+    table = new_table(*VERDICT_HEADINGS, title=verdict_title(comparisons))
     _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)

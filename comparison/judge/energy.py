@@ -28,7 +28,7 @@ class EnergyAudit:
     Attributes
     ----------
     weights, support : float
-        Work of the weights and of the support on the free blocks, J.
+        Work of the weights (and of the live load, in proportion to them) and of the support on the free blocks, J.
     kinetic, elastic : float
         Change of the stored kinetic and elastic energy, J.
     friction, viscous : float
@@ -65,7 +65,12 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
     poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)[first:]
     steps, forces = np.diff(poses, axis=0), run.poses.forces[first:]
     by_block = np.einsum("bi,pbi->b", assembly.dead_load, steps)
-    support = _support_work(run, settlement)
+    if assembly.has_live_load:
+        between = 0.5 * (multipliers := np.interp(settlement, *_series(run, "reaction")))[1:] + 0.5 * multipliers[:-1]
+        by_block += np.einsum("p,bi,pbi->b", between, assembly.live_load, steps)
+        support = 0.0
+    else:
+        support = _support_work(run, settlement)
     dissipated, stored = _dissipated(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)
     return EnergyAudit(
         weights=float(by_block.sum()),

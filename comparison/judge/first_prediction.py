@@ -57,9 +57,9 @@ def _value(answer: dict[str, Any], unit: str) -> str:
     """Return the value that is compared with YADE, its uncertainty and unit, all plateaus, and the status unless it is solved."""
     found = answer["coulomb"] or answer["associated"]
     status, shared = str(found.get("status")), found.get("shared_inset", found)
-    value = shared.get("reaction")
+    value = shared.get("reaction", shared.get("multiplier"))
     if not exists(value):
         return status
     remarks = [words] if (words := several_plateaus(shared.get("plateaus"), unit)) else []
     remarks += [] if status == "solved" else [status]
-    return f"{with_uncertainty(value, shared.get('uncertainty'))} {unit}" + (f" ({'; '.join(remarks)})" if remarks else "")
+    return f"{with_uncertainty(value, shared.get('uncertainty'))} {unit}".rstrip() + (f" ({'; '.join(remarks)})" if remarks else "")

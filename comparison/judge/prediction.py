@@ -19,11 +19,13 @@ from la_core.coulomb import SLIDING_SHARE, CoulombSolution
 from la_core.limit import Drive, Status, consistent_reaction
 from la_core.measures import mechanism, residuals
 
-REACTION_CHECK, INTERVAL_CHECK = "reaction against prediction", "reaction within the mechanism's interval"
 STEADY = 5e-3  # of the reaction: scatter about the plateau's line above this is stick-slip
 CONSISTENT = 1e-2  # of the reaction: slow steady runs are within 1e-4, runs that stick and slip miss by per cents
 
-BOUND_ONLY = "The associated answer is then only a lower bound of the reaction, and YADE may lie above it."
+BOUND_ONLY = {
+    Drive.YIELDING: "The associated answer is then only a lower bound of the reaction, and YADE may lie above it.",
+    Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
+}
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
 HARDER = "`crosscheck run --try-harder` does this."
 FINER_PATHS = f"Let limit analysis follow finer paths, the cheaper of the two methods to refine. {HARDER}"
@@ -70,26 +72,26 @@ class Prediction:
 def predicted(results: Results) -> Prediction:
     """Return the sharpest prediction that limit analysis has for this scene."""
     analysis = results.analysis
-    least, coulomb, assembly = analysis.bounds[Drive.YIELDING], analysis.coulomb, analysis.assembly
+    bound, coulomb, assembly = analysis.bounds[analysis.main], analysis.coulomb, analysis.assembly
     unknown = (math.nan, math.nan)
     if slides_unforeseen(results):
         obstacle = "Joints slide in YADE, but in no mechanism of limit analysis."
-        return Prediction(least.value, unknown, least.twists, True, obstacle=obstacle, next_step=MODEL_SLIDING)
+        return Prediction(bound.value, unknown, results.per_motion(bound.twists), True, obstacle=obstacle, next_step=MODEL_SLIDING)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
         doubt, step = _doubt(coulomb)
         stated = stated_uncertainty(analysis)
-        return Prediction(coulomb.value, coulomb.interval, coulomb.twists, slides, stated, doubt=doubt, next_step=step)
-    slides = mechanism.sliding_share(assembly, least.twists, least.forces) > SLIDING_SHARE or _slides_in_yade(results)
-    obstacle, step = _associated_obstacle(assembly.effects.friction) if slides else ("", "")
-    return Prediction(least.value, unknown, least.twists, slides, obstacle=obstacle, next_step=step)
+        return Prediction(coulomb.value, coulomb.interval, results.per_motion(coulomb.twists), slides, stated, doubt=doubt, next_step=step)
+    slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
+    obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main) if slides else ("", "")
+    return Prediction(bound.value, unknown, results.per_motion(bound.twists), slides, obstacle=obstacle, next_step=step)
 
 
-def _associated_obstacle(friction: str) -> tuple[str, str]:
+def _associated_obstacle(friction: str, drive: Drive) -> tuple[str, str]:
     """Why the associated answer is no prediction where joints slide, for the modelled effect `friction`, and what to do."""
     if friction == "none-slides":
-        return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY}", MODEL_SLIDING
-    dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY}"
+        return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY[drive]}", MODEL_SLIDING
+    dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY[drive]}"
     return dilates, FINER_PATHS if friction == "coulomb" else MODEL_SLIDING
 
 
@@ -148,7 +150,7 @@ def _remark(check: Check) -> Check:
 def _check_reaction(results: Results, prediction: Prediction, state: Check | None) -> Check:
     """Compare the reactions. state: the check of YADE's friction state, where there is one."""
     scene, run = results.scene, results.recorded
-    name, value, reaction = REACTION_CHECK, prediction.value, run.result.reaction
+    name, value, reaction = f"{scene.quantity} against prediction", prediction.value, run.result.reaction
     if prediction.obstacle:
         numbers = value, reaction, reaction - value, None
         return Check(name, Verdict.INCONCLUSIVE, *numbers, scene.unit, prediction.obstacle, prediction.next_step)
@@ -168,7 +170,9 @@ def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check
     """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree."""
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
-        return replace(check, verdict=Verdict.AGREE, reason=f"{reason} The reactions agree within the floor of the tolerance alone.")
+        return replace(
+            check, verdict=Verdict.AGREE, reason=f"{reason} The {results.scene.quantity}s agree within the floor of the tolerance alone."
+        )
     step = FINER_PATHS if unsure[0].method == "limit analysis" else SLOWER_RUN
     return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
@@ -191,14 +195,14 @@ def _other_history(results: Results) -> tuple[str, str]:
 def _difference_words(results: Results, prediction: Prediction) -> str:
     scene, apart = results.scene, abs(results.recorded.result.reaction - prediction.value)
     is_small = not abs(prediction.value) > least_reaction(results.analysis)
-    distance = f"{apart:.4g} {scene.unit}" if is_small else f"{apart / abs(prediction.value):.1%}"
-    allowed = f"{reaction_tolerance(results, prediction.stated):.4g} {scene.unit}"
+    distance = f"{apart:.4g} {scene.unit}".rstrip() if is_small else f"{apart / abs(prediction.value):.1%}"
+    allowed = f"{reaction_tolerance(results, prediction.stated):.4g} {scene.unit}".rstrip()
     note = "" if prediction.slides else ", although no joint slides"
     return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
 
 
 def _unsure_words(unsure: Unsure, unit: str) -> str:
-    size, allowed = f"{unsure.uncertainty:.3g} {unit}", f"{unsure.allowed:.3g} {unit}"
+    size, allowed = (f"{value:.3g} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
     named = "YADE" if unsure.method == "YADE" else "Limit analysis"
     return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large to decide by ({allowed} allowed)."
 
@@ -208,9 +212,10 @@ def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]
     scene, analysis, run = results.scene, results.analysis, results.recorded
     if any(math.isnan(end) for end in prediction.interval):
         return
-    reason = "YADE's reaction lies outside the interval that the Coulomb mechanism allows for any history of friction."
+    reason = f"YADE's {scene.quantity} lies outside the interval that the Coulomb mechanism allows for any history of friction."
     tolerance = reaction_tolerance(results, prediction.stated)
-    check = inside(INTERVAL_CHECK, prediction.interval, run.result.reaction, tolerance, scene.unit, reason, BOTH_FINER)
+    name = f"{scene.quantity} within the mechanism's interval"
+    check = inside(name, prediction.interval, run.result.reaction, tolerance, scene.unit, reason, BOTH_FINER)
     alike = mechanism.similarity(analysis.assembly.blocks, prediction.twists, run.mechanism())
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (modal assurance {alike:.3f}), to which the Coulomb interval does not apply."
@@ -219,18 +224,24 @@ def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]
 
 
 def _check_consistency(results: Results) -> Check:
-    """Compare YADE's reaction with the least one that its own normal forces allow; they agree where every joint slides that should."""
+    """Compare YADE's reaction with the least one that its own normal forces allow; they agree where every joint slides that should.
+
+    A multiplier is compared with the greatest one.
+    """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     forces = run.plateau_forces()
     normal = np.maximum(analysis.assembly.split(forces)[0], 0.0)
-    reaction, least = residuals.reaction(analysis.assembly, forces), consistent_reaction(analysis.assembly, normal)
+    is_live = scene.live is not None
+    reaction = (residuals.multiplier if is_live else residuals.reaction)(analysis.assembly, forces)
+    least = consistent_reaction(analysis.assembly, normal)
     name = "YADE's friction state"
     if least.status is not Status.SOLVED:
         ended = f"Limit analysis with YADE's mean normal forces on the plateau ended as {least.status}"
         reason = f"{ended}, so these forces are not those of one quasi-static state."
         return Check(name, Verdict.INCONCLUSIVE, None, reaction, None, None, scene.unit, reason, SLOWER_RUN)
     tolerance = max(CONSISTENT * abs(reaction), least_reaction(analysis)) + float(run.result.uncertainty)
-    possible = f"With friction limited by YADE's own normal forces, the reaction could be as low as {least.value:.6g} {scene.unit}"
+    end = f"{'high' if is_live else 'low'} as {least.value:.6g} {scene.unit}".rstrip()
+    possible = f"With friction limited by YADE's own normal forces, the {scene.quantity} could be as {end}"
     scatter = _scatter(results)
     slips = f" (stick-slip: scatter {scatter:.1%})" if scatter > STEADY else ""
     reason = f"{possible}: not every joint slides that should{slips}."
@@ -245,7 +256,8 @@ def _check_steadiness(results: Results) -> Check:
     if not math.isfinite(scatter):
         reason = "YADE recorded too few rows on the plateau to measure its scatter."
         return Check(name, Verdict.AGREE, None, None, None, STEADY, unit, reason)
-    slips = f"Stick-slip: the reaction scatters by {scatter:.1%} about its plateau; the uncertainty of the reaction includes this."
+    what = results.scene.quantity
+    slips = f"Stick-slip: the {what} scatters by {scatter:.1%} about its plateau; the uncertainty of the {what} includes this."
     return Check(name, Verdict.AGREE, None, scatter, None, STEADY, unit, slips if scatter > STEADY else "")
 
 

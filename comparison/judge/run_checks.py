@@ -28,6 +28,8 @@ LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
 )
+BELOW = "multiplier below its upper bound"
+SPEED = 0.05  # of the speed along a live load: what is left is the slow stretch of the servo while the multiplier still changes
 SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only round-off may separate the two
 
 
@@ -74,7 +76,7 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
 def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    least = analysis.bounds[Drive.YIELDING]
+    least = analysis.bounds[analysis.main]
     if run.status not in ("plateau", "no plateau", "collapsed"):
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
         step = MORE_TIME if run.status == "timeout" else REPAIR_YADE
@@ -85,12 +87,13 @@ def check_run(results: Results) -> list[Check]:
     if run.status == "collapsed":
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if least.status is not Status.SOLVED:
-        reason = f"Limit analysis ended as {least.status}, so YADE's reaction cannot be compared."
+        reason = f"Limit analysis ended as {least.status}, so YADE's {scene.quantity} cannot be compared."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=PLAIN_SCENE)]
-    checks = [_check_settlement(scene, run), *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
+    driven = _check_settlement(scene, run) if scene.live is None else _check_speed(run)
+    checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
     if run.status == "no plateau":
-        reason = f"YADE's reaction was not steady when the run ended: {run.result.message}."
+        reason = f"YADE's {scene.quantity} was not steady when the run ended: {run.result.message}."
         return [*checks, Check("plateau", Verdict.INCONCLUSIVE, reason=reason, next_step=LONGER)]
     checks.append(balance := _check_balance(results))
     is_on_its_way = balance.verdict is not Verdict.AGREE and balance.difference is not None
@@ -112,7 +115,7 @@ def _check_standing(results: Results) -> Check:
     the safe theorem fails, and blocks laid without thrust may slide although a thrust could hold them.
     """
     analysis, run = results.analysis, results.recorded
-    least, name = analysis.bounds[Drive.YIELDING], "the structure stands"
+    least, name = analysis.bounds[analysis.main], "the structure stands"
     outcome = "it collapsed in YADE" if run.status == "collapsed" else f"YADE's run ended as {run.status}"
     if least.status is Status.INFEASIBLE:
         verdict = Verdict.AGREE if run.status == "collapsed" else Verdict.DISAGREE
@@ -133,6 +136,19 @@ def _check_settlement(scene: Scene, run: Run) -> Check:
     return within("settlement achieved", imposed, achieved, SETTLEMENT * abs(imposed), unit, reason)
 
 
+def _check_speed(run: Run) -> Check:
+    """Check that the servo of a live load kept the blocks moving at the speed that was set: then no part of the load speeds them up."""
+    name, time, moved = "speed along the load", run.settling("time"), run.settling("settlement")
+    kept = moved >= run.result.plateau_start
+    if np.count_nonzero(kept) < 2:
+        reason = "The blocks never moved steadily along the load."
+        return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=LONGER)
+    set_speed, speed = float(run.settings["speed"]), float(np.ptp(moved[kept]) / np.ptp(time[kept]))
+    reason = f"On the plateau the blocks moved at {speed:.3g} m/s on the mean, but {set_speed:.3g} m/s was set."
+    check = within(name, set_speed, speed, SPEED * set_speed, "m/s", reason, SLOWER_RUN)
+    return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
+
+
 def _check_contacts(results: Results) -> Check:
     analysis, run = results.analysis, results.recorded
     names, extra = analysis.assembly.blocks.names, run.extra_contacts
@@ -147,7 +163,7 @@ def _check_contacts(results: Results) -> Check:
 def _check_equilibrium(results: Results) -> Check:
     analysis, run = results.analysis, results.recorded
     forces = run.plateau_forces()
-    residual = residuals.equilibrium_residual(analysis.assembly, forces)
+    residual = residuals.equilibrium_residual(analysis.assembly, forces, _multiplier(results))
     violation = residuals.cone_violation(analysis.assembly, forces)
     worst = max(residual, violation)
     state = f"YADE's mean state on the plateau is out of equilibrium or breaks the friction law by {worst:.2g} of the mean block weight"
@@ -160,23 +176,43 @@ def _check_equilibrium(results: Results) -> Check:
 
 
 def _check_balance(results: Results) -> Check:
-    """Check the power of the unbalanced forces of YADE's mean state on limit analysis' mechanism for a unit motion of the support.
+    """Check the power of the unbalanced forces of YADE's mean state on limit analysis' mechanism for a unit motion, or load, that drives.
 
     By virtual power, these forces change the reaction by that amount. A slow sway under a tall block shows in this check alone.
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    unbalanced = analysis.assembly.contact_wrenches(run.plateau_forces()) + analysis.assembly.dead_load
-    free = analysis.assembly.blocks.free
-    power = float(np.sum(unbalanced[free] * analysis.bounds[Drive.YIELDING].twists[free]))
+    assembly = analysis.assembly
+    unbalanced = assembly.contact_wrenches(run.plateau_forces()) + assembly.dead_load + _multiplier(results) * assembly.live_load
+    free = assembly.blocks.free
+    power = float(np.sum(unbalanced[free] * analysis.bounds[analysis.main].twists[free]))
     tolerance = reaction_tolerance(results)
-    worth = f"{abs(power):.3g} {scene.unit} of reaction, more than the tolerance of {tolerance:.3g} {scene.unit}"
+    sizes = [f"{size:.3g} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
+    worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
     reason = f"YADE's mean state is not in equilibrium: its unbalanced forces are worth {worth}."
     check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason, SLOWER_RUN)
     return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
 
 
+def _multiplier(results: Results) -> float:
+    """Return the mean multiplier of YADE's live load on the plateau; 0 without one."""
+    if results.scene.live is None:
+        return 0.0
+    run = results.recorded
+    stored = run.poses.settlement[run.poses.settlement >= run.result.plateau_start]  # the states of `Run.plateau_forces`
+    at = stored if len(stored) else run.poses.settlement[-1:]
+    return float(np.interp(at, run.settling("settlement"), run.settling("reaction")).mean())
+
+
 def _check_bounds(results: Results) -> Check:
-    """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds."""
+    """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds.
+
+    For the same reason no multiplier of a live load is above the associated one.
+    """
+    if results.scene.live is not None:
+        greatest_multiplier = results.analysis.bounds[Drive.LIVE].value
+        reason = "YADE's multiplier is above the associated one, an upper bound on these contact points, so one of the models is wrong."
+        range_below = (-math.inf, greatest_multiplier)
+        return inside(BELOW, range_below, results.recorded.result.reaction, reaction_tolerance(results), "", reason)
     scene, analysis, run = results.scene, results.analysis, results.recorded
     reaction, tolerance = run.result.reaction, reaction_tolerance(results)
     least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]

@@ -61,8 +61,10 @@ def accuracy_share(analysis: LimitAnalysis) -> float:
 
 
 def least_reaction(analysis: LimitAnalysis) -> float:
-    """Return the floor of a reaction of zero: N, or N m with the size of a mean block as lever arm."""
+    """Return the floor of a reaction of zero: N, or N m with the size of a mean block as lever arm; without unit for a multiplier."""
     scene = analysis.scene
+    if scene.live is not None:
+        return LEAST_REACTION
     return LEAST_REACTION * scene.weight * (analysis.assembly.length if scene.is_rotation else 1.0)
 
 

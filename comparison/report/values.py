@@ -45,7 +45,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     low, high = (shown(end) for end in shared_coulomb.get(f"{quantity}_interval") or (None, None))
     steady = yade.get("status", "plateau") == "plateau"
     least, recorded = shown(shared.get("reaction")), shown(yade.get("reaction")) if steady else None
-    nearest = predicted if exists(predicted) else least
+    nearest = predicted if exists(predicted) else shown(shared.get("multiplier")) if live else least
     reactions = {
         "least": least,
         "greatest": shown(shared.get("reaction_max")),
@@ -68,11 +68,11 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "interval": interval_words(low, high, unit),
         "plateaus": several_plateaus([shown(value) for value in shared_coulomb.get("plateaus") or []], unit),
         "half_width": half_width(low, high),
-        "less": "Coulomb" if exists(predicted) else "R_min",
+        "less": "Coulomb" if exists(predicted) else "associated" if live else "R_min",
         "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
         "difference_words": _share_of(reactions["difference"], nearest),
-        "multiplier": associated.get("multiplier"),
+        "multiplier": shared.get("multiplier"),
         "status": associated.get("status") or DASH,
         "yade_status": yade.get("status") or "not run",
         "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
@@ -101,7 +101,7 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
 
     status = "" if r["status"] == "solved" else r["status"]
     if r["live"]:
-        yield row("limit analysis: multiplier, associated", r["multiplier"], more=status)
+        yield row("limit analysis: greatest multiplier, associated", r["multiplier"], more=status)
     else:
         yield row("limit analysis: least reaction, R_min", r["least"], None, ratios["least"], status)
         yield row("limit analysis: greatest reaction, R_max", r["greatest"], None, ratios["greatest"], r["greatest_status"])
@@ -113,7 +113,11 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     yield row("YADE: plateau", r["yade"], r["uncertainty"], ratios["yade"], state)
     if exists(r["difference"]):
         _, _, over = row("", r["difference"], None, ratios["difference"])
-        yield f"YADE less {r['less']}", f"{format_number(r['difference'], 3)} {unit} ({r['difference_words']})", over
+        yield (
+            f"YADE less {r['less']}",
+            " ".join(filter(None, (format_number(r["difference"], 3), unit, f"({r['difference_words']})"))),
+            over,
+        )
 
 
 def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:

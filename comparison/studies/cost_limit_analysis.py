@@ -129,7 +129,7 @@ def coulomb(scene: Scene, inset: float, settings: PredictionSettings) -> MethodO
 
 def shared_inset(scene: Scene) -> float:
     """Return the inset that both methods share, m."""
-    return smallest_inset(assemble(scene)) if scene.inset == 0.0 and scene.live is None else scene.inset
+    return smallest_inset(assemble(scene)) if scene.inset == 0.0 else scene.inset
 
 
 def _elastic(scene: Scene, inset: float) -> tuple[Assembly, JointStiffness, float]:

@@ -2,12 +2,11 @@
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
 from comparison.verdict.conclusion import Conclusion, conclusion
-from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICT_TITLE, VERDICTS, check_words, mark_of, verdict_cells
+from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
 __all__ = [
     "VERDICTS",
     "VERDICT_HEADINGS",
-    "VERDICT_TITLE",
     "Check",
     "Conclusion",
     "Verdict",
@@ -19,5 +18,6 @@ __all__ = [
     "overall",
     "stored_check",
     "verdict_cells",
+    "verdict_title",
     "within",
 ]

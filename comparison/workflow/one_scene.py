@@ -92,7 +92,7 @@ def run_scene(
     listener : Listener
         Receives the progress.
     with_yade : bool
-        Whether YADE runs; a live load is always limit analysis alone.
+        Whether YADE runs.
     time_limit : float or None
         Time limit of a YADE run, s of wall time; None for the scene's own, or TIME_LIMIT.
     figures : callable or None
@@ -127,13 +127,11 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
 
 
 def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> SceneOutcome:
-    """Return both methods' results, stored or new; limit analysis alone for a live load or without YADE."""
+    """Return both methods' results, stored or new; limit analysis alone without YADE."""
     scene = model.scene
     analysis, inputs = limit_analysis_stage(model, folder, listener)
     notes = _notes(analysis)
-    if scene.live is not None:
-        notes.append("YADE was not run, because only limit analysis treats live loads.")
-    if scene.live is not None or not with_yade:
+    if not with_yade:
         return SceneOutcome(Results(analysis), None, notes, inputs)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
     analysis = store_changed(analysis, accuracy_settings.initial_settings(analysis), inputs, folder)

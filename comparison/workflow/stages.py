@@ -98,7 +98,13 @@ def yade_stage(
         yade = find_yade()
         caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
         listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
-        run_yade(yade, folder, inputs, time_limit, lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit}))
+        run_yade(
+            yade,
+            folder,
+            inputs,
+            time_limit,
+            lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity}),
+        )
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
             raise exchange.ExchangeError(f"{path}: its digest is not that of the run that was started; run the scene again")

@@ -36,7 +36,8 @@ class Run:
     Notes
     -----
     The reaction is the force of the support on the structure, against the direction of settlement; it is positive where
-    the support holds the structure. For a rotation it is a moment.
+    the support holds the structure. For a rotation it is a moment. Under a live load its multiplier stands for the reaction, and the
+    mean displacement along the load, weighted by mass, for the settlement.
     """
 
     result: RunResult
@@ -137,8 +138,8 @@ class Run:
         Returns
         -------
         ndarray, shape (B, 6)
-            Displacement of the centroid, then rotation vector, of every block per m (or rad) of support motion; NaN
-            where fewer than two stored states lie on the plateau.
+            Displacement of the centroid, then rotation vector, of every block per m (or rad) of support motion, or per m of
+            mean displacement along a live load; NaN where fewer than two stored states lie on the plateau.
         """
         settlement, on_plateau = self.poses.settlement, self._on_plateau()
         twists = np.full((self.poses.displacement.shape[1], 6), np.nan)

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file
 from la_core.errors import SceneError
@@ -36,6 +38,13 @@ class Results:
         if self.run is None:
             raise ValueError(f"{self.scene.name}: there is no YADE run in these results")
         return self.run
+
+    def per_motion(self, twists: np.ndarray) -> np.ndarray:
+        """Return twists (B, 6) of limit analysis per unit of the motion that YADE records: of the support, or along the live load, m.
+
+        Those of a live load are per unit power of the unit load, which is the weight times the mean velocity along it.
+        """
+        return twists * self.analysis.assembly.weight if self.scene.live is not None else twists
 
     @property
     def stiffening(self) -> float:

@@ -80,7 +80,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    own = _own_values(assembly)
+    own = _own_values(scene, assembly)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -90,13 +90,15 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     exchange.write(path, fields, values, inputs)
 
 
-def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
-    """Return what only some structures have, by its field: parts of compound blocks, and insets of short joints."""
+def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
+    """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, a live load."""
     blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
     if blocks.is_compound.any():
         values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))
     if (assembly.points.inset != assembly.inset).any():
         values[exchange.JOINT_INSET] = assembly.points.inset
+    if scene.live is not None:
+        values[exchange.LIVE_DIRECTION] = scene.live
     return values
 
 

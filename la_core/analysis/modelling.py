@@ -51,7 +51,7 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
     """
     assembly = assemble(scene, interfaces)
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
-    if scene.inset == 0.0 and scene.live is None:
+    if scene.inset == 0.0:
         assembly = assembly.with_inset(scene, smallest_inset(assembly))
     try:
         stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)

@@ -9,6 +9,7 @@ SETTINGS = (
     "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
     "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
     "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
-    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit", "stiffening", "rattling", "quick_speed",
+    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit", "stiffening", "rattling", "quick_speed", "servo_frequency",
+    "servo_damping",
 )  # fmt: skip
-LATER_SETTINGS = ("stiffening", "rattling", "quick_speed")  # which runs of version 0.2.0 do not have
+LATER_SETTINGS = ("stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping")  # which runs of version 0.2.0 do not have

@@ -84,6 +84,8 @@ PART_FIELDS = (
     Field("parts/face_start", "i8", ("Q1",), "", "part i owns the faces start[i] to start[i+1]-1; Q+1 entries"),
 )
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
+# Optional: only where a live load drives the structure; no support moves then.
+LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load in proportion to the weights of the free blocks")
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(
     "scene/first_prediction",
@@ -170,11 +172,17 @@ UNCERTAINTY_PARTS = (
 # Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
 RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
-    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, extrapolated to zero settlement"),
+    Field("result/reaction", "f8", (), "N or N m", "plateau reaction, or multiplier, extrapolated to zero settlement"),
     Field("result/uncertainty", "f8", (), "N or N m", "uncertainty of the plateau reaction"),
     *UNCERTAINTY_PARTS,
     Field("result/settlement", "f8", (), "m or rad", "achieved motion of the support, read from its pose"),
-    Field("result/asked_settlement", "f8", (), "m or rad", "support motion imposed until the stop: integral of its speed"),
+    Field(
+        "result/asked_settlement",
+        "f8",
+        (),
+        "m or rad",
+        "motion imposed until the stop, of the support or the point that pulls a live load",
+    ),
     Field("result/plateau_start", "f8", (), "m or rad", "settlement where the fitted plateau begins"),
     Field("result/slope", "f8", (), "N/m", "slope of the fitted line"),
     Field("result/kinetic_ratio", "f8", (), "-", "largest kinetic energy on the plateau over the weights' work there"),
@@ -183,10 +191,16 @@ RUN_FIELDS = (
     Field("result/version", "str", (), "", "YADE version"),
     Field("result/message", "str", (), "", "one sentence on how the run ended"),
     Field("settings/json", "str", (), "", "all settings as used, a JSON object"),
-    Field("record/stage", "i8", ("T",), "", "0 gravity, 1 settlement"),
+    Field("record/stage", "i8", ("T",), "", "0 gravity, 1 settlement or live load"),
     Field("record/time", "f8", ("T",), "s", "model time"),
-    Field("record/settlement", "f8", ("T",), "m or rad", "support motion so far"),
-    Field("record/reaction", "f8", ("T",), "N or N m", "minus support twist . wrench of the support on the structure"),
+    Field("record/settlement", "f8", ("T",), "m or rad", "support motion so far, or mean displacement along the live load"),
+    Field(
+        "record/reaction",
+        "f8",
+        ("T",),
+        "N or N m",
+        "minus support twist . wrench of the support on the structure; or the multiplier",
+    ),
     Field("record/support_wrench", "f8", ("T", 6), "N, N m", "force and moment (about the origin) of supports on the structure"),
     Field("record/kinetic_energy", "f8", ("T",), "J", "kinetic energy of the free blocks"),
     Field("record/unbalanced", "f8", ("T",), "-", "largest unbalanced force over the mean free-block weight"),

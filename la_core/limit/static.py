@@ -122,12 +122,13 @@ def coulomb_limits(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
 def consistent_reaction(assembly: Assembly, normal_forces: np.ndarray) -> StaticSolution:
     """Least reaction with |t| <= mu N for given normal forces N (C,) in N, such as those of a discrete-element run.
 
-    With a fixed strength the associated flow rule has no dilatancy. A quasi-static run in which joints slide by
-    Coulomb's law therefore has this reaction.
+    Under a live load it is the greatest multiplier. With a fixed strength the associated flow rule has no dilatancy. A quasi-static
+    run in which joints slide by Coulomb's law therefore has this value.
     """
     no_sliding, _ = coulomb_limits(assembly)
     strength = assembly.points.friction * np.maximum(normal_forces, 0.0)
-    return solve_static(assembly, Drive.YIELDING, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
+    drive = Drive.LIVE if assembly.has_live_load else Drive.YIELDING
+    return solve_static(assembly, drive, np.maximum(no_sliding, strength), np.zeros(len(assembly.points)))
 
 
 def _equilibrium(assembly: Assembly, kinematics: sparse.csr_matrix) -> tuple[sparse.csr_matrix, np.ndarray]:

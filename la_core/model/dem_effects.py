@@ -14,7 +14,6 @@ from la_core.scene import Scene
 GAP_OVER_TRAVEL = 10.0  # two blocks meet across such a gap only if each moves five times the travel; every run is checked
 NO_GAP = 1e-6  # of the search distance: a smaller gap is round-off where two blocks meet in an edge
 LARGE_RECORD = 200.0  # MB of stored states; above it only the states that are judged are stored
-_NOT_RUN = "YADE does not run a live load"
 _LISTED = "contacts are then those of the joints alone"
 
 
@@ -25,11 +24,8 @@ def decide_dem_effects(scene: Scene, assembly: Assembly, stiffness: JointStiffne
     not computed; a gap beyond the search distance counts as that distance. Raises SceneError where the scene requests
     small displacements although two blocks without a joint can meet.
     """
-    if scene.live is None:
-        displacement, why, gap = _displacement(scene, assembly, stiffness)
-        recording = _recording(scene, assembly)
-    else:
-        displacement, why, gap, recording = "finite", _NOT_RUN, float("nan"), ("states", _NOT_RUN)
+    displacement, why, gap = _displacement(scene, assembly, stiffness)
+    recording = _recording(scene, assembly)
     effects = assembly.effects.with_effect("displacement", displacement, why).with_effect("recording", *recording)
     return replace(assembly, effects=effects), gap
 

@@ -52,7 +52,7 @@ class JointStiffness:
 def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any]) -> JointStiffness:
     """Choose the stiffness of the joints and the travel of the support.
 
-    The rules for contact spheres apply where YADE can place them: at an inset above 0 and with a moving support.
+    The rules for contact spheres apply where YADE can place them: at an inset above 0.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     """
     _refuse_impossible(settings, inset)
     requested = {name: float(settings[name]) for name in _ASKED if name in settings}
-    has_spheres = inset > 0.0 and not assembly.has_live_load
+    has_spheres = inset > 0.0
     speed = assembly.support_speed
     longest = TRAVEL_OVER_SIZE * _block_size(assembly)
     if has_spheres:

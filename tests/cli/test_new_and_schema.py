@@ -43,11 +43,11 @@ def test_a_new_scene_is_plausible_explained_and_has_bounds(kind: str, here: Path
 @pytest.mark.yade
 @pytest.mark.parametrize("kind", starter_names())
 def test_both_methods_take_a_new_scene(kind: str, here: Path) -> None:
-    """Each shape goes through both methods; a live load is limit analysis alone."""
+    """Each shape goes through both methods."""
     main(["new", kind, "-q"])
     scene = load_scene(here / f"{kind}.toml")
     summary = run_scene(scene, here / "results", Silent(), with_yade=True)
-    assert summary["verdict"] == (None if scene.live is not None else "agree"), summary["reason"]
+    assert summary["verdict"] == "agree", summary["reason"]
 
 
 def test_solve_prints_an_answer_for_a_new_scene(capsys: pytest.CaptureFixture[str]) -> None:

@@ -57,7 +57,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
     facts["dimensions"] = (blocks.high[blocks.free].max(axis=0) - blocks.low[blocks.free].min(axis=0)).tolist()
     facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
-    times = estimated_times(len(assembly.points), yade=scene.live is None)
+    times = estimated_times(len(assembly.points))
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
     facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}

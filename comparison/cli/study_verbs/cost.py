@@ -50,7 +50,7 @@ def execute(context: Context) -> int:
 def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> CostStudy:
     """Run every setting of every method on a scene, and write the figure and the numbers into a folder.
 
-    with_yade: include YADE, for a scene without a live load. narration: receives the progress. Raises SceneError for a structure
+    with_yade: include YADE. narration: receives the progress. Raises SceneError for a structure
     without an answer.
     """
     status = solve_associated(assemble(scene), drives(scene)[0]).status
@@ -59,7 +59,7 @@ def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narra
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as runs:
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
-        if with_yade and scene.live is None:
+        if with_yade:
             yade = find_yade()
             methods += yade_methods(
                 scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})

@@ -124,7 +124,7 @@ class Settlement(Table):
 
 
 class Live(Table):
-    """A load proportional to weight, such as the static push of an earthquake; limit analysis alone, in place of [settlement]."""
+    """A load proportional to weight, such as the static push of an earthquake; in place of [settlement]."""
 
     direction: Direction = described("direction of the load, of any length")
 

@@ -1,0 +1,233 @@
+"""Live loads by both methods: closed forms, published walls, the servo that drives YADE, and what the judge finds wrong."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+from conftest import CrossChecked, Silent
+from runs import TRAVEL, made_up_run, perfect_run, with_answers
+
+from comparison.judge import check_run
+from comparison.verdict import Check, Verdict
+from comparison.workflow import run_scene
+from comparison.yade import Results, Run, read_run
+from la_core.analysis import LimitAnalysis, analyse
+from la_core.analysis.case_file import read_case
+from la_core.limit import Drive
+from la_core.measures import residuals
+from la_core.scene import Scene
+from yade_scripts.servo import Servo
+
+INSET = 1e-3  # m
+PER_MILLE = 1e-3  # what closed forms are met to
+
+
+def column(breadth: float, height: float, courses: int = 1, **options: Any) -> Scene:
+    """A stack of equal blocks on a fixed plane, pushed along x."""
+    blocks = [
+        scenes.box(f"block {k}", (0.0, 0.0, k * height / courses), (breadth, 0.3 * breadth, (k + 1) * height / courses))
+        for k in range(courses)
+    ]
+    plane = scenes.box("plane", (-breadth, 0.0, -0.2 * breadth), (2.0 * breadth, 0.3 * breadth, 0.0), "fixed")
+    given = {"inset": INSET, "model": "coulomb", "live": (1.0, 0.0, 0.0)} | options
+    return scenes.build(plane, *blocks, **given)
+
+
+def by_both(scene: Scene, folder: Path) -> tuple[dict[str, Any], LimitAnalysis, Run]:
+    summary = run_scene(scene, folder, Silent(), with_yade=True, figures=lambda _: {})
+    analysis = read_case(folder / "case.h5", scene)
+    return summary, analysis, read_run(folder / "run.h5", analysis.assembly)
+
+
+def tilted(friction_or_ratio: float, tilt: float) -> float:
+    """Multiplier along a plane tilted by `tilt` that moves a block at this ratio of force along the plane to force across it."""
+    return friction_or_ratio * math.cos(tilt) - math.sin(tilt)
+
+
+TILT = math.radians(10.0)
+DOWNHILL = tuple(9.81 * np.array([math.sin(TILT), 0.0, -math.cos(TILT)]))
+TIPPING = (0.5 - 2.0 * INSET) / 0.7  # the block turns about its outer contact points
+CLOSED_FORMS = {
+    "slides": (lambda: column(0.6, 0.4, friction=0.35), 0.35),
+    "tips": (lambda: column(0.5, 0.7, friction=0.9), TIPPING),
+    "slides downhill": (lambda: column(0.6, 0.4, friction=0.35, gravity=DOWNHILL), tilted(0.35, TILT)),
+    "tips downhill": (lambda: column(0.5, 0.7, friction=0.9, gravity=DOWNHILL), tilted(TIPPING, TILT)),
+    "stack tips": (lambda: column(0.5, 1.0, courses=10, friction=0.7), (0.5 - 2.0 * INSET) / 1.0),
+    "in space": (lambda: column(0.5, 0.7, friction=0.9, plane=False), TIPPING),
+}
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("name", CLOSED_FORMS)
+def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
+    build, exact = CLOSED_FORMS[name]
+    summary, analysis, run = by_both(build(), tmp_path / "results")
+    assert summary["verdict"] == "agree", summary["reason"]
+    assert analysis.coulomb is not None and analysis.coulomb.value == pytest.approx(exact, rel=PER_MILLE)
+    assert run.reaction == pytest.approx(exact, rel=PER_MILLE)
+    assert abs(run.reaction - exact) <= run.uncertainty <= 5.0 * PER_MILLE * exact
+
+
+@pytest.mark.yade
+def test_a_block_of_another_size_takes_the_same_steps(tmp_path: Path) -> None:
+    """All gains follow from the case: sizes and weights change no digit but round-off."""
+    runs = []
+    for factor in (1.0, 1e-3):
+        scene = column(0.5 * factor, 0.7 * factor, friction=0.9, inset=INSET * factor, density=2000.0 / factor)
+        runs.append(by_both(scene, tmp_path / f"{factor:g}")[2])
+    assert runs[0].result.steps == runs[1].result.steps
+    assert runs[1].reaction == pytest.approx(runs[0].reaction, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.yade
+@pytest.mark.parametrize("name", ["ferris_tin_loi_1", "ferris_tin_loi_2"])
+def test_published_walls_go_through_both_methods(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
+    found = cross_checked(name)
+    coulomb, expected = found.analysis.coulomb, found.scene.expected
+    assert found.summary["verdict"] == "agree", found.summary["reason"]
+    assert coulomb is not None and expected is not None and expected.multiplier is not None
+    assert found.run.reaction == pytest.approx(coulomb.value, rel=PER_MILLE)
+    assert abs(found.run.reaction - coulomb.value) <= found.run.uncertainty + coulomb.uncertainty
+    assert found.run.reaction == pytest.approx(expected.multiplier, abs=expected.tolerance)
+    assert found.run.reaction <= found.analysis.bounds[Drive.LIVE].value
+    assert found.summary["curves"]["mean"] <= 5.0 * PER_MILLE
+
+
+@pytest.mark.yade
+def test_the_recorded_multiplier_is_the_one_that_acts_and_the_blocks_move_steadily(tmp_path: Path) -> None:
+    _, analysis, run = by_both(column(0.5, 0.7, friction=0.9), tmp_path / "results")
+    for k in range(len(run.poses)):
+        acting = residuals.multiplier(analysis.assembly, run.poses.forces[k])
+        recorded = np.interp(run.poses.settlement[k], run.settling("settlement"), run.settling("reaction"))
+        assert acting == pytest.approx(recorded, abs=0.02)
+    free = analysis.assembly.blocks.free
+    mass = analysis.assembly.blocks.mass[free]
+    along = (run.poses.displacement[:, free, 0] - run.poses.displacement[0, free, 0]) @ mass / mass.sum()
+    np.testing.assert_allclose(run.poses.settlement, along, atol=1e-12)
+    kept = run.settling("settlement") >= run.result.plateau_start
+    speed = np.ptp(run.settling("settlement")[kept]) / np.ptp(run.settling("time")[kept])
+    assert speed == pytest.approx(run.settings["speed"], rel=0.02)
+
+
+@pytest.mark.yade
+def test_a_block_that_no_push_moves_has_no_plateau(tmp_path: Path) -> None:
+    """Between two held walls: limit analysis knows no limit, and YADE's blocks never move steadily."""
+    held = scenes.box("left", (-0.5, 0.0, 0.0), (0.0, 0.3, 0.4), "fixed"), scenes.box("right", (0.6, 0.0, 0.0), (1.1, 0.3, 0.4), "fixed")
+    plane = scenes.box("plane", (-0.5, 0.0, -0.2), (1.1, 0.3, 0.0), "fixed")
+    block = scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 0.4))
+    scene = scenes.build(plane, *held, block, inset=INSET, friction=0.4, live=(1.0, 0.0, 0.0), model="coulomb")
+    summary, analysis, run = by_both(scene, tmp_path / "results")
+    assert analysis.bounds[Drive.LIVE].status.value == "unbounded"
+    assert run.status == "no plateau" and math.isnan(run.reaction)
+    assert summary["verdict"] in ("inconclusive", "agree")
+
+
+# --- the servo, without YADE -------------------------------------------------------------------------------------------------
+
+
+def pulled(servo: Servo, resistance: float, steps: int, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Multiplier and speed of a rigid block that slides at this multiplier, under gravity of 9.81 m/s2."""
+    place = speed = multiplier = 0.0
+    records = []
+    for step in range(steps):
+        if step % servo.every == 0:
+            multiplier = servo.multiplier(step * dt, place, speed)
+        drive = multiplier - resistance if speed > 0.0 or multiplier > resistance else 0.0
+        speed = max(0.0, speed + 9.81 * drive * dt)
+        place += speed * dt
+        records.append((multiplier, speed))
+    return np.array(records).T
+
+
+def test_the_servo_holds_the_speed_and_shows_the_resistance_as_a_plateau() -> None:
+    frequency = 200.0  # rad/s
+    servo = Servo(frequency**2 / 9.81, 2.0 * frequency / 9.81, speed=4e-4, ramp_time=0.05, every=20)
+    multiplier, speed = pulled(servo, 0.35, steps=60_000, dt=1e-5)
+    settled = slice(40_000, None)
+    assert np.ptp(multiplier[settled]) <= 1e-5 and multiplier[-1] == pytest.approx(0.35, abs=1e-6)
+    np.testing.assert_allclose(speed[settled], servo.speed, rtol=1e-4)
+    assert multiplier.max() <= 1.01 * 0.35  # it hardly overshoots as the block breaks away
+
+
+def test_the_point_that_pulls_starts_from_rest_and_moves_at_its_speed() -> None:
+    servo = Servo(1.0, 1.0, speed=2.0, ramp_time=0.5, every=1)
+    assert servo.pulled(0.0) == (0.0, 0.0)
+    places, speeds = np.array([servo.pulled(time) for time in np.linspace(0.0, 1.0, 10_001)]).T
+    assert np.all(np.diff(speeds) >= -1e-12) and speeds[-1] == 2.0
+    np.testing.assert_allclose(np.diff(places) / 1e-4, 0.5 * (speeds[1:] + speeds[:-1]), atol=1e-5)
+
+
+# --- what the judge finds wrong ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pushed() -> LimitAnalysis:
+    return analyse(column(0.5, 0.7, friction=0.9))
+
+
+def followed(analysis: LimitAnalysis, speed: float = 1.0, **result: object) -> Run:
+    """A run that follows limit analysis to the digit; its blocks move at this share of the speed that was set."""
+    bound = analysis.bounds[Drive.LIVE]
+    per_metre = dataclasses.replace(bound, twists=bound.twists * analysis.assembly.weight)
+    run = perfect_run(with_answers(analysis, bounds={Drive.YIELDING: per_metre}), **result)
+    settlement = np.linspace(0.0, TRAVEL, 100)
+    acting = np.full(100, float(bound.value))
+    record = {"stage": np.ones(100, dtype=int), "time": settlement / (speed * 4e-4), "settlement": settlement, "reaction": acting}
+    return dataclasses.replace(run, record=made_up_run(record=record).record, settings={"speed": 4e-4})
+
+
+def judged(name: str, found: list[Check]) -> Verdict:
+    return next(check.verdict for check in found if check.name == name)
+
+
+def test_a_run_that_follows_limit_analysis_agrees(pushed: LimitAnalysis) -> None:
+    found = check_run(Results(pushed, followed(pushed)))
+    assert {check.verdict for check in found} == {Verdict.AGREE}
+    assert {
+        "speed along the load", "balance along the mechanism", "multiplier below its upper bound", "multiplier against prediction",
+        "mechanism similarity", "moving blocks", "force sums over sections", "equilibrium of the YADE state", "plane answer in space",
+    } <= {check.name for check in found}  # fmt: skip
+
+
+def test_a_multiplier_above_the_upper_bound_disagrees(pushed: LimitAnalysis) -> None:
+    found = check_run(Results(pushed, followed(pushed, reaction=1.02 * pushed.bounds[Drive.LIVE].value)))
+    assert judged("multiplier below its upper bound", found) is Verdict.DISAGREE
+
+
+def test_a_multiplier_below_the_prediction_obeys_the_bound_and_disagrees_with_the_prediction(pushed: LimitAnalysis) -> None:
+    found = check_run(Results(pushed, followed(pushed, reaction=0.98 * pushed.bounds[Drive.LIVE].value)))
+    assert judged("multiplier below its upper bound", found) is Verdict.AGREE
+    assert judged("multiplier against prediction", found) is Verdict.DISAGREE
+
+
+def test_blocks_that_speed_up_decide_nothing(pushed: LimitAnalysis) -> None:
+    found = check_run(Results(pushed, followed(pushed, speed=1.5)))
+    assert judged("speed along the load", found) is Verdict.INCONCLUSIVE
+
+
+def test_a_multiplier_that_does_not_act_is_out_of_balance(pushed: LimitAnalysis) -> None:
+    run = followed(pushed)
+    record = dataclasses.replace(run.record, reaction=1.05 * run.record.reaction)
+    found = check_run(Results(pushed, dataclasses.replace(run, record=record)))
+    assert judged("balance along the mechanism", found) is Verdict.INCONCLUSIVE
+
+
+def test_a_mechanism_of_other_blocks_disagrees() -> None:
+    """The upper half rocks by itself, although all of the stack tips."""
+    analysis = analyse(column(0.5, 1.0, courses=4, friction=0.7))
+    hinge, free = np.array([0.5 - INSET, 0.15 * 0.5, 0.5]), analysis.assembly.blocks.free
+    rocking = np.zeros((len(free), 6))
+    rocking[-2:, 4] = 1.0
+    rocking[-2:, :3] = np.cross([0.0, 1.0, 0.0], analysis.assembly.blocks.centroid[-2:] - hinge)
+    bound = analysis.bounds[Drive.LIVE]
+    other = dataclasses.replace(bound, twists=rocking / rocking[free, 0].sum() * free.sum() / analysis.assembly.weight)
+    run = followed(with_answers(analysis, bounds={Drive.LIVE: other}))
+    found = check_run(Results(analysis, run))
+    assert judged("multiplier against prediction", found) is Verdict.AGREE
+    assert judged("mechanism similarity", found) is judged("moving blocks", found) is Verdict.DISAGREE
