@@ -136,7 +136,7 @@ class Record:
         Under a live load: the mean displacement along it since `start_load`, weighted by mass, m.
         """
         if self.case.live is not None:
-            return 0.0 if self._rest_along is None else self._along("pos") - self._rest_along
+            return 0.0 if self._rest_along is None else self._mean_place() - self._rest_along
         block, direction = int(self.case.supports[0]), self._direction
         if self.case.is_rotation:
             moved = self.rotation(block)
@@ -147,11 +147,7 @@ class Record:
 
     def start_load(self) -> None:
         """Measure the displacement along the live load from here."""
-        self._rest_along = self._along("pos")
-
-    def speed_along(self) -> float:
-        """Return the mean velocity of the free blocks along the live load, weighted by mass, m/s."""
-        return self._along("vel")
+        self._rest_along = self._mean_place()
 
     def multiplier(self) -> float:
         """Return the multiplier of the live load that acts."""
@@ -159,9 +155,18 @@ class Record:
         extra = _array([self.model.integrator.gravity])[0] - gravity
         return float(extra @ self.case.live / np.linalg.norm(gravity))
 
-    def _along(self, name: str) -> float:
-        vectors = _array(getattr(state, name) for state in self._states)
-        return float(self._mass @ (vectors @ self.case.live) / self._mass.sum())
+    @property
+    def masses(self) -> np.ndarray:
+        """Masses of the free blocks, kg."""
+        return self._mass
+
+    def along(self, name: str) -> np.ndarray:
+        """Return positions ("pos", m) or velocities ("vel", m/s) of the free blocks along the live load."""
+        along: np.ndarray = _array(getattr(state, name) for state in self._states) @ self.case.live
+        return along
+
+    def _mean_place(self) -> float:
+        return float(self._mass @ self.along("pos") / self._mass.sum())
 
     def rotation(self, block: int) -> np.ndarray:
         """Return the rotation vector (3,), rad, of a block relative to the case's geometry."""

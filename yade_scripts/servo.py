@@ -1,16 +1,15 @@
-"""Drive a structure by its live load: a multiplier that keeps the mean displacement along the load growing at constant speed.
+"""Drive a structure by its live load: a multiplier that keeps the blocks moving along the load at constant speed.
 
-A load in proportion to weight is an acceleration, so only the vector of gravity changes. The servo acts on the free blocks like a spring
-and a dashpot between their mean displacement u along the load and a point that moves away at constant speed. It adds no energy, whatever
-the mechanism is, because the mean displacement is what the load does work on: force and speed are measured at the same place. With
-alpha the multiplier and g gravity, a structure that moves freely along the load obeys u'' = g alpha; spring and dashpot over the weight
-are therefore chosen by the frequency and the damping ratio of u.
+A load in proportion to weight is an acceleration, so only the vector of gravity changes. A mechanism that moves with the velocities v along
+the load obeys q'' = g (alpha - resistance), whichever blocks it moves, if q' is the mean of v weighted by m v: power of the load and
+energy of motion then have the same factor. So the servo holds this mean, with weights from the motion of the last moments. It acts like
+a spring and a dashpot, chosen by the frequency and the damping ratio of q; while the blocks stand, the spring stretches.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +23,7 @@ if TYPE_CHECKING:  # these load YADE
 
 LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedged in
 LAG = 0.2  # decay of the servo's own motion, by its dashpot, between two of its steps
+RENEWED = 0.5  # share of the weights that the motion of the last moments replaces
 
 
 @dataclass
@@ -42,6 +42,10 @@ class Servo:
         Duration of the cosine ramp, s.
     every : int
         Time steps from one multiplier to the next.
+    window : float
+        Duration of the motion that the weights follow, s.
+    moved : float
+        Motion of the blocks so far: integral of their weighted speed, m.
     """
 
     spring: float
@@ -49,6 +53,12 @@ class Servo:
     speed: float
     ramp_time: float
     every: int
+    window: float
+    moved: float = 0.0
+    _last: float = 0.0
+    _window_began: float = 0.0
+    _places: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    _weights: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def pulled(self, elapsed: float) -> tuple[float, float]:
         """Return motion (m) and speed (m/s) of the point, `elapsed` seconds after its start from rest."""
@@ -58,10 +68,26 @@ class Servo:
         phase = math.pi * elapsed / ramp
         return 0.5 * self.speed * (elapsed - ramp / math.pi * math.sin(phase)), 0.5 * self.speed * (1.0 - math.cos(phase))
 
-    def multiplier(self, elapsed: float, displacement: float, speed: float) -> float:
-        """Return the multiplier for blocks with this mean displacement (m) and speed (m/s) along the load."""
+    def multiplier(self, elapsed: float, speed: float) -> float:
+        """Return the multiplier for blocks with this weighted speed along the load, m/s."""
+        self.moved += speed * (elapsed - self._last)
+        self._last = elapsed
         place, rate = self.pulled(elapsed)
-        return self.spring * (place - displacement) + self.dashpot * (rate - speed)
+        return self.spring * (place - self.moved) + self.dashpot * (rate - speed)
+
+    def weighted(self, speeds: np.ndarray) -> float:
+        """Return the weighted mean of the blocks' speeds (n,), m/s."""
+        return float(self._weights @ speeds)
+
+    def renew(self, elapsed: float, masses: np.ndarray, places: np.ndarray) -> None:
+        """Let the weights follow what the blocks with these masses (n,), kg, moved along the load (n,), m, since the last window began."""
+        if len(self._weights):
+            motion = masses * np.maximum(places - self._places, 0.0)
+            if motion.sum() > 0.0:
+                self._weights += RENEWED * (motion / motion.sum() - self._weights)
+        else:
+            self._weights = masses / masses.sum()
+        self._places, self._window_began = places, elapsed
 
     @property
     def loading_time(self) -> float:
@@ -71,20 +97,24 @@ class Servo:
     def start(self, record: Record, model: Model) -> None:
         """Measure displacements from here, and pull from the next step on."""
         record.start_load()
+        self.renew(0.0, record.masses, record.along("pos"))
         model.drive.iterPeriod, model.drive.dead = self.every, False
 
     def pull(self, elapsed: float, record: Record, model: Model) -> None:
         """Set the multiplier, `elapsed` seconds after the start."""
-        case, multiplier = record.case, self.multiplier(elapsed, record.settlement(), record.speed_along())
+        case = record.case
+        if elapsed - self._window_began >= self.window:
+            self.renew(elapsed, record.masses, record.along("pos"))
+        multiplier = self.multiplier(elapsed, self.weighted(record.along("vel")))
         if case.live is not None:
             model.integrator.gravity = case.gravity + multiplier * np.linalg.norm(case.gravity) * case.live
 
 
 def servo_of(case: Case, settings: Settings) -> Servo:
     """Return the servo of a case with a live load."""
-    gravity = case.weight / float(case.mass[case.free].sum())
+    gravity = float(np.linalg.norm(case.gravity))
     sag = case.sag * case.normal_stiffness / settings.normal_stiffness
     frequency = settings.servo_frequency * math.sqrt(gravity / sag)
     decay = 2.0 * settings.servo_damping * frequency
     every = max(1, int(LAG / (decay * settings.time_step)))
-    return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every)
+    return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, 1.0 / frequency)

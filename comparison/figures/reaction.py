@@ -258,9 +258,12 @@ def _draw_difference(axes: Any, results: Results, scales: Scales) -> None:
     if apart is None or coulomb is None or run is None:
         return
     at, size = run.settling("settlement"), run.settling("reaction")
-    ends = [np.interp(apart.settlement, at, size), np.interp(apart.settlement, coulomb.path_settlement, coulomb.path_value)]
+    ends = [
+        np.interp(apart.settlement, at, size),
+        np.interp(apart.settlement, coulomb.path_settlement / results.stiffening, coulomb.path_value),
+    ]
     where = f"{format_number(apart.settlement / scales.settlement, 2)} {scales.settlement_unit}"
-    label = f"{APART}: {format_number(apart.largest / scales.reaction, 2)} {scales.reaction_unit} at {where}"
+    label = f"{APART}: {f'{format_number(apart.largest / scales.reaction, 2)} {scales.reaction_unit}'.rstrip()} at {where}"
     style: dict[str, Any] = {"color": INK, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 4.4, "label": label}
     axes.plot([apart.settlement / scales.settlement] * 2, np.array(ends) / scales.reaction, **style)
 
