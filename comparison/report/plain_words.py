@@ -51,8 +51,15 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         carries = "It then still carries" if "settles" in moves or not moves else "The force on it along its motion is then"
         yield f"{carries if unit == 'N' else 'The moment on it is then'} {units.text(predicted, unit, 4)}{share}, by limit analysis."
-    if exists(yade.get("reaction")) and yade.get("status") == "plateau":
-        yield f"YADE gives {units.text(yade['reaction'], unit, 4)}."
+    given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
+    yield from _of_yade(comparison, given)
+
+
+def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
+    """Yield what YADE gives. given: its value with unit, "" for none."""
+    yade = comparison.get("yade") or {}
+    if given and yade.get("status") == "plateau":
+        yield f"YADE gives {given}."
     elif not yade:
         yield from [] if comparison.get("reason") else ["YADE was not run: this is the answer of one method."]  # the reason says it
     else:
@@ -64,11 +71,12 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
     if exists(predicted):
         yield (
-            f"Pushed{direction} by a share of every block's weight, the structure fails at {format_number(predicted, 3)} times its weight, "
+            f"Pushed{direction} by a share of every block's weight, the structure fails at {format_number(predicted, 4)} times its weight, "
             f"W = {units.text(comparison.get('weight'), 'N', 4)}."
         )
         yield f"Then {_moving_words(comparison, facts)}."
-    yield "Only limit analysis treats such a load: this is the answer of one method."
+    reaction = (comparison.get("yade") or {}).get("reaction")
+    yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
 
 
 def predicted_value(comparison: dict[str, Any]) -> Any:

@@ -83,9 +83,7 @@ def report_head(folder: Path, comparisons: list[dict[str, Any]], chosen: dict[st
         given = {scene.get(name) or "" for scene in facts}
         agreed[name] = given.pop() if len(given) == 1 else ""
     titles = [str(comparison.get("title") or comparison.get("scene")) for comparison in comparisons]
-    agreed["title"] = (
-        titles[0] if len(titles) == 1 else chosen.get("project") or agreed["project"] or f"{len(titles)} structures on moving supports"
-    )
+    agreed["title"] = titles[0] if len(titles) == 1 else chosen.get("project") or agreed["project"] or f"{len(titles)} structures"
     head = {name: chosen.get(name) or agreed[name] for name in ("title", "project", "author", "date")}
     head["date"] = head["date"] or _day_of_results(folder, comparisons)
     return head

@@ -56,12 +56,12 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
     weight = shown(comparison.get("weight"))
-    ratios = {name: value / weight if exists(value) and weight else None for name, value in reactions.items()}
+    ratios = {name: value / weight if exists(value) and weight and not live else None for name, value in reactions.items()}
     unbounded = associated.get("reaction_max_status") == "unbounded"
     return reactions | {
         "ratios": ratios,
         "unit": unit,
-        "ratio_unit": "of W" if base == "N" else "m, over W",
+        "ratio_unit": "" if live else "of W" if base == "N" else "m, over W",
         "greatest_status": "no upper limit" if unbounded else "",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
