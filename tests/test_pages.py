@@ -193,7 +193,7 @@ def test_the_campaign_of_its_page_has_the_cases_that_the_page_counts() -> None:
     assert set(parameters) == {field.name for field in dataclasses.fields(ClassicParameters)}
 
 
-@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "two_blocks"])
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "two_blocks", "ferris_tin_loi_1"])
 @pytest.mark.slow
 def test_every_check_of_a_run_has_a_row(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
     table = CHECKS.read_text(encoding="utf-8")
