@@ -26,7 +26,7 @@ ROOMS = (
     "comparison.campaign_result", "comparison.cli", "comparison.__main__",
 )  # fmt: skip
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
-    "la_core.scene": ("schema", "generators", ""),
+    "la_core.scene": ("schema", "generators", "loads", ""),
     "comparison.campaign": ("", "workers", "figures", "report"),
     "comparison.cli": ("", "help_verbs", "study_verbs", "scene_verbs", "commands"),
 }

@@ -1,5 +1,6 @@
 """The case as YADE bodies: one clump per block, one sphere per contact point, and the engines that move them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,6 +117,7 @@ def build(case: Case, settings: Settings, watch_command: str, pull_command: str)
     if case.displacement == "small":
         _pair(spheres.tolist(), faces.tolist())
     integrator, drive, watch = _engines(case, settings, clumps, (watch_command, pull_command))
+    apply_loads(case, clumps)
     position = np.array([omega.bodies[clump].state.pos for clump in clumps])
     rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
     return Model(tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist()), position, rotation, integrator, drive, watch)
@@ -206,6 +208,18 @@ def _blocked(case: Case, block: int) -> str:
     if case.role[block] != FREE:
         return _ALL_BLOCKED
     return _PLANE_BLOCKED if case.plane else ""
+
+
+def apply_loads(case: Case, clumps: Sequence[int], share: float = 1.0) -> None:
+    """Let `share` of the dead loads and ties act on the clumps from the next step on.
+
+    They keep direction and moment as the blocks move, as in limit analysis.
+    """
+    forces = Omega().forces
+    for block in np.flatnonzero(case.applied_load.any(axis=1)).tolist():
+        load = share * case.applied_load[block]
+        forces.setPermF(clumps[block], Vector3(*load[:3].tolist()))
+        forces.setPermT(clumps[block], Vector3(*load[3:].tolist()))
 
 
 def _pair(spheres: list[int], faces: list[int]) -> None:

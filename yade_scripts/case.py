@@ -51,6 +51,10 @@ class Case:
         Mass (B,), kg.
     centroid : np.ndarray
         Centroid (B, 3), m.
+    applied_load : np.ndarray
+        Constant force and moment (B, 6) about the centroid of each block beside its weight, N and N m: dead loads and ties.
+    load_weight : np.ndarray
+        Part (B,) of the dead loads that counts as weight, N.
     inertia : np.ndarray
         Inertia (B, 3, 3) about the centroid in global axes, kg m2.
     vertices : tuple of np.ndarray
@@ -94,6 +98,8 @@ class Case:
     role: np.ndarray
     mass: np.ndarray
     centroid: np.ndarray
+    applied_load: np.ndarray
+    load_weight: np.ndarray
     inertia: np.ndarray
     vertices: tuple[np.ndarray, ...]
     parts: tuple[tuple[np.ndarray, ...], ...]
@@ -133,8 +139,8 @@ class Case:
 
     @cached_property
     def block_weight(self) -> float:
-        """Mean weight of a free block, N: the unit of force in every tolerance."""
-        return float(np.mean(self.mass[self.free]) * np.linalg.norm(self.gravity))
+        """Mean weight of a free block with its dead loads, N: the unit of force in every tolerance."""
+        return float(np.mean(self.mass[self.free] * np.linalg.norm(self.gravity) + self.load_weight[self.free]))
 
     @cached_property
     def block_size(self) -> float:
@@ -181,6 +187,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         role=data["blocks/role"][index],
         mass=data["blocks/mass"][index],
         centroid=data["blocks/centroid"][index],
+        applied_load=data.get("blocks/applied_load", np.zeros((total, 6)))[index],
+        load_weight=data.get("blocks/load_weight", np.zeros(total))[index],
         inertia=data["blocks/inertia"][index],
         vertices=vertices,
         parts=_parts(data, index, vertices),
@@ -256,6 +264,8 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
+    if not np.all(np.isfinite(case.applied_load)) or np.any(case.applied_load[case.role != FREE]):
+        raise CaseError("blocks/applied_load: every entry must be finite, and 0 for a block that is not free")
     for name in _JOINT_NUMBERS:
         value, may_vanish = getattr(case, name), name == "shear_stiffness"
         if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not may_vanish):

@@ -10,7 +10,7 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model, set_speed
+from yade_scripts.bodies import Model, apply_loads, set_speed
 from yade_scripts.case import Case
 from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
@@ -120,10 +120,12 @@ class Protocol:
         settings = self.settings
         steps = math.ceil(settings.wedging / settings.speed / settings.time_step)
         self.model.integrator.gravity = (0.0, 0.0, 0.0)
+        apply_loads(self.case, self.model.clump, 0.0)
         set_speed(self.case, self.model.drive, -settings.speed)
         self._advance(steps, steps + 1)
         set_speed(self.case, self.model.drive, 0.0)
         self.model.integrator.gravity = self.case.gravity
+        apply_loads(self.case, self.model.clump)
         self.asked_settlement = -settings.speed * steps * settings.time_step
 
     def _settle(self) -> None:

@@ -37,7 +37,7 @@ class Row:
     speed : float
         Speed of the fastest free block, m/s.
     weight_work : float
-        Work of the weights since the start, J.
+        Work of the weights, dead loads and ties since the start, J.
     displacement : float
         Displacement of the free block that moved most, m.
     """
@@ -91,6 +91,7 @@ class Record:
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
         self._rest, self._mass, self._inertia = self.model.position[case.free], case.mass[case.free], case.inertia[case.free]
+        self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
         self._direction = case.support_twist[3:] if case.is_rotation else case.support_twist[:3]
 
     def read_row(self, stage: int) -> Row:
@@ -114,11 +115,16 @@ class Record:
             kinetic_energy=0.5 * float(self._mass @ squares[0] + rotational),
             unbalanced=unbalanced / case.block_weight,
             speed=speed,
-            weight_work=float(self._mass @ (moved @ case.gravity)),
+            weight_work=float(self._mass @ (moved @ case.gravity)) + self._work_of_loads(moved),
             displacement=displacement,
         )
         self.rows.append(row)
         return row
+
+    def _work_of_loads(self, moved: np.ndarray) -> float:
+        """Return the work of dead loads and ties for displacements of the free blocks (F, 3), J."""
+        turning = sum(float(self.case.applied_load[block, 3:] @ self.rotation(block)) for block in self._turned)
+        return float(np.sum(self._loads * moved)) + turning
 
     def support_wrench(self) -> np.ndarray:
         """Return force and moment about the global origin (6,), N and N m, of the supports on the structure; 0 without supports."""

@@ -116,8 +116,7 @@ def derive(case: Case) -> Settings:
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
     set_default(gravity_time=GRAVITY_PERIODS * period)
-    weight = gravity * float(case.mass[case.free].sum())
-    set_default(rest_energy=REST_SHARE * 0.5 * weight * sag)
+    set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
     set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)

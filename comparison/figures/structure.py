@@ -71,7 +71,7 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     if canvas.few:
         canvas.names()
     driven = _draw_drive(canvas, assembly)
-    canvas.gravity(_unit(assembly.dead_load[:, :3].sum(axis=0)))
+    canvas.gravity(assembly.down)
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
     points_key = [_mark("contact point", POINT)] if has_points else []
@@ -164,7 +164,7 @@ def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], co
     falls = np.isin(blocks.names, list(falling))
     canvas.solids(blocks.vertices, *looks(assembly, falls, colour, "xx"))
     for k in np.flatnonzero(falls)[:FEW]:
-        canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * structure_size(blocks) * _unit(assembly.dead_load[k, :3]))
+        canvas.arrow(blocks.centroid[k], blocks.centroid[k] + ARROW * structure_size(blocks) * assembly.down)
 
 
 def _why_none(falling: Sequence[str]) -> str:

@@ -91,7 +91,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
 
 
 def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
-    """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, a live load."""
+    """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, loads."""
     blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
     if blocks.is_compound.any():
         values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))
@@ -99,6 +99,10 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
         values[exchange.JOINT_INSET] = assembly.points.inset
     if scene.live is not None:
         values[exchange.LIVE_DIRECTION] = scene.live
+    if assembly.applied_load.any():
+        own_weight = blocks.mass * float(np.linalg.norm(scene.gravity))
+        load_weight = np.where(blocks.free, assembly.block_weight - own_weight, 0.0)
+        values |= dict(zip(exchange.LOAD_FIELDS, (assembly.applied_load, load_weight), strict=True))
     return values
 
 

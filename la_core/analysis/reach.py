@@ -70,8 +70,7 @@ def region(assembly: Assembly, layers: int) -> np.ndarray:
     support, a, b = blocks.role == SUPPORT, interfaces.block_a, interfaces.block_b
     start = np.zeros(len(blocks), dtype=bool)
     start[a[support[b]]] = start[b[support[a]]] = True
-    gravity = assembly.dead_load[:, :3].sum(axis=0)
-    rise = -interfaces.normal @ gravity / np.linalg.norm(gravity)
+    rise = -interfaces.normal @ assembly.down
     below = np.concatenate([a[rise > RESTS_ON], b[rise < -RESTS_ON]])
     above = np.concatenate([b[rise > RESTS_ON], a[rise < -RESTS_ON]])
     bears = blocks.free[below] & blocks.free[above]
@@ -204,5 +203,5 @@ def _hold(assembly: Assembly, held: np.ndarray) -> Assembly:
     remaining = interfaces.subset(keep)
     points = assembly.points.subset(keep[assembly.points.interface])
     points = replace(points, interface=(np.cumsum(keep) - 1)[points.interface])
-    dead_load = np.where(held[:, None], 0.0, assembly.dead_load)
-    return replace(assembly, blocks=blocks, interfaces=remaining, points=points, dead_load=dead_load)
+    dead_load, applied_load = (np.where(held[:, None], 0.0, load) for load in (assembly.dead_load, assembly.applied_load))
+    return replace(assembly, blocks=blocks, interfaces=remaining, points=points, dead_load=dead_load, applied_load=applied_load)

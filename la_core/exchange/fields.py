@@ -86,6 +86,11 @@ PART_FIELDS = (
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
 # Optional: only where a live load drives the structure; no support moves then.
 LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load in proportion to the weights of the free blocks")
+# Optional: only where loads or ties act on blocks.
+LOAD_FIELDS = (
+    Field("blocks/applied_load", "f8", ("B", 6), "N, N m", "dead loads and ties on each block, a wrench that never changes"),
+    Field("blocks/load_weight", "f8", ("B",), "N", "part of the dead loads along gravity; it counts as weight in W"),
+)
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(
     "scene/first_prediction",

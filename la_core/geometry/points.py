@@ -49,7 +49,7 @@ class ContactPoints:
         return ContactPoints(self.interface[kept], self.position[kept], self.friction[kept], self.inset[kept])
 
 
-def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inset: float, plane: bool) -> ContactPoints:
+def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.ndarray, inset: float, plane: bool) -> ContactPoints:
     """Lay contact points at the corners of each interface.
 
     Parameters
@@ -58,8 +58,8 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inse
         Blocks, for the names in messages.
     interfaces : Interfaces
         Interfaces of the blocks.
-    friction : float
-        Friction coefficient of every point, tan(phi).
+    friction : float or (I,) array
+        Friction coefficient of all interfaces, or of each, tan(phi).
     inset : float
         Distance of the points from the edges of their interface, m; less in a short joint. 0 puts them on its corners.
     plane : bool
@@ -78,7 +78,8 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float, inse
     else:
         own = np.zeros(len(interfaces))
     position, interface = (_plane_points if plane else _solid_points)(interfaces, own)
-    return ContactPoints(interface, position, np.full(len(interface), friction), own[interface])
+    of_interface = np.broadcast_to(np.asarray(friction, dtype=float), len(interfaces))
+    return ContactPoints(interface, position, of_interface[interface], own[interface])
 
 
 def without_slivers(blocks: Blocks, interfaces: Interfaces, least: float, plane: bool) -> Interfaces:

@@ -69,8 +69,7 @@ def level_sums(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     forces (C, 3): contact forces, N. A free block is above a level if its centroid is. LEVELS are shares of the
     height of the free blocks' centroids, against gravity.
     """
-    up = -assembly.dead_load[:, :3].sum(axis=0)
-    height = assembly.blocks.centroid @ (up / np.linalg.norm(up))
+    height = assembly.blocks.centroid @ -assembly.down
     free_height = height[assembly.blocks.free]
     a, b = assembly.contact_blocks
     sums = []

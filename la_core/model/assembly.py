@@ -8,8 +8,8 @@ from scipy import sparse
 from la_core.errors import SceneError
 from la_core.exchange import SUPPORT
 from la_core.geometry import SLIVER, Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
-from la_core.model.effects import Effects, decide
-from la_core.scene import Scene
+from la_core.model.effects import Effects, applied_wrenches, decide
+from la_core.scene import Scene, friction_of_joints, refuse_idle_classes
 
 PLANE_FREEDOMS = (0, 2, 4)  # vx, vz, wy of a block that moves in the xz plane
 
@@ -39,7 +39,13 @@ class Assembly:
     inset : float
         Distance of the contact points from the edges of their interface, m; `points.inset` is less in short joints.
     dead_load : (B, 6) array
-        Weight of each free block as a wrench about its centroid, N and N m.
+        Weight, dead loads and ties of each free block as a wrench about its centroid, N and N m.
+    applied_load : (B, 6) array
+        The part of `dead_load` that is not the weight of the block itself.
+    block_weight : (B,) array
+        Weight of each block with the dead loads on it, N; 0 for a held block. See `la_core.scene.Scene.weight`.
+    down : (3,) array
+        Unit vector of gravity.
     live_load : (B, 6) array
         Live load per unit multiplier as wrenches about the centroids, N and N m; zero for a settlement.
     support_twist : (B, 6) array
@@ -57,6 +63,9 @@ class Assembly:
     effects: Effects
     inset: float
     dead_load: np.ndarray
+    applied_load: np.ndarray
+    block_weight: np.ndarray
+    down: np.ndarray
     live_load: np.ndarray
     support_twist: np.ndarray
     aside: np.ndarray
@@ -69,8 +78,8 @@ class Assembly:
 
     @property
     def weight(self) -> float:
-        """Weight of the free blocks, N."""
-        return float(np.linalg.norm(self.dead_load[self.blocks.free, :3], axis=1).sum())
+        """Weight of the free blocks and of the dead loads on them, N: the unit of forces in programmes and tolerances."""
+        return float(self.block_weight[self.blocks.free].sum())
 
     @property
     def mean_weight(self) -> float:
@@ -158,7 +167,7 @@ class Assembly:
 
     def with_inset(self, scene: Scene, inset: float) -> "Assembly":
         """The same assembly with its contact points drawn in by `inset` (m) instead."""
-        points = contact_points(self.blocks, self.interfaces, scene.friction, inset, self.effects.plane)
+        points = contact_points(self.blocks, self.interfaces, _friction(scene, self.interfaces), inset, self.effects.plane)
         return replace(self, points=points, inset=inset)
 
 
@@ -189,10 +198,16 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     effects = decide(scene)
     found = find_interfaces(blocks) if interfaces is None else interfaces
     interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
-    points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
+    points = contact_points(blocks, interfaces, _friction(scene, interfaces), scene.inset, effects.plane)
+    refuse_idle_classes(scene.joint_classes, blocks, interfaces)
     if scene.support_twist is not None:
         _refuse_idle_support(blocks.role == SUPPORT, interfaces)
     return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
+
+
+def _friction(scene: Scene, interfaces: Interfaces) -> np.ndarray:
+    """Friction coefficient (I,) of interfaces of a scene; roles are those of the scene, also where a model holds more blocks."""
+    return friction_of_joints(scene.joint_classes, scene.friction, scene.blocks, interfaces)
 
 
 def unjoined(scene: Scene) -> Assembly:
@@ -204,17 +219,23 @@ def unjoined(scene: Scene) -> Assembly:
 
 def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: ContactPoints, slivers: int) -> Assembly:
     blocks = scene.blocks
-    dead_load, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
-    dead_load[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
+    weight, live_load, support_twist = (np.zeros((len(blocks), 6)) for _ in range(3))
+    weight[blocks.free, :3] = blocks.mass[blocks.free, None] * scene.gravity
+    applied_load = applied_wrenches(scene)
+    size = float(np.linalg.norm(scene.gravity))
     if scene.live is not None:
-        live_load[:, :3] = np.linalg.norm(dead_load[:, :3], axis=1)[:, None] * scene.live
+        live_load[:, :3] = np.linalg.norm(weight[:, :3], axis=1)[:, None] * scene.live
+        live_load += scene.loads.wrenches(blocks.centroid, per_mass=size * scene.live)
     if scene.support_twist is not None:
         support = blocks.role == SUPPORT
         velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
         support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
         support_twist[support, 3:] = spin
     aside = np.zeros(len(blocks), dtype=bool)
-    return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside, slivers)
+    return Assembly(
+        blocks, interfaces, points, effects, scene.inset, weight + applied_load, applied_load,
+        np.where(blocks.free, scene.carried_weight, 0.0), scene.gravity / size, live_load, support_twist, aside, slivers,
+    )  # fmt: skip
 
 
 def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:

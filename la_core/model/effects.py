@@ -134,4 +134,23 @@ def _obstacle_to_plane(scene: Scene) -> str:
         out_of_plane = np.hypot(spin[0], spin[2]) if np.any(spin) else abs(velocity[1])
         if out_of_plane > FLAT:
             return "the support does not move in the xz plane"
-    return ""
+    return _load_out_of_plane(scene)
+
+
+def applied_wrenches(scene: Scene) -> np.ndarray:
+    """Dead loads and ties of a scene as wrenches (B, 6) about the centroids, N and N m."""
+    applied = scene.loads.wrenches(scene.blocks.centroid)
+    return applied if scene.ties is None else applied + scene.ties.forces.wrenches(scene.blocks.centroid)
+
+
+def _load_out_of_plane(scene: Scene) -> str:
+    """Why loads and ties are not in the xz plane, or "" where they are."""
+    wrenches, blocks = applied_wrenches(scene), scene.blocks
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)
+    scale = np.maximum(np.linalg.norm(wrenches[:, :3], axis=1), np.linalg.norm(wrenches[:, 3:], axis=1) / size)
+    masses = scene.loads.wrenches(blocks.centroid, per_mass=np.zeros(3) if scene.live is None else scene.live)
+    across = np.abs(wrenches[:, 1]) + np.abs(wrenches[:, [3, 5]]).max(axis=1) / size
+    turning = np.abs(masses[:, [3, 5]]).max(axis=1) / size
+    bent = np.flatnonzero((across > FLAT * scale) | (turning > FLAT * np.linalg.norm(masses[:, :3], axis=1)))
+    where = "acts out of the xz plane, or beside the middle of the depth"
+    return f'a load or tie on block "{blocks.names[bent[0]]}" {where}' if len(bent) else ""

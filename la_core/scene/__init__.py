@@ -4,6 +4,7 @@ from la_core.scene import key_paths, shipped
 from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
+from la_core.scene.loads.friction import friction_of_joints, refuse_idle_classes
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
 from la_core.scene.schema.key_words import default_words, value_words
@@ -33,6 +34,7 @@ __all__ = [
     "change_rows",
     "default_words",
     "described",
+    "friction_of_joints",
     "full_model",
     "geometry_changes",
     "given_keys",
@@ -42,6 +44,7 @@ __all__ = [
     "names",
     "override",
     "part_of_schema",
+    "refuse_idle_classes",
     "same_structure",
     "scene_from_file",
     "scene_of_text",

@@ -1,7 +1,7 @@
 """From a TOML file to a `Scene`, with every check that needs no solver."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +16,12 @@ from la_core.scene import reading
 from la_core.scene.generators.drawings import DrawnBlocks
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.line_numbers import KeyPath, with_lines
+from la_core.scene.loads.dead_loads import Ties, faults_of_loads, load_forces, ties_of
+from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.plausibility import implausible
 from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
 from la_core.scene.schema import scene_file
+from la_core.scene.schema.loads import JointFriction
 from la_core.scene.schema.motion import support_twist, unit_vector
 from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import as_scene_error, joined
@@ -47,7 +50,7 @@ class Scene(Tabled):
     gravity : ndarray, shape (3,)
         Acceleration of gravity, m/s2.
     friction : float
-        Friction coefficient of every joint, tan(phi).
+        Friction coefficient of every joint that belongs to no class of [[friction]], tan(phi).
     inset : float
         Distance by which contact points lie inside the edges of an interface, m.
     blocks : Blocks
@@ -84,6 +87,14 @@ class Scene(Tabled):
         Sentences about values that are allowed but seldom meant, such as an angle for friction.
     places : tuple
         Table of the file that each block comes from, such as ("wall", 0).
+    loads : PointForces
+        Dead loads beside the weight of the blocks, as forces on blocks.
+    ties : Ties or None
+        Rods of given tension. None where there are none.
+    joint_classes : tuple of JointFriction
+        Classes of joints with a friction of their own.
+    load_names : tuple of str
+        Name of each [[load]] table.
     """
 
     name: str
@@ -111,6 +122,10 @@ class Scene(Tabled):
     repairs: Repairs | None = None
     warnings: tuple[str, ...] = ()
     places: tuple[KeyPath, ...] = ()
+    loads: PointForces = field(default_factory=PointForces.none)
+    ties: Ties | None = None
+    joint_classes: tuple[JointFriction, ...] = ()
+    load_names: tuple[str, ...] = ()
 
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
@@ -134,8 +149,14 @@ class Scene(Tabled):
 
     @property
     def weight(self) -> float:
-        """Weight of all free blocks, N."""
-        return float(self.blocks.mass[self.blocks.free].sum() * np.linalg.norm(self.gravity))
+        """Weight of all free blocks and of the dead loads on them, N; of a load, the part along gravity where it does not lift."""
+        return float(self.carried_weight[self.blocks.free].sum())
+
+    @property
+    def carried_weight(self) -> np.ndarray:
+        """Weight (B,) of each block with the dead loads on it, N; NaN for a held block without density."""
+        size = float(np.linalg.norm(self.gravity))
+        return self.blocks.mass * size + self.loads.weight(len(self.blocks), self.gravity / size)
 
     @property
     def shortest_joint(self) -> float:
@@ -224,6 +245,9 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
     blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named])
     gravity, twist = np.array(file.gravity), support_twist(file.settlement)
+    if faults := list(faults_of_loads(file, blocks)):
+        raise joined(faults, counted)
+    loads, ties = load_forces(file.load, blocks, gravity), ties_of(file.tie, blocks) if file.tie else None
     return Scene(
         name=name,
         path=path,
@@ -250,4 +274,8 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         repairs=repairs,
         warnings=implausible(blocks, stones, file.joint.friction, gravity, twist),
         places=tuple(tables.places),
+        loads=loads,
+        ties=ties,
+        joint_classes=file.friction,
+        load_names=tuple(load.name for load in file.load),
     )

@@ -29,7 +29,7 @@ _RULES = {  # instead of pydantic's messages, which speak of Python
 _NOT_IN_A_SCENE = {  # words that users try, and what holds instead
     "cohesion": "joints have none: they open without force; use the friction alone",
     "tension": "joints have none: they open without force; use the friction alone",
-    "load": "loads are the blocks' weights; [live] pushes in proportion to them, and more density stands for a load on a block",
+    "load": "dead loads stand in [[load]] tables of their own, ties in [[tie]]; [live] pushes in proportion to weight",
     "sweep": "this is a campaign, not a scene: `crosscheck campaign` runs it",
     "unit": "all numbers are in SI units: m, kg, N",
     "units": "all numbers are in SI units: m, kg, N",

@@ -20,7 +20,8 @@ YADE_SETTINGS = ROOT / "yade_scripts" / "settings.py"
 UNITS = ("N/m", "N s/m", "m/s or rad/s", "m/s", "m or rad", "m", "s", "J")  # with which a setting's comment may begin
 
 HEADINGS = {  # of a table of the schema, as a scene file spells it, in the order of the page
-    "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`", "Box": "`box` of a block",
+    "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`",
+    "Box": "`box` of a block, `region` of a load",
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
     "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
     "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
@@ -29,16 +30,18 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "Foundation": "`foundation` of a building", "Region": "`settling` of a foundation", "Arch": "`[[arch]]`", "Vault": "`[[vault]]`",
     "Springers": "`springers` of an arch or a vault", "Dome": "`[[dome]]`", "Rubble": "`[[rubble]]`",
     "Mesh": "`[[mesh]]`", "Turn": "`turn` of a mesh", "Drawing": "`[[drawing]]`", "Geometry": "`[geometry]`",
+    "JointFriction": "`[[friction]]`", "Load": "`[[load]]`", "Tie": "`[[tie]]`",
 }  # fmt: skip
 EXAMPLES = {  # starter that shows a table, or a shipped scene
     "SceneFile": "curve", "Block": "blocks", "Live": "push", "Wall": "gable", "Opening": "facade", "Footing": "buttress",
     "Building": "building", "Arch": "pointed_arch", "Vault": "vault", "Dome": "dome", "Rubble": "rubble", "Mesh": "rubble_wall",
+    "Load": "floors",
 }  # fmt: skip
 SHOWN_BY = {  # table whose example shows another one, too
     **dict.fromkeys(("Stone", "Joint", "Settlement", "RequestedPath", "RequestedEffects", "Expected"), "SceneFile"),
     **dict.fromkeys(("Box", "Prism", "Polyhedron"), "Block"),
     **dict.fromkeys(("BuildingOpening", "Floor", "Foundation", "Region"), "Building"),
-    "Springers": "Arch", "Turn": "Mesh",
+    "Springers": "Arch", "Turn": "Mesh", "JointFriction": "Load", "Tie": "Load",
 }  # fmt: skip
 EXPLAINED = {  # table whose example needs a file beside it: the page on it
     "Drawing": "../drawing/README.md", "Geometry": "../drawing/README.md#the-tolerance",

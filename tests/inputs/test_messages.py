@@ -102,7 +102,7 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ("[1.0, 0.2, 0.5]", "[1,0, 0,2, 0,5]", "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"),
         ('= "support"', "= support", "write text in quotes"),
         ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: unknown key; joints have none: they open without force"),
-        ("[settlement]", "[[load]]\nforce = 1\n[settlement]", "load: unknown key; loads are the blocks' weights"),
+        ("= 0.6", "= 0.6\nload = 100.0", "joint.load: unknown key; dead loads stand in [[load]] tables of their own"),
         ("[settlement]", '[[sweep]]\nscene = "wall"\n[settlement]', "sweep: unknown key; this is a campaign, not a scene"),
         ("[settlement]", "[live]\ndirection = [1, 0, 0]\n[settlement]", "needs either a [settlement] or a [live] table; it has both"),
     ],

@@ -6,11 +6,13 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.drawing import Drawing, Geometry
+from la_core.scene.schema.loads import JointFriction, Load, Tie
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh
 from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
+    Box,
     Count,
     DateText,
     Direction,
@@ -49,7 +51,7 @@ class Stone(Table):
 
 
 class Joint(Table):
-    """The dry joint, alike everywhere: no mortar, no cohesion, no tension."""
+    """The dry joint: no mortar, no cohesion, no tension. [[friction]] changes the friction of some joints."""
 
     friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
     inset: NotNegative = described(
@@ -57,19 +59,6 @@ class Joint(Table):
         "m",
         default=0.001,
     )
-
-
-class Box(Table):
-    """Box along the axes between two corners, m."""
-
-    from_: Vector = described("corner with the least x, y and z", "m", alias="from")
-    to: Vector = described("corner with the greatest x, y and z", "m")
-
-    @model_validator(mode="after")
-    def _has_volume(self) -> Self:
-        if any(high <= low for low, high in zip(self.from_, self.to, strict=True)):
-            raise ValueError("every coordinate of `to` must be greater than that of `from`, else the box has no volume")
-        return self
 
 
 class Prism(Table):
@@ -200,6 +189,9 @@ class SceneFile(Table):
     rubble: tuple[Rubble, ...] = described("walls of irregular stones", default=())
     mesh: tuple[Mesh, ...] = described("imported blocks", default=())
     drawing: tuple[Drawing, ...] = described("blocks from the outlines of a drawing", default=())
+    friction: tuple[JointFriction, ...] = described("friction of some joints, in place of [joint]'s", default=())
+    load: tuple[Load, ...] = described("dead loads on blocks beside their weight", default=())
+    tie: tuple[Tie, ...] = described("rods of given tension", default=())
     geometry: Geometry = described("errors of the coordinates", default=Geometry())
     settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
     live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)

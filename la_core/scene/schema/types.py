@@ -1,9 +1,9 @@
 """Types of the entries of a scene file: numbers within limits, vectors, names, and tables that refuse unknown keys."""
 
 import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
 
 from la_core.errors import CONTROL
 
@@ -45,7 +45,8 @@ LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are
 Role = Literal["free", "fixed", "support"]
 
 
-def _not_zero(vector: Vector) -> Vector:
+def not_zero(vector: Vector) -> Vector:
+    """Return the vector; raises ValueError where all its entries are zero."""
     if not any(vector):
         raise ValueError("must not be the zero vector")
     return vector
@@ -57,8 +58,8 @@ def _not_weightless(vector: Vector) -> Vector:
 
 
 Finite = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(_not_zero)]  # made unit, so of any length
-Gravity = Annotated[Vector, AfterValidator(_not_zero), AfterValidator(_not_weightless)]
+Direction = Annotated[tuple[Finite, Finite, Finite], AfterValidator(not_zero)]  # made unit, so of any length
+Gravity = Annotated[Vector, AfterValidator(not_zero), AfterValidator(_not_weightless)]
 
 
 def described(meaning: str, unit: str = "", **options: Any) -> Any:
@@ -70,3 +71,16 @@ class Table(BaseModel):
     """A table that refuses keys it does not know and does not change once read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Box(Table):
+    """Box along the axes between two corners, m."""
+
+    from_: Vector = described("corner with the least x, y and z", "m", alias="from")
+    to: Vector = described("corner with the greatest x, y and z", "m")
+
+    @model_validator(mode="after")
+    def _has_volume(self) -> Self:
+        if any(high <= low for low, high in zip(self.from_, self.to, strict=True)):
+            raise ValueError("every coordinate of `to` must be greater than that of `from`, else the box has no volume")
+        return self

@@ -1,0 +1,162 @@
+"""Forces of the [[load]] and [[tie]] tables on the blocks of a scene."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from la_core.errors import SceneError, nearest
+from la_core.geometry import Blocks
+from la_core.scene.loads.point_forces import PointForces
+from la_core.scene.loads.top_faces import carried
+from la_core.scene.schema.loads import JointFriction, Load, Tie
+from la_core.scene.schema.scene_file import SceneFile
+
+Fault = tuple[tuple[str | int, ...], str]  # place in the file, and what is wrong there
+GROUND = -1  # in place of a block, where the ground holds an end of a tie
+
+
+@dataclass(frozen=True)
+class Ties:
+    """The T ties of a scene.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Name of each tie.
+    block : (T, 2) array of int
+        Blocks at both ends; GROUND where the ground holds the end.
+    ends : (T, 2, 3) array
+        Both ends, m.
+    tension : (T,) array
+        Tension, N.
+    forces : PointForces
+        Their forces on blocks.
+    """
+
+    names: tuple[str, ...]
+    block: np.ndarray
+    ends: np.ndarray
+    tension: np.ndarray
+    forces: PointForces
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+def chosen_by(names: tuple[str, ...], pattern: str) -> np.ndarray:
+    """Mask (B,) of the names that a pattern chooses; a name that exists is that name, whatever characters it has."""
+    if pattern in names:
+        return np.array([name == pattern for name in names])
+    return np.array([fnmatchcase(name, pattern) for name in names])
+
+
+def faults_of_loads(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
+    """Yield each load, tie or class of joints that names a block which is not there, or that nothing can carry."""
+    for number, load in enumerate(file.load):
+        yield from _told(("load", number), load.name, _fault_of_load(load, blocks))
+    for number, tie in enumerate(file.tie):
+        yield from _told(("tie", number), tie.name, _fault_of_tie(tie, blocks))
+    for number, rule in enumerate(file.friction):
+        yield from _told(("friction", number), "", _fault_of_friction(rule, blocks))
+
+
+def _told(place: tuple[str, int], name: str, fault: tuple[str, str, str] | None) -> Iterator[Fault]:
+    """Yield the fault (key, rule, hint) of a table with its place and name."""
+    if fault is not None:
+        key, rule, hint = fault
+        table = f'{place[0]} "{name}"' if name else f"{place[0]}[{place[1]}]"
+        yield (*place, key), str(SceneError(f"{table}.{key}", rule, hint=hint))
+
+
+def _unknown(pattern: str, blocks: Blocks, key: str) -> tuple[str, str, str] | None:
+    if chosen_by(blocks.names, pattern).any():
+        return None
+    return key, f'no block has the name "{pattern}"', nearest(pattern, blocks.names) if len(blocks) else ""
+
+
+def _fault_of_load(load: Load, blocks: Blocks) -> tuple[str, str, str] | None:
+    unknown = next((fault for pattern in load.blocks if (fault := _unknown(pattern, blocks, "blocks")) is not None), None)
+    if unknown is not None:
+        return unknown
+    chosen, key = chosen_blocks(load, blocks), "blocks" if load.blocks else "region"
+    if not chosen.any():
+        return key, "chooses no free block; a load on a held block changes nothing", "`crosscheck show` draws the blocks with names"
+    if load.at is not None and chosen.sum() != 1:
+        return "at", f"is a point on one block, but {int(chosen.sum())} blocks are chosen", "choose one block"
+    return None if load.per == "block" else _fault_of_faces(load, blocks, chosen, key)
+
+
+def _fault_of_faces(load: Load, blocks: Blocks, chosen: np.ndarray, key: str) -> tuple[str, str, str] | None:
+    """Return what is wrong with a load on the top faces of the chosen blocks (B,); key: by which the blocks were chosen."""
+    found = carried(blocks, chosen, _line(load))
+    if not len(found.block):
+        where = "from" if load.per == "m" else key
+        return where, f"no top face of the chosen blocks {'lies under the line' if load.per == 'm' else 'faces up'}", ""
+    if found.overlaps:
+        rule = "some of the chosen top faces lie above each other, or the line runs along a joint between two of them"
+        return key, f"{rule}, so that the load would count twice", "choose the blocks of one level, or shift the line a little"
+    return None
+
+
+def _fault_of_tie(tie: Tie, blocks: Blocks) -> tuple[str, str, str] | None:
+    for name in tie.blocks:
+        if name not in blocks.names:
+            return "blocks", f'no block has the name "{name}"', nearest(name, blocks.names)
+    if not any(blocks.free[blocks.names.index(name)] for name in tie.blocks):
+        return "blocks", "no end is at a free block, so the rod changes nothing", ""
+    return None
+
+
+def _fault_of_friction(rule: JointFriction, blocks: Blocks) -> tuple[str, str, str] | None:
+    faults = (_unknown(pattern, blocks, "between") for pattern in rule.between or ())
+    return next((fault for fault in faults if fault is not None), None)
+
+
+def chosen_blocks(load: Load, blocks: Blocks) -> np.ndarray:
+    """Mask (B,) of the free blocks that a load acts on."""
+    chosen = blocks.free.copy()
+    if load.blocks:
+        chosen &= np.any([chosen_by(blocks.names, pattern) for pattern in load.blocks], axis=0)
+    if load.region is not None:
+        low, high = np.array(load.region.from_), np.array(load.region.to)
+        chosen &= np.all((blocks.centroid >= low) & (blocks.centroid <= high), axis=1)
+    return chosen
+
+
+def load_forces(loads: tuple[Load, ...], blocks: Blocks, gravity: np.ndarray) -> PointForces:
+    """Forces of all loads, which must be without faults. gravity: acceleration (3,), m/s2."""
+    return PointForces.gather([_of_load(load, number, blocks, gravity) for number, load in enumerate(loads)])
+
+
+def _of_load(load: Load, number: int, blocks: Blocks, gravity: np.ndarray) -> PointForces:
+    chosen = chosen_blocks(load, blocks)
+    if load.per == "block":
+        block = np.flatnonzero(chosen)
+        point, share = blocks.centroid[block] if load.at is None else np.array([load.at]), np.ones(len(block))
+    else:
+        found = carried(blocks, chosen, _line(load))
+        block, point, share = found.block, found.point, found.share
+    mass = share * (load.mass or 0.0)
+    force = mass[:, None] * gravity if load.force is None else share[:, None] * np.array(load.force)
+    return PointForces(block, point, force, mass, np.full(len(block), number))
+
+
+def _line(load: Load) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    return None if load.from_ is None or load.to is None else (load.from_, load.to)
+
+
+def ties_of(ties: tuple[Tie, ...], blocks: Blocks) -> Ties:
+    """The ties of a scene, which must be without faults; an end at a held block is in the ground."""
+    ends = np.array([(tie.from_, tie.to) for tie in ties]).reshape(-1, 2, 3)
+    tension = np.array([tie.force for tie in ties])
+    named = [[blocks.names.index(name) for name in tie.blocks] for tie in ties]
+    block = np.array([[*found, GROUND][:2] for found in named], dtype=int).reshape(-1, 2)
+    block = np.where(blocks.free[block] & (block != GROUND), block, GROUND)
+    along = ends[:, 1] - ends[:, 0]
+    pull = tension[:, None] * along / np.linalg.norm(along, axis=1)[:, None]
+    tie, side = np.nonzero(block != GROUND)
+    force = np.where(side == 0, 1.0, -1.0)[:, None] * pull[tie]
+    forces = PointForces(block[tie, side], ends[tie, side], force, np.zeros(len(tie)), tie)
+    return Ties(tuple(one.name for one in ties), block, ends, tension, forces)

@@ -1,0 +1,74 @@
+"""Dead loads, ties and classes of joints by both methods, against statics by hand."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import scenes
+from conftest import Silent
+
+from comparison.workflow.one_scene import run_scene
+from la_core.scene.scene import load_scene
+
+INSET = 1e-3  # m
+SAME = 1e-3  # of the weight: what both methods must agree within, where statics gives the answer
+BEAM = (
+    scenes.box("left", (0.0, 0.0, -0.2), (0.2, 1.0, 0.0), "fixed"),
+    scenes.box("right", (0.8, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),
+)
+OWN = 2000.0 * 9.81 * 0.3  # N
+LEANING_WEIGHT = 2000.0 * 9.81  # N
+PRESSED_WEIGHT = 2000.0 * 9.81 * 0.1  # N
+
+
+def statics(weight_arm: float, moment: float) -> float:
+    """Force on the right pad as the block turns about the inner edge of the left one, N; arms from x = 0, the inset in both methods.
+
+    weight_arm: moment of the weights about x = 0, N m. moment: sum of the vertical forces, N.
+    """
+    edge = 0.2 - INSET
+    return (weight_arm - edge * moment) / (1.0 - INSET - edge)
+
+
+def both(tmp_path: Path, *parts: str, **options: Any) -> tuple[dict[str, Any], float, float]:
+    """The comparison, YADE's reaction and the predicted one, N, of a run that agrees."""
+    path = tmp_path / "scene.toml"
+    path.write_text(scenes.text(*parts, inset=INSET, model="auto", **options), encoding="utf-8")
+    summary = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True)
+    assert summary["verdict"] == "agree", summary["reason"]
+    return summary, summary["yade"]["reaction"], summary["limit_analysis"]["coulomb"]["reaction"]
+
+
+@pytest.mark.yade
+def test_an_eccentric_load_is_shared_by_the_lever_arms(tmp_path: Path) -> None:
+    size = 8000.0
+    load = scenes.table("[load]", blocks=["beam"], force=(0.0, 0.0, -size), at=(0.7, 0.5, 0.3))
+    _, run, predicted = both(tmp_path, *BEAM, scenes.box("beam", (0.0, 0.0, 0.0), (1.0, 1.0, 0.3)), load)
+    expected = statics(0.5 * OWN + 0.7 * size, OWN + size)
+    assert (run, predicted) == (pytest.approx(expected, abs=SAME * (OWN + size)), pytest.approx(expected, abs=SAME * (OWN + size)))
+
+
+@pytest.mark.yade
+def test_a_tie_holds_a_block_that_leans_beyond_its_base(tmp_path: Path) -> None:
+    tension = 0.3 * LEANING_WEIGHT
+    leaning = scenes.block("leaning", prism=(((0.0, 0.0), (1.0, 0.0), (2.2, 1.0), (1.2, 1.0)), (0.0, 1.0)))
+    rod = scenes.table("[tie]", blocks=["leaning"], **{"from": (1.2, 0.5, 1.0)}, to=(-2.0, 0.5, 1.0), force=tension)
+    _, run, predicted = both(tmp_path, *BEAM, leaning, rod, friction=0.9)
+    expected = statics(1.1 * LEANING_WEIGHT - 1.0 * tension, LEANING_WEIGHT)
+    assert (run, predicted) == (pytest.approx(expected, abs=SAME * LEANING_WEIGHT), pytest.approx(expected, abs=SAME * LEANING_WEIGHT))
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("mu", [0.2, 0.5])
+def test_a_stone_pressed_against_a_wall_slides_by_the_friction_of_that_joint(mu: float, tmp_path: Path) -> None:
+    force = 0.6 * PRESSED_WEIGHT
+    parts = (
+        scenes.box("wall", (-0.5, 0.0, -0.2), (0.0, 0.4, 0.5), "fixed"),
+        scenes.box("pad", (0.0, 0.0, -0.2), (0.5, 0.4, 0.0), "support"),
+        scenes.box("stone", (0.0, 0.0, 0.0), (0.5, 0.4, 0.5)),
+        scenes.table("[load]", blocks=["stone"], force=(-force, 0.0, 0.0), at=(0.5, 0.2, 0.2)),
+        scenes.table("[friction]", between=["stone", "pad"], friction=0.0),
+    )
+    _, run, predicted = both(tmp_path, *parts, friction=mu)
+    expected = PRESSED_WEIGHT - mu * force
+    assert (run, predicted) == (pytest.approx(expected, abs=SAME * PRESSED_WEIGHT), pytest.approx(expected, abs=SAME * PRESSED_WEIGHT))
