@@ -80,7 +80,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    own = _own_values(scene, assembly)
+    own = _own_values(assembly)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -90,7 +90,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     exchange.write(path, fields, values, inputs)
 
 
-def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
+def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
     """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, loads."""
     blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
     if blocks.is_compound.any():
@@ -100,9 +100,7 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
     if scene.live is not None:
         values[exchange.LIVE_DIRECTION] = scene.live
     if assembly.applied_load.any():
-        own_weight = blocks.mass * float(np.linalg.norm(scene.gravity))
-        load_weight = np.where(blocks.free, assembly.block_weight - own_weight, 0.0)
-        values |= dict(zip(exchange.LOAD_FIELDS, (assembly.applied_load, load_weight), strict=True))
+        values |= dict(zip(exchange.LOAD_FIELDS, (assembly.applied_load, np.where(blocks.free, assembly.carried, 0.0)), strict=True))
     return values
 
 

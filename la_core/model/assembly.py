@@ -42,8 +42,8 @@ class Assembly:
         Weight, dead loads and ties of each free block as a wrench about its centroid, N and N m.
     applied_load : (B, 6) array
         The part of `dead_load` that is not the weight of the block itself.
-    block_weight : (B,) array
-        Weight of each block with the dead loads on it, N; 0 for a held block. See `la_core.scene.Scene.weight`.
+    carried : (B,) array
+        Part of the dead loads along gravity on each block, N, where they do not lift; it counts as weight.
     down : (3,) array
         Unit vector of gravity.
     live_load : (B, 6) array
@@ -64,7 +64,7 @@ class Assembly:
     inset: float
     dead_load: np.ndarray
     applied_load: np.ndarray
-    block_weight: np.ndarray
+    carried: np.ndarray
     down: np.ndarray
     live_load: np.ndarray
     support_twist: np.ndarray
@@ -75,6 +75,12 @@ class Assembly:
     def short_joints(self) -> int:
         """Number of joints whose contact points have a smaller inset than others, because they are short."""
         return len(np.unique(self.points.interface[self.points.inset < self.inset]))
+
+    @property
+    def block_weight(self) -> np.ndarray:
+        """Weight (B,) of each free block with the dead loads on it, N; 0 for a held block."""
+        own = np.linalg.norm((self.dead_load - self.applied_load)[:, :3], axis=1)
+        return np.where(self.blocks.free, own + self.carried, 0.0)
 
     @property
     def weight(self) -> float:
@@ -234,7 +240,7 @@ def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: Cont
     aside = np.zeros(len(blocks), dtype=bool)
     return Assembly(
         blocks, interfaces, points, effects, scene.inset, weight + applied_load, applied_load,
-        np.where(blocks.free, scene.carried_weight, 0.0), scene.gravity / size, live_load, support_twist, aside, slivers,
+        scene.loads.weight(len(blocks), scene.gravity / size), scene.gravity / size, live_load, support_twist, aside, slivers,
     )  # fmt: skip
 
 

@@ -150,13 +150,9 @@ class Scene(Tabled):
     @property
     def weight(self) -> float:
         """Weight of all free blocks and of the dead loads on them, N; of a load, the part along gravity where it does not lift."""
-        return float(self.carried_weight[self.blocks.free].sum())
-
-    @property
-    def carried_weight(self) -> np.ndarray:
-        """Weight (B,) of each block with the dead loads on it, N; NaN for a held block without density."""
         size = float(np.linalg.norm(self.gravity))
-        return self.blocks.mass * size + self.loads.weight(len(self.blocks), self.gravity / size)
+        own, loads = self.blocks.mass[self.blocks.free].sum() * size, self.loads.weight(len(self.blocks), self.gravity / size).sum()
+        return float(own + loads)
 
     @property
     def shortest_joint(self) -> float:
