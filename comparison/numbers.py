@@ -91,6 +91,12 @@ def signed(value: float, digits: int) -> str:
     return ("+" if value > 0.0 else "") + format_number(value, digits)
 
 
+def class_words(joints: dict[str, Any]) -> str:
+    """Return what a class of joints holds for; `joints` is an entry of `la_core.scene.classes_as_dicts`."""
+    kind = f"{joints['joints']} joints" if joints["joints"] else "joints"
+    return f"{kind} between {' and '.join(joints['between'])}" if joints["between"] else kind
+
+
 def plural(count: int, word: str) -> str:
     """Return a count with its word, in the plural unless the count is 1: "2 cases"."""
     return f"{count} {word}{'' if count == 1 else 's'}"

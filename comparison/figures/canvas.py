@@ -22,6 +22,9 @@ LIMIT_ANALYSIS = "#1f4e8c"  # dark blue and light orange: their luminance differ
 YADE = "#f39c34"
 INK = "#222222"
 FAINT = "#9a9a9a"
+LOAD_COLOUR = "#1b7837"  # of dead loads and ties
+LOAD_LENGTH = 0.08  # of the structure's size: the arrow of the largest load
+MOST_LOADS = 40  # arrows in one figure
 ASIDE = 3  # drawn as a fourth role: a free block that was left out of the modelled region and is held at rest
 ROLE_FACE = {FREE: "#eeebe4", FIXED: "#8d8d8d", SUPPORT: "#c4c4c4", ASIDE: "#d9d9d9"}
 ROLE_HATCH = {FREE: "", FIXED: "////", SUPPORT: "....", ASIDE: ""}
@@ -159,9 +162,22 @@ class Canvas:
         """Draw markers at positions (N, 3); `style` goes to `Axes.plot`."""
         self.axes.plot(*self.flat(position).T, linestyle="none", zorder=5, **style)
 
-    def arrow(self, start: np.ndarray, end: np.ndarray) -> None:
-        """Draw a filled arrow between two positions (3,); it may leave the axes."""
-        self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=arrow_style(INK))
+    def arrow(self, start: np.ndarray, end: np.ndarray, colour: str = INK, width: float = 2.0) -> None:
+        """Draw a filled arrow between two positions (3,); it may leave the axes. width: of its line, pt."""
+        style = arrow_style(colour) | {"linewidth": width, "mutation_scale": 7.0 * width}
+        self.axes.annotate("", self.flat(end), self.flat(start), zorder=6, annotation_clip=False, arrowprops=style)
+
+    def loads(self, point: np.ndarray, force: np.ndarray) -> None:
+        """Draw forces (N, 3) as arrows that end at their points (N, 3), m; of many, some that lie evenly among them."""
+        size = np.linalg.norm(force, axis=1)
+        for k in np.unique(np.linspace(0, len(size) - 1, MOST_LOADS).astype(int)) if len(size) else ():
+            length = LOAD_LENGTH * structure_size(self.blocks) * (0.4 + 0.6 * size[k] / size.max())
+            self.arrow(point[k] - length * force[k] / size[k], point[k], LOAD_COLOUR, 1.2)
+
+    def rods(self, ends: np.ndarray) -> None:
+        """Draw ties between their ends (T, 2, 3), m."""
+        self.outlines(list(ends), LOAD_COLOUR, 1.6)
+        self.marks(ends.reshape(-1, 3), marker="s", markersize=4.0, markerfacecolor=LOAD_COLOUR, markeredgecolor=LOAD_COLOUR)
 
     def gravity(self, direction: np.ndarray) -> None:
         """Draw a grey arrow along a unit vector (3,), in the upper right corner."""

@@ -18,6 +18,7 @@ from comparison.figures.canvas import (
     FAINT,
     FEW,
     INK,
+    LOAD_COLOUR,
     ROLE_FACE,
     ROLE_HATCH,
     Canvas,
@@ -70,6 +71,11 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
         canvas.marks(np.array(unclosed), markersize=UNCLOSED_SIZE, **UNCLOSED)
     if canvas.few:
         canvas.names()
+    canvas.loads(scene.loads.point, scene.loads.force)
+    load_keys = [_arrow_key("dead load", LOAD_COLOUR)] if len(scene.loads) else []
+    if scene.ties is not None:
+        canvas.rods(scene.ties.ends)
+        load_keys.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label="tie"))
     driven = _draw_drive(canvas, assembly)
     canvas.gravity(assembly.down)
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
@@ -77,7 +83,7 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     points_key = [_mark("contact point", POINT)] if has_points else []
     unclosed_key = [_mark("to correct" if spots else "not closed", UNCLOSED)] if unclosed else []
     arrows = [_arrow_key(driven, INK), _arrow_key("gravity", FAINT)]
-    legend_below(figure, [*handles, *points_key, *unclosed_key, *arrows])
+    legend_below(figure, [*handles, *points_key, *unclosed_key, *load_keys, *arrows])
     return figure
 
 

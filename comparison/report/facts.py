@@ -10,6 +10,7 @@ from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.measures import ContactState, mechanism, thrust_line
+from la_core.scene import classes_as_dicts, loads_as_dicts, ties_as_dicts
 
 MOST_NAMES = 12  # blocks or joints that a report names
 
@@ -38,6 +39,9 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "blocks": roles,
         "size": (high - low).tolist(),
         "block_size": {"least": extent.min(axis=0).tolist(), "greatest": extent.max(axis=0).tolist()},
+        "joint_classes": classes_as_dicts(scene.joint_classes),
+        "loads": loads_as_dicts(scene.loads, scene.load_names),
+        "ties": ties_as_dicts(scene.ties, blocks.names),
         "motion": scene.support_twist.tolist() if scene.support_twist is not None else None,
         "live": scene.live.tolist() if scene.live is not None else None,
         "support": _support(blocks),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, exists, format_number, plural
+from comparison.numbers import Units, class_words, exists, format_number, plural
 from la_core.scene import given_keys
 
 Rows = list[tuple[str, str]]
@@ -16,7 +16,8 @@ Rows = list[tuple[str, str]]
 def input_rows(comparison: dict[str, Any], units: Units) -> Rows:
     """Return the inputs of a scene as pairs of name and text."""
     facts = comparison.get("structure") or {}
-    return [*_structure(comparison, facts, units), *_materials(facts), *_motion(comparison, facts, units), *_methods(comparison)]
+    loaded = [*_materials(facts), *_loads(facts, units)]
+    return [*_structure(comparison, facts, units), *loaded, *_motion(comparison, facts, units), *_methods(comparison)]
 
 
 def scene_file(folder: Path) -> str:
@@ -44,7 +45,8 @@ def _structure(comparison: dict[str, Any], facts: dict[str, Any], units: Units) 
         yield "one free block, least to greatest (x, y, z)", _extent_range(least, greatest)
     else:
         yield "free blocks", format_number(comparison.get("free_blocks"))
-    yield "weight of the free blocks, W", units.text(comparison.get("weight"), "N", 5)
+    carried = " and the loads on them" if facts.get("loads") else ""
+    yield f"weight of the free blocks{carried}, W", units.text(comparison.get("weight"), "N", 5)
     yield (
         "interfaces and contact points",
         f"{format_number(comparison.get('interfaces'))} and {format_number(comparison.get('contact_points'))}",
@@ -62,11 +64,22 @@ def _materials(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "gravity", f"{_given(float(np.linalg.norm(gravity)))} m/s2 {down}"
     angles = (f"{_given(mu)} ({format_number(math.degrees(math.atan(mu)), 3)}°)" for mu in facts["friction"])
     yield "friction coefficient mu (angle of friction)", ", ".join(angles)
+    for joints in facts.get("joint_classes") or ():
+        yield f"friction coefficient of {class_words(joints)}", _given(joints["friction"])
     yield "mortar, cohesion, tension, crushing", "none"
     inset = f"{_given(1e3 * facts['inset'])} mm"
     both = facts.get("inset_of_both")
     shared = f"; both methods are compared at {_given(1e3 * both)} mm" if exists(both) and both != facts["inset"] else ""
     yield "inset of the contact points (rounded edges)", f"{inset}{shared}"
+
+
+def _loads(facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
+    for load in facts.get("loads") or ():
+        force = ", ".join(units.text(part, "N", 4) for part in load["force"])
+        mass = f", {_given(load['mass'])} kg" if exists(load["mass"]) else ""
+        yield f"dead load {load['name']} (x, y, z)", f"({force}) on {plural(load['blocks'], 'block')}{mass}"
+    for tie in facts.get("ties") or ():
+        yield f"tie {tie['name']}, tension", f"{units.text(tie['tension'], 'N', 4)}, between {' and '.join(tie['between'])}"
 
 
 def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:

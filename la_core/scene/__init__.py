@@ -5,6 +5,7 @@ from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
 from la_core.scene.loads.friction import friction_of_joints, refuse_idle_classes
+from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, ties_as_dicts
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
 from la_core.scene.schema.key_words import default_words, value_words
@@ -32,6 +33,7 @@ __all__ = [
     "as_scene_error",
     "build",
     "change_rows",
+    "classes_as_dicts",
     "default_words",
     "described",
     "friction_of_joints",
@@ -41,6 +43,7 @@ __all__ = [
     "key_paths",
     "load",
     "load_scene",
+    "loads_as_dicts",
     "names",
     "override",
     "part_of_schema",
@@ -54,6 +57,7 @@ __all__ = [
     "starter_purpose",
     "starter_text",
     "tables_of_schema",
+    "ties_as_dicts",
     "value_words",
     "variant",
 ]

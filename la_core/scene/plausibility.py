@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from la_core.geometry import ROLES, Blocks
+from la_core.scene.loads.plausibility import FRICTION
 
-FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
 SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
 WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome

@@ -17,6 +17,7 @@ from la_core.scene.generators.drawings import DrawnBlocks
 from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.loads.dead_loads import Ties, faults_of_loads, load_forces, ties_of
+from la_core.scene.loads.plausibility import implausible_loads
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.plausibility import implausible
 from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
@@ -244,6 +245,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     if faults := list(faults_of_loads(file, blocks)):
         raise joined(faults, counted)
     loads, ties = load_forces(file.load, blocks, gravity), ties_of(file.tie, blocks) if file.tie else None
+    names_of_loads = tuple(load.name for load in file.load)
     return Scene(
         name=name,
         path=path,
@@ -268,10 +270,13 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         date=file.date,
         drawn=tuple(tables.drawn),
         repairs=repairs,
-        warnings=implausible(blocks, stones, file.joint.friction, gravity, twist),
+        warnings=(
+            *implausible(blocks, stones, file.joint.friction, gravity, twist),
+            *implausible_loads(loads, names_of_loads, ties, file.friction, blocks, gravity),
+        ),
         places=tuple(tables.places),
         loads=loads,
         ties=ties,
         joint_classes=file.friction,
-        load_names=tuple(load.name for load in file.load),
+        load_names=names_of_loads,
     )

@@ -13,6 +13,7 @@ from la_core.scene import shipped
 from la_core.scene.scene import load_scene
 
 WriteScene = Callable[[str], Path]
+LOAD = '[[load]]\nblocks = ["block"]\nforce = [{}\n'
 AS_SEEN = {  # what is changed in the example of two pads, and what the warning must say
     "an angle for friction": (("friction = 0.6", "friction = 35.0"), "joint.friction = 35 is above 1.2", "35 degrees is 0.700"),
     "friction beyond stone": (("friction = 0.6", "friction = 1.5"), "joint.friction = 1.5 is above 1.2"),
@@ -20,6 +21,15 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
     "tonnes for density": (("2200.0", "2.2"), "density = 2.2 kg/m3 lies outside", "t/m3, write 2200"),
     "a heavy stone": (("2200.0", "9000.0"), "density = 9000 kg/m3 lies outside 500 to 4000"),
     "a lift": (("0.0, -1.0]", "0.0, 1.0]"), "the support moves against gravity"),
+    "a load in kN": (("[settlement]", LOAD.format("0.0, 0.0, -0.001]") + "[settlement]"), 'load "load" is 0.001 N', "in N, not in kN"),
+    "a load that lifts": (("[settlement]", LOAD.format("0.0, 0.0, 900.0]") + "[settlement]"), 'load "load" lifts'),
+    "a huge load": (("[settlement]", LOAD.format("0.0, 0.0, -9e9]") + "[settlement]"), "more than 10 times the weight"),
+    "a load beside its block": (
+        ("[settlement]", LOAD.format("0.0, 0.0, -900.0]\nat = [9.0, 0.5, 0.3]") + "[settlement]"),
+        'load "load" acts',
+        'm outside its block "block"',
+    ),
+    "a rough class of joints": (("[settlement]", '[[friction]]\njoints = "footing"\nfriction = 35.0\n[settlement]'), "is above 1.2"),
     "gravity of the moon": (("-9.81", "-1.62"), "gravity is 1.62 m/s2"),
 }
 WALL_OF_MILLIMETRES = """

@@ -1,6 +1,8 @@
 """Dead loads, ties and classes of joints by limit analysis: closed forms, equal loads given in several ways, mistakes in their tables."""
 
+import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,11 +10,18 @@ import pytest
 import scenes
 
 import la_core
+from comparison.cli.commands import main
+from comparison.figures.canvas import LOAD_COLOUR
+from comparison.figures.structure import assembly_figure
+from comparison.numbers import Units
+from comparison.report.inputs import input_rows
 from la_core.errors import SceneError
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
-from la_core.scene.scene import Scene
+from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, ties_as_dicts
+from la_core.scene.scene import Scene, load_scene
+from la_core.scene.shipped import starter_text
 
 EXACT = 1e-6  # of the weight: what the solver promises
 PREDICTED = 1e-3  # of the weight: joints are a little elastic in the prediction
@@ -261,3 +270,39 @@ def test_a_class_of_joints_that_no_joint_belongs_to_is_refused() -> None:
     scene = scenes.build(*BEAM, friction(between=["left", "right"], friction=0.1))
     with pytest.raises(SceneError, match=r"no joint lies between these blocks"):
         assemble(scene)
+
+
+# --- what a user sees --------------------------------------------------------------------------------------------------------
+
+
+def test_show_lists_and_draws_loads_ties_and_classes_of_joints(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "floors.toml"
+    path.write_text(starter_text("floors"), encoding="utf-8")
+    assert main(["show", str(path), "-q", "--json", "-o", str(tmp_path / "floors.png")]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    floor, beam = facts["loads"]
+    assert (floor["name"], floor["mass"], floor["blocks"]) == ("floor", pytest.approx(250.0 * 3.6), 7)
+    assert (beam["force"], beam["mass"], beam["blocks"]) == ([0.0, 0.0, -1500.0], None, 1)
+    assert facts["ties"] == [{"name": "rod", "tension": 2000.0, "length": pytest.approx(3.6), "between": ["wall 5.1", "wall 5.6"]}]
+    assert facts["joint_classes"] == [{"joints": "footing", "between": None, "friction": 0.5}]
+    scene = load_scene(path)
+    figure = assembly_figure(scene, assemble(scene))
+    labels = {text.get_text() for legend in figure.legends for text in legend.get_texts()}
+    assert {"dead load", "tie"} <= labels
+    arrows = [text for text in figure.axes[0].texts if text.arrowprops and text.arrowprops.get("color") == LOAD_COLOUR]
+    assert len(arrows) == len(scene.loads) == 8
+
+
+def test_the_inputs_of_a_report_list_loads_ties_and_classes_of_joints() -> None:
+    scene = scenes.load(starter_text("floors"))
+    facts = {
+        "loads": loads_as_dicts(scene.loads, scene.load_names),
+        "ties": ties_as_dicts(scene.ties, scene.blocks.names),
+        "joint_classes": classes_as_dicts(scene.joint_classes),
+        "densities": [], "gravity": [0.0, 0.0, -9.81], "friction": [0.5, 0.6], "inset": 1e-3,
+    }  # fmt: skip
+    rows = dict(input_rows({"structure": facts, "weight": scene.weight}, Units(scene.weight)))
+    assert rows["dead load floor (x, y, z)"].endswith("on 7 blocks, 900 kg")
+    assert rows["tie rod, tension"].endswith("between wall 5.1 and wall 5.6")
+    assert rows["friction coefficient of footing joints"] == "0.5"
+    assert "weight of the free blocks and the loads on them, W" in rows

@@ -11,11 +11,12 @@ from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.figures import assembly_figure, save
 from comparison.judge import effects_summary
+from comparison.numbers import class_words, plural
 from comparison.studies import TimeEstimate, estimated_times
 from la_core.analysis import DecidedModel, decided_model
 from la_core.errors import SceneError
 from la_core.model import unjoined
-from la_core.scene import Scene, geometry_changes, load_scene, shipped
+from la_core.scene import Scene, classes_as_dicts, geometry_changes, load_scene, loads_as_dicts, shipped, ties_as_dicts
 from la_core.text_table import number_text
 
 FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
@@ -57,6 +58,8 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
     facts["dimensions"] = (blocks.high[blocks.free].max(axis=0) - blocks.low[blocks.free].min(axis=0)).tolist()
     facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
+    facts["joint_classes"] = classes_as_dicts(scene.joint_classes)
+    facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
     times = estimated_times(len(assembly.points))
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
     facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
@@ -73,6 +76,13 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     for name in FACTS:
         value = facts[name]
         table.add_row(name.replace("_", " "), number_text(value) if isinstance(value, float) else str(value), units.get(name, ""))
+    for load in facts["loads"]:
+        across = ", ".join(number_text(part, 4) for part in load["force"])
+        table.add_row(tables.plain(f"load {load['name']}, {plural(load['blocks'], 'block')}"), f"({across})", "N")
+    for tie in facts["ties"]:
+        table.add_row(tables.plain(f"tie {tie['name']}, {' to '.join(tie['between'])}"), number_text(tie["tension"], 4), "N")
+    for joints in facts["joint_classes"]:
+        table.add_row(tables.plain(f"friction of {class_words(joints)}"), number_text(joints["friction"], 4), "")
     for method, words in (("limit_analysis", "limit analysis takes"), ("yade", "YADE takes")):
         if method in facts["estimated_seconds"]:
             table.add_row(words, str(TimeEstimate(*facts["estimated_seconds"][method])), "roughly")

@@ -1,0 +1,68 @@
+"""Warnings about loads, ties and friction that are allowed but seldom meant: kN for N, a lift, a point beside its block."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from la_core.geometry import Blocks
+from la_core.scene.loads.dead_loads import GROUND, Ties
+from la_core.scene.loads.point_forces import PointForces
+from la_core.scene.schema.loads import JointFriction
+
+FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
+SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a load below changes nothing, one above is many floors on one wall
+BESIDE = 1e-3  # of the size of a block: round-off of typed coordinates
+
+
+def implausible_loads(
+    loads: PointForces, names: tuple[str, ...], ties: Ties | None, classes: tuple[JointFriction, ...], blocks: Blocks, gravity: np.ndarray
+) -> Iterator[str]:
+    """Yield one sentence for each load, tie or class of joints that is probably a slip.
+
+    Parameters
+    ----------
+    loads : PointForces
+        Dead loads of the scene.
+    names : tuple of str
+        Name of each [[load]].
+    ties : Ties or None
+        Ties of the scene.
+    classes : tuple of JointFriction
+        Classes of joints.
+    blocks : Blocks
+        Blocks of the scene.
+    gravity : ndarray, shape (3,)
+        Acceleration of gravity, m/s2.
+    """
+    weight = float(blocks.mass[blocks.free].sum() * np.linalg.norm(gravity))
+    for number, name in enumerate(names):
+        own = loads.table == number
+        force = loads.force[own].sum(axis=0)
+        yield from _of_size(f'load "{name}"', float(np.linalg.norm(force)), weight)
+        if force @ gravity < 0.0:
+            yield f'load "{name}" lifts: it acts against gravity; a load downward has a force such as [0, 0, -1000].'
+        yield from _beside(f'load "{name}" acts', loads.point[own], loads.block[own], blocks)
+    for number, name in enumerate(ties.names if ties is not None else ()):
+        assert ties is not None
+        yield from _of_size(f'tie "{name}"', float(ties.tension[number]), weight)
+        held = ties.block[number] != GROUND
+        yield from _beside(f'tie "{name}" ends', ties.ends[number][held], ties.block[number][held], blocks)
+    for number, one in enumerate(classes):
+        if one.friction > FRICTION:
+            yield f"friction[{number}].friction = {one.friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75."
+
+
+def _of_size(what: str, size: float, weight: float) -> Iterator[str]:
+    if size < SMALL * weight:
+        yield f"{what} is {size:.3g} N, less than {SMALL:g} of the weight of the blocks; forces are in N, not in kN."
+    if size > LARGE * weight:
+        yield f"{what} is {size:.3g} N, more than {LARGE:g} times the weight of the blocks; forces are in N, masses in kg."
+
+
+def _beside(what: str, point: np.ndarray, block: np.ndarray, blocks: Blocks) -> Iterator[str]:
+    """Yield a warning for the point (N, 3) that lies farthest outside the box around its block (N,)."""
+    low, high = blocks.low[block], blocks.high[block]
+    outside = np.linalg.norm(np.maximum(np.maximum(low - point, point - high), 0.0), axis=1)
+    farthest = int(outside.argmax()) if len(outside) else 0
+    if len(outside) and outside[farthest] > BESIDE * np.linalg.norm(high - low, axis=1)[farthest]:
+        yield f'{what} {outside[farthest]:.3g} m outside its block "{blocks.names[block[farthest]]}".'
