@@ -12,6 +12,7 @@ from la_core.scene.scene import load_scene
 
 INSET = 1e-3  # m
 SAME = 1e-3  # of the weight: what both methods must agree within, where statics gives the answer
+WEDGED = 5e-3  # relative: what is left of the thrust that the arch was wedged in with
 BEAM = (
     scenes.box("left", (0.0, 0.0, -0.2), (0.2, 1.0, 0.0), "fixed"),
     scenes.box("right", (0.8, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),
@@ -40,10 +41,13 @@ def both(tmp_path: Path, *parts: str, **options: Any) -> tuple[dict[str, Any], f
 
 
 @pytest.mark.yade
-def test_an_eccentric_load_is_shared_by_the_lever_arms(tmp_path: Path) -> None:
+@pytest.mark.parametrize("y", [0.5, pytest.param(0.7, marks=pytest.mark.slow)])
+def test_an_eccentric_load_is_shared_by_the_lever_arms(y: float, tmp_path: Path) -> None:
+    """Beside the middle of the depth the model is one in space; the pads bear along all of the depth, so the arms are the same."""
     size = 8000.0
-    load = scenes.table("[load]", blocks=["beam"], force=(0.0, 0.0, -size), at=(0.7, 0.5, 0.3))
-    _, run, predicted = both(tmp_path, *BEAM, scenes.box("beam", (0.0, 0.0, 0.0), (1.0, 1.0, 0.3)), load)
+    load = scenes.table("[load]", blocks=["beam"], force=(0.0, 0.0, -size), at=(0.7, y, 0.3))
+    summary, run, predicted = both(tmp_path, *BEAM, scenes.box("beam", (0.0, 0.0, 0.0), (1.0, 1.0, 0.3)), load)
+    assert summary["effects"]["plane"] is (y == 0.5)
     expected = statics(0.5 * OWN + 0.7 * size, OWN + size)
     assert (run, predicted) == (pytest.approx(expected, abs=SAME * (OWN + size)), pytest.approx(expected, abs=SAME * (OWN + size)))
 
@@ -72,3 +76,18 @@ def test_a_stone_pressed_against_a_wall_slides_by_the_friction_of_that_joint(mu:
     _, run, predicted = both(tmp_path, *parts, friction=mu)
     expected = PRESSED_WEIGHT - mu * force
     assert (run, predicted) == (pytest.approx(expected, abs=SAME * PRESSED_WEIGHT), pytest.approx(expected, abs=SAME * PRESSED_WEIGHT))
+
+
+@pytest.mark.yade
+def test_a_flat_arch_is_wedged_in_before_its_load_acts(tmp_path: Path) -> None:
+    """Hinges at the lower edges of the abutments and the upper edges of the middle block; half of the load goes to either side."""
+    own, load = 2000.0 * 9.81 * 2.0 * 0.3 * 0.4, 2000.0
+    text = (scenes.SHIPPED / "flat_arch.toml").read_text(encoding="utf-8")
+    text = text[: text.index("[expected]")] + scenes.table("[load]", blocks=["arch 1.2"], force=(0.0, 0.0, -load)) + "\n"
+    path = tmp_path / "loaded_arch.toml"
+    path.write_text(text, encoding="utf-8")
+    summary = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True)
+    assert summary["yade"]["status"] == "plateau", summary["yade"]["message"]
+    expected = (own * 2.0 / 9.0 + load * 2.0 / 6.0) / (0.4 - 2.0 * INSET)
+    for reaction in (summary["yade"]["reaction"], summary["limit_analysis"]["coulomb"]["reaction"]):
+        assert reaction == pytest.approx(expected, rel=WEDGED)
