@@ -210,16 +210,24 @@ def _blocked(case: Case, block: int) -> str:
     return _PLANE_BLOCKED if case.plane else ""
 
 
-def apply_loads(case: Case, clumps: Sequence[int], share: float = 1.0) -> None:
-    """Let `share` of the dead loads and ties act on the clumps from the next step on.
+def apply_loads(case: Case, clumps: Sequence[int], share: float = 1.0, multiplier: float = 0.0) -> None:
+    """Let `share` of the dead loads and ties, and their live load by its multiplier, act on the clumps from the next step on.
 
     They keep direction and moment as the blocks move, as in limit analysis.
     """
     forces = Omega().forces
-    for block in np.flatnonzero(case.applied_load.any(axis=1)).tolist():
-        load = share * case.applied_load[block]
+    for block in np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1)).tolist():
+        load = share * case.applied_load[block] + multiplier * case.live_load[block]
         forces.setPermF(clumps[block], Vector3(*load[:3].tolist()))
         forces.setPermT(clumps[block], Vector3(*load[3:].tolist()))
+
+
+def apply_live_load(case: Case, model: Model, multiplier: float) -> None:
+    """Let the live load act by its multiplier from the next step on: as an acceleration of the blocks, and by the dead loads on them."""
+    if case.live is not None:
+        model.integrator.gravity = case.gravity + multiplier * np.linalg.norm(case.gravity) * case.live
+    if case.live_load.any():
+        apply_loads(case, model.clump, multiplier=multiplier)
 
 
 def _pair(spheres: list[int], faces: list[int]) -> None:

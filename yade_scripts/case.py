@@ -55,6 +55,8 @@ class Case:
         Constant force and moment (B, 6) about the centroid of each block beside its weight, N and N m: dead loads and ties.
     load_weight : np.ndarray
         Part (B,) of the dead loads that counts as weight, N.
+    live_load : np.ndarray
+        Force and moment (B, 6) per unit multiplier that dead loads add to the live load, N and N m; 0 for a settlement.
     inertia : np.ndarray
         Inertia (B, 3, 3) about the centroid in global axes, kg m2.
     vertices : tuple of np.ndarray
@@ -100,6 +102,7 @@ class Case:
     centroid: np.ndarray
     applied_load: np.ndarray
     load_weight: np.ndarray
+    live_load: np.ndarray
     inertia: np.ndarray
     vertices: tuple[np.ndarray, ...]
     parts: tuple[tuple[np.ndarray, ...], ...]
@@ -134,8 +137,8 @@ class Case:
 
     @cached_property
     def weight(self) -> float:
-        """Weight of all free blocks, N: the live load of multiplier 1."""
-        return float(self.mass[self.free].sum() * np.linalg.norm(self.gravity))
+        """Weight of all free blocks with their dead loads, N."""
+        return self.block_weight * len(self.free)
 
     @cached_property
     def block_weight(self) -> float:
@@ -189,6 +192,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         centroid=data["blocks/centroid"][index],
         applied_load=data.get("blocks/applied_load", np.zeros((total, 6)))[index],
         load_weight=data.get("blocks/load_weight", np.zeros(total))[index],
+        live_load=data.get("blocks/live_load", np.zeros((total, 6)))[index],
         inertia=data["blocks/inertia"][index],
         vertices=vertices,
         parts=_parts(data, index, vertices),
@@ -264,8 +268,10 @@ def _refuse_unrunnable(case: Case) -> None:
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
-    if not np.all(np.isfinite(case.applied_load)) or np.any(case.applied_load[case.role != FREE]):
-        raise CaseError("blocks/applied_load: every entry must be finite, and 0 for a block that is not free")
+    for name in ("applied_load", "live_load"):
+        load = getattr(case, name)
+        if not np.all(np.isfinite(load)) or np.any(load[case.role != FREE]):
+            raise CaseError(f"blocks/{name}: every entry must be finite, and 0 for a block that is not free")
     for name in _JOINT_NUMBERS:
         value, may_vanish = getattr(case, name), name == "shear_stiffness"
         if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not may_vanish):

@@ -10,7 +10,7 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model, apply_loads, set_speed
+from yade_scripts.bodies import Model, apply_live_load, apply_loads, set_speed
 from yade_scripts.case import Case
 from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
@@ -154,7 +154,7 @@ class Protocol:
         if self._servo is None or self.error is not None:
             return
         try:
-            self._servo.pull(Omega().time - self._start_time, self.record, self.model)
+            apply_live_load(self.case, self.model, self._servo.measured(Omega().time - self._start_time, self.record))
         except BaseException as error:
             self.error = error
             self._pause()
@@ -217,11 +217,9 @@ class Protocol:
                 self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
         else:
             self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
-        # A lifted support begins below zero.
-        if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:
+        if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:  # a lifted support begins below 0
             self.record.store_pose()
-            early = travelled < settings.plateau_travel
-            apart = settings.plateau_travel / EARLY_POSES if early else settings.max_travel / settings.poses
+            apart = settings.plateau_travel / EARLY_POSES if travelled < settings.plateau_travel else settings.max_travel / settings.poses
             self._next_pose += min(self._next_pose, apart)
         self.progress("settlement", min(1.0, travelled / settings.max_travel), row.settlement, row.reaction, "")
         if self._servo is not None and travelled >= settings.max_travel:
@@ -244,8 +242,7 @@ class Protocol:
 
         A single jump may carry the structure past a state that would hold, to one that then looks steady.
         """
-        start = plateau.STARTS[0] * self.record.settlement()
-        rows = [row for row in self.record.rows if row.stage == SETTLEMENT]
+        start, rows = plateau.STARTS[0] * self.record.settlement(), self.record.settling()
         later = [row.unbalanced for row in rows if row.settlement >= start]
         allowed = self.settings.rattling
         return bool(later) and (float(np.mean(later)) > allowed or max(row.unbalanced for row in rows) > JUMP * allowed)
@@ -258,7 +255,8 @@ class Protocol:
         set_speed(self.case, self.model.drive, self._speed)
 
     def _fit(self) -> Plateau:
-        settlement, reaction = self._settling()
+        rows = self.record.settling()
+        settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
         middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
         before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
         turning = turning_slope(self.case, before, self.record.pose())
@@ -266,11 +264,6 @@ class Protocol:
             return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed))
         fastest = largest_speed(before, self.record.pose())
         return plateau.fit(settlement, reaction, Geometry(turning / self.case.weight, self.case.block_size / fastest))
-
-    def _settling(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return settlement and reaction of all rows of the settlement stage."""
-        rows = [row for row in self.record.rows if row.stage == SETTLEMENT]
-        return np.array([row.settlement for row in rows]), np.array([row.reaction for row in rows])
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
         at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0
@@ -287,8 +280,7 @@ class Protocol:
             self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps")
         else:
             share = fit.uncertainty / abs(fit.reaction) if fit.reaction else math.nan
-            known = f"the reaction is known only to {share:.2g} of itself"
-            self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and {known}")
+            self._end(Status.NO_PLATEAU, f"the travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself")
 
     def _outcome(self) -> Outcome:
         """Return the reaction of the plateau with the parts of its uncertainty; no value where the curve creeps or has no fit."""

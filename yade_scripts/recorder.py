@@ -121,6 +121,10 @@ class Record:
         self.rows.append(row)
         return row
 
+    def settling(self) -> list[Row]:
+        """Return the rows of the settlement, or of the live load."""
+        return [row for row in self.rows if row.stage == SETTLEMENT]
+
     def _work_of_loads(self, moved: np.ndarray) -> float:
         """Return the work of dead loads and ties for displacements of the free blocks (F, 3), J."""
         turning = sum(float(self.case.applied_load[block, 3:] @ self.rotation(block)) for block in self._turned)

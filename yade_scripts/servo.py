@@ -100,14 +100,11 @@ class Servo:
         self.renew(0.0, record.masses, record.along("pos"))
         model.drive.iterPeriod, model.drive.dead = self.every, False
 
-    def pull(self, elapsed: float, record: Record, model: Model) -> None:
-        """Set the multiplier, `elapsed` seconds after the start."""
-        case = record.case
+    def measured(self, elapsed: float, record: Record) -> float:
+        """Return the multiplier for the speeds that the blocks have, `elapsed` seconds after the start."""
         if elapsed - self._window_began >= self.window:
             self.renew(elapsed, record.masses, record.along("pos"))
-        multiplier = self.multiplier(elapsed, self.weighted(record.along("vel")))
-        if case.live is not None:
-            model.integrator.gravity = case.gravity + multiplier * np.linalg.norm(case.gravity) * case.live
+        return self.multiplier(elapsed, self.weighted(record.along("vel")))
 
 
 def servo_of(case: Case, settings: Settings) -> Servo:

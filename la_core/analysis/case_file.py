@@ -80,7 +80,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    own = _own_values(assembly)
+    own = _own_values(scene, assembly)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -90,7 +90,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     exchange.write(path, fields, values, inputs)
 
 
-def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
+def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
     """Return what only some structures have, by its field: parts of compound blocks, insets of short joints, loads."""
     blocks, values = assembly.blocks, dict[exchange.Field, np.ndarray]()
     if blocks.is_compound.any():
@@ -100,8 +100,18 @@ def _own_values(assembly: Assembly) -> dict[exchange.Field, np.ndarray]:
     if scene.live is not None:
         values[exchange.LIVE_DIRECTION] = scene.live
     if assembly.applied_load.any():
-        values |= dict(zip(exchange.LOAD_FIELDS, (assembly.applied_load, np.where(blocks.free, assembly.carried, 0.0)), strict=True))
+        loads = (assembly.applied_load, np.where(blocks.free, assembly.carried, 0.0), _live_load_of_loads(scene, assembly))
+        values |= dict(zip(exchange.LOAD_FIELDS, loads, strict=True))
     return values
+
+
+def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
+    """Return the live load (B, 6) of multiplier 1 beside that of the blocks' own masses, N and N m."""
+    live_load = np.where(assembly.applied_load.any(axis=1)[:, None], assembly.live_load, 0.0)
+    if scene.live is not None:
+        own_weight = np.linalg.norm((assembly.dead_load - assembly.applied_load)[:, :3], axis=1)
+        live_load[live_load.any(axis=1), :3] -= own_weight[live_load.any(axis=1), None] * scene.live
+    return live_load
 
 
 def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:

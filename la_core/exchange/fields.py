@@ -90,6 +90,9 @@ LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load 
 LOAD_FIELDS = (
     Field("blocks/applied_load", "f8", ("B", 6), "N, N m", "dead loads and ties on each block, a wrench that never changes"),
     Field("blocks/load_weight", "f8", ("B",), "N", "part of the dead loads along gravity; it counts as weight in W"),
+    Field(
+        "blocks/live_load", "f8", ("B", 6), "N, N m", "live load of multiplier 1 that the dead loads on each block add; 0 for a settlement"
+    ),
 )
 # Optional: only where an effect was restored after a run in YADE.
 FIRST_PREDICTION = Field(

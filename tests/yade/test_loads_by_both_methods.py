@@ -32,12 +32,13 @@ def statics(weight_arm: float, moment: float) -> float:
 
 
 def both(tmp_path: Path, *parts: str, **options: Any) -> tuple[dict[str, Any], float, float]:
-    """The comparison, YADE's reaction and the predicted one, N, of a run that agrees."""
+    """The comparison, YADE's reaction (N) or multiplier and the predicted one, of a run that agrees."""
     path = tmp_path / "scene.toml"
     path.write_text(scenes.text(*parts, inset=INSET, model="auto", **options), encoding="utf-8")
     summary = run_scene(load_scene(path), tmp_path / "result", Silent(), with_yade=True)
     assert summary["verdict"] == "agree", summary["reason"]
-    return summary, summary["yade"]["reaction"], summary["limit_analysis"]["coulomb"]["reaction"]
+    predicted = summary["limit_analysis"]["coulomb"]["multiplier" if "live" in options else "reaction"]
+    return summary, summary["yade"]["reaction"], predicted
 
 
 @pytest.mark.yade
@@ -91,3 +92,21 @@ def test_a_flat_arch_is_wedged_in_before_its_load_acts(tmp_path: Path) -> None:
     expected = (own * 2.0 / 9.0 + load * 2.0 / 6.0) / (0.4 - 2.0 * INSET)
     for reaction in (summary["yade"]["reaction"], summary["limit_analysis"]["coulomb"]["reaction"]):
         assert reaction == pytest.approx(expected, rel=WEDGED)
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("rod", [0.0, 0.4], ids=["free", "held by a rod"])
+def test_a_floor_is_pushed_with_the_block_that_carries_it(rod: float, tmp_path: Path) -> None:
+    """The block tips about its outer edge: weights, floor and rod against the push on the masses of block and floor."""
+    breadth, height, size = 0.5, 0.7, 3000.0
+    weight = 2000.0 * 9.81 * breadth * height
+    floor = scenes.table("[load]", blocks=["block"], mass=size / 9.81, at=(0.25, 0.5, height))
+    held = scenes.table("[tie]", blocks=["block"], **{"from": (0.0, 0.5, height)}, to=(-1.0, 0.5, height), force=rod * weight)
+    plane = scenes.box("plane", (-0.5, 0.0, -0.2), (1.0, 1.0, 0.0), "fixed")
+    block = scenes.box("block", (0.0, 0.0, 0.0), (breadth, 1.0, height))
+    ties = (held,) if rod else ()
+    summary, run, predicted = both(tmp_path, plane, block, floor, *ties, friction=0.9, live=(1.0, 0.0, 0.0))
+    standing = (weight + size) * (0.5 * breadth - INSET) + rod * weight * height
+    expected = standing / (0.5 * weight * height + size * height)
+    assert summary["weight"] == pytest.approx(weight + size)
+    assert (run, predicted) == (pytest.approx(expected, rel=SAME), pytest.approx(expected, rel=SAME))
