@@ -44,6 +44,7 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "ties": ties_as_dicts(scene.ties, blocks.names),
         "motion": scene.support_twist.tolist() if scene.support_twist is not None else None,
         "live": scene.live.tolist() if scene.live is not None else None,
+        "tilt": scene.tilt.tolist() if scene.tilt is not None else None,
         "support": _support(blocks),
         "accuracy": scene.accuracy,
         "has_thrust_line": bool(len(thrust_line(analysis.assembly))),

@@ -87,6 +87,8 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
     unit = "rad" if "m" in str(comparison.get("unit", "")) else "m"
     if facts.get("live"):
         yield "live load, in proportion to weight", f"along ({', '.join(_given(value) for value in facts['live'])})"
+    if facts.get("tilt"):
+        yield "tilt of the ground, right-handed", f"about ({', '.join(_given(value) for value in facts['tilt'])})"
     if facts.get("motion"):
         motion = [*map(float, facts["motion"])]
         turn = f", angular ({', '.join(_given(value) for value in motion[3:])}) per unit" if any(motion[3:]) else ""

@@ -107,7 +107,7 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
 
 def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
     """Return the live load (B, 6) of multiplier 1 beside that of the blocks' own masses, N and N m."""
-    live_load = np.where(assembly.applied_load.any(axis=1)[:, None], assembly.live_load, 0.0)
+    live_load = np.where(np.any(assembly.applied_load, axis=1, keepdims=True), assembly.live_load, 0.0)
     if scene.live is not None:
         own_weight = np.linalg.norm((assembly.dead_load - assembly.applied_load)[:, :3], axis=1)
         live_load[live_load.any(axis=1), :3] -= own_weight[live_load.any(axis=1), None] * scene.live

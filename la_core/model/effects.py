@@ -128,7 +128,7 @@ def _obstacle_to_plane(scene: Scene) -> str:
     if abs(scene.gravity[1]) > FLAT * np.linalg.norm(scene.gravity):
         return "gravity has a component along y"
     if scene.live is not None and abs(scene.live[1]) > FLAT:
-        return "the live load has a component along y"
+        return "the tilt pushes along y" if scene.tilt is not None else "the live load has a component along y"
     if scene.support_twist is not None:
         velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
         out_of_plane = np.hypot(spin[0], spin[2]) if np.any(spin) else abs(velocity[1])

@@ -19,6 +19,7 @@ from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.loads.dead_loads import Ties, faults_of_loads, load_forces, ties_of
 from la_core.scene.loads.plausibility import implausible_loads
 from la_core.scene.loads.point_forces import PointForces
+from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
 from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
 from la_core.scene.schema import scene_file
@@ -59,7 +60,7 @@ class Scene(Tabled):
     support_twist : ndarray, shape (6,), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
     live : ndarray, shape (3,), or None
-        Unit direction of a load proportional to weight. None for a settlement.
+        Unit direction of a load proportional to weight, also of the one that a tilt is. None for a settlement.
     effects : RequestedEffects
         Choice for every effect, "auto" where the program decides.
     path_asked : RequestedPath or None
@@ -96,6 +97,8 @@ class Scene(Tabled):
         Classes of joints with a friction of their own.
     load_names : tuple of str
         Name of each [[load]] table.
+    tilt : ndarray, shape (3,), or None
+        Unit axis about which the ground tilts, right-handed. None without a tilt.
     """
 
     name: str
@@ -127,6 +130,7 @@ class Scene(Tabled):
     ties: Ties | None = None
     joint_classes: tuple[JointFriction, ...] = ()
     load_names: tuple[str, ...] = ()
+    tilt: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
@@ -242,6 +246,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
     blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named])
     gravity, twist = np.array(file.gravity), support_twist(file.settlement)
+    tilt = unit_vector(file.tilt.axis) if file.tilt else None
     if faults := list(faults_of_loads(file, blocks)):
         raise joined(faults, counted)
     loads, ties = load_forces(file.load, blocks, gravity), ties_of(file.tie, blocks) if file.tie else None
@@ -257,7 +262,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         inset=file.joint.inset,
         blocks=blocks,
         support_twist=twist,
-        live=unit_vector(file.live.direction) if file.live else None,
+        live=unit_vector(file.live.direction) if file.live else None if tilt is None else tilt_push(tilt, gravity),
         effects=file.effects,
         path_asked=file.path,
         expected=file.expected,
@@ -279,4 +284,5 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         ties=ties,
         joint_classes=file.friction,
         load_names=names_of_loads,
+        tilt=tilt,
     )

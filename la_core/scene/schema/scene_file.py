@@ -118,6 +118,12 @@ class Live(Table):
     direction: Direction = described("direction of the load, of any length")
 
 
+class Tilt(Table):
+    """The ground tilts with the structure until it fails; in place of [settlement]. By the right-hand rule [0, 1, 0] tilts toward +x."""
+
+    axis: Direction = described("level axis about which the ground turns, right-handed, of any length")
+
+
 class RequestedPath(Table):
     """Asks limit analysis for the curve of the reaction from rest to the plateau."""
 
@@ -149,7 +155,9 @@ class Expected(Table):
 
     reaction_over_weight: Real | None = described("R/W with the scene's own friction", default=None)
     reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)
-    multiplier: Real | None = described("collapse multiplier of a live load with the scene's own friction", default=None)
+    multiplier: Real | None = described(
+        "collapse multiplier of a live load, or tangent of the tilt, with the scene's own friction", default=None
+    )
     associated_reaction_over_weight: Real | None = described("R/W by the associated flow rule", default=None)
     associated_multiplier: Real | None = described("multiplier by the associated flow rule", default=None)
     tolerance: Positive = described("largest difference that still agrees, in the unit of these values", default=1e-4)
@@ -193,8 +201,9 @@ class SceneFile(Table):
     load: tuple[Load, ...] = described("dead loads on blocks beside their weight", default=())
     tie: tuple[Tie, ...] = described("rods of given tension", default=())
     geometry: Geometry = described("errors of the coordinates", default=Geometry())
-    settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
-    live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
+    settlement: Settlement | None = described("how the support moves; either this, [live] or [tilt]", default=None)
+    live: Live | None = described("a load that grows until collapse; either this, [settlement] or [tilt]", default=None)
+    tilt: Tilt | None = described("ground that tilts until collapse; either this, [settlement] or [live]", default=None)
     path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
     effects: RequestedEffects = described("which effects are modelled; chosen automatically where left out", default=RequestedEffects())
     expected: Expected | None = described("the known answer", default=None)
@@ -204,9 +213,9 @@ class SceneFile(Table):
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
-        if (self.settlement is None) == (self.live is None):
-            both = "it has both" if self.live is not None else "it has neither"
-            raise ValueError(f"needs either a [settlement] or a [live] table; {both}")
+        given = [f"[{name}]" for name in ("settlement", "live", "tilt") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"needs one table out of [settlement], [live] and [tilt]; it has {' and '.join(given) or 'none'}")
         return self
 
     @model_validator(mode="after")
