@@ -50,6 +50,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if exists(predicted) and exists(weight) and weight:
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         carries = "It then still carries" if "settles" in moves or not moves else "The force on it along its motion is then"
+        if facts.get("motions"):
+            carries = "The forces on it, each times its share of the settlement, are then together"
         yield f"{carries if unit == 'N' else 'The moment on it is then'} {units.text(predicted, unit, 4)}{share}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
@@ -135,6 +137,8 @@ def _motion_words(facts: dict[str, Any]) -> str:
     """Return the motion of the support as a verb; "" where it is unknown."""
     if not facts.get("motion"):
         return ""
+    if facts.get("motions"):
+        return "moves by different shares of the settlement"
     motion, gravity = np.array(facts["motion"]), np.array(facts.get("gravity") or (0.0, 0.0, -9.81))
     if np.any(motion[3:]):
         return f"turns about {_vector(motion[3:])}"

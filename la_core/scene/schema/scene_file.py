@@ -1,5 +1,6 @@
 """The scene file as a schema: every table and key, its type and its limits (pydantic)."""
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
@@ -8,7 +9,7 @@ from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.drawing import Drawing, Geometry
 from la_core.scene.schema.loads import JointFriction, Load, Tie
 from la_core.scene.schema.masonry import Building, Wall
-from la_core.scene.schema.mesh import Mesh
+from la_core.scene.schema.mesh import Mesh, Pattern
 from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
@@ -29,6 +30,7 @@ from la_core.scene.schema.types import (
     described,
 )
 
+LEVEL = 1e-9  # of a direction: round-off
 LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # neither finer than the strain of a joint nor coarser than a drawing
 
 
@@ -97,12 +99,40 @@ class Block(Table):
         return self
 
 
+class Zone(Table):
+    """Supports that move by a share of the settlement of their own."""
+
+    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described("names of supports; `*`, `?` and `[...]` as in a shell")
+    ratio: Real = described("their motion over the settlement: 0 holds them, a negative one moves them the other way")
+
+
 class Settlement(Table):
-    """Motion of all support blocks as one rigid body: a translation or a rotation."""
+    """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of it.
+
+    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too. The reaction is the force that
+    does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half that of the second.
+    """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
     axis: Direction | None = described("axis of a rotation, right-handed; the reaction is then a moment in N m", default=None)
     point: Vector | None = described("a point on that axis", "m", default=None)
+    zone: tuple[Zone, ...] = described("supports with another share of the motion; all others have 1, and the last zone counts", default=())
+    profile: Annotated[tuple[Pair, ...], Field(min_length=2)] | None = described(
+        "share of a translation by place, as points [place, ratio], straight between them and level beyond", "m, -", default=None
+    )
+    along: Literal["x", "y"] = described("axis of the places of a `profile`, at right angles to `direction`", default="x")
+
+    @model_validator(mode="after")
+    def _has_one_kind_of_shares(self) -> Self:
+        if self.profile is None:
+            return self
+        if self.zone:
+            raise ValueError("needs either `zone` or `profile`")
+        if self.direction is None or abs(self.direction["xy".index(self.along)]) > LEVEL * max(map(abs, self.direction)):
+            raise ValueError("a `profile` needs a `direction` at right angles to the axis that `along` names")
+        if any(after[0] <= before[0] for before, after in pairwise(self.profile)):
+            raise ValueError("the places of a `profile` must rise from point to point")
+        return self
 
     @model_validator(mode="after")
     def _is_one_motion(self) -> Self:
