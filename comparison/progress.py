@@ -12,7 +12,7 @@ from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
 from la_core.errors import visible
 from la_core.limit import Drive, Status
-from la_core.scene import Scene
+from la_core.scene import Scene, tilt_angles
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
 LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
@@ -186,7 +186,7 @@ def bounds_words(analysis: LimitAnalysis) -> str:
     if main.status is not Status.SOLVED:
         return f"bounds: {main.status}"
     if scene.live is not None:
-        return f"bound: multiplier {format_number(main.value)}"
+        return f"bound: {value_words(scene, main.value)}"
     greatest = bounds[Drive.PUSHING]
     values, shares = (
         value_range(main.value / unit, greatest.value / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight)
@@ -197,7 +197,8 @@ def bounds_words(analysis: LimitAnalysis) -> str:
 def value_words(scene: Scene, value: float) -> str:
     """Return a reaction in its unit and over the weight, or a multiplier, in one phrase."""
     if scene.live is not None:
-        return f"multiplier {format_number(value)}"
+        angles = tilt_angles(scene.tilt, value)
+        return f"multiplier {format_number(value)}" + (f", {format_number(angles['angle'])} degrees" if angles else "")
     return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}"
 
 

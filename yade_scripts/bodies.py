@@ -67,7 +67,7 @@ class Model:
         Position (B, 3) of every clump as built, m.
     rotation : tuple of Quaternion
         Orientation (B,) of every clump as built.
-    integrator, drive, watch : NewtonIntegrator, KinematicEngine or PyRunner, PyRunner
+    integrator, drive, watch : NewtonIntegrator, list of KinematicEngine or PyRunner, PyRunner
         Engines that move the free blocks, move the supports (or set the live load, at rest until it is started), and record rows.
     """
 
@@ -77,7 +77,7 @@ class Model:
     position: np.ndarray
     rotation: tuple[Quaternion, ...]
     integrator: NewtonIntegrator
-    drive: KinematicEngine | PyRunner
+    drive: list[KinematicEngine] | PyRunner
     watch: PyRunner
 
 
@@ -250,7 +250,7 @@ def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
 
 def _engines(
     case: Case, settings: Settings, clumps: list[int], commands: tuple[str, str]
-) -> tuple[NewtonIntegrator, KinematicEngine | PyRunner, PyRunner]:
+) -> tuple[NewtonIntegrator, list[KinematicEngine] | PyRunner, PyRunner]:
     """Set YADE's engines; the drive is at rest until its velocity is set. commands: statements that watch, and that pull."""
     command, pull_command = commands
     colliders = [_collider(settings, float(case.own_inset.min() / case.inset))] if case.displacement == "finite" else []
@@ -260,32 +260,36 @@ def _engines(
         [Law2_ScGeom_ViscElPhys_Basic()],
     )
     integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
-    if case.live is None:
-        drive = drive_of(case, [clumps[block] for block in case.supports])
-    else:
-        drive = PyRunner(command=pull_command, iterPeriod=1, initRun=False, dead=True)
+    drive = drives_of(case, clumps) if case.live is None else PyRunner(command=pull_command, iterPeriod=1, initRun=False, dead=True)
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
     clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # watches, however many steps lie between two rows
     omega = Omega()
-    omega.engines = [ForceResetter(), *colliders, contacts, drive, integrator, watch, clock]
+    driving = drive if isinstance(drive, list) else [drive]
+    omega.engines = [ForceResetter(), *colliders, contacts, *driving, integrator, watch, clock]
     omega.dt = settings.time_step
     return integrator, drive, watch
 
 
-def drive_of(case: Case, ids: list[int]) -> KinematicEngine:
-    """Return the engine that moves the supports along the unit twist: a translation, or a screw about its axis. ids: of clumps."""
-    velocity, spin = case.support_twist[:3], case.support_twist[3:]
-    if not case.is_rotation:
+def drives_of(case: Case, clumps: Sequence[int]) -> list[KinematicEngine]:
+    """Return an engine for each distinct motion of supports, in the order of `Case.motions`. clumps: of all blocks."""
+    alike = [np.flatnonzero((case.support_twists == twist).all(axis=1)).tolist() for twist in case.motions]
+    return [_drive(twist, [clumps[block] for block in blocks]) for twist, blocks in zip(case.motions, alike, strict=True)]
+
+
+def _drive(twist: np.ndarray, ids: list[int]) -> KinematicEngine:
+    """Return the engine that moves clumps along a twist (6,): a translation, or a screw about its axis."""
+    velocity, spin = twist[:3], twist[3:]
+    if not spin.any():
         return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)
     rate = float(np.linalg.norm(spin))
     return HelixEngine(ids=ids, rotationAxis=spin / rate, zeroPoint=np.cross(spin, velocity) / rate**2, rotateAroundZero=True)
 
 
-def set_speed(case: Case, drive: KinematicEngine, speed: float) -> None:
-    """Move the supports with `speed` times the unit twist from the next step on."""
-    if case.is_rotation:
-        rate = float(np.linalg.norm(case.support_twist[3:]))
-        drive.angularVelocity = speed * rate
-        drive.linearVelocity = speed * float(case.support_twist[:3] @ case.support_twist[3:]) / rate
-    else:
-        drive.velocity = speed * float(np.linalg.norm(case.support_twist[:3]))
+def set_speed(case: Case, drives: list[KinematicEngine], speed: float) -> None:
+    """Move the supports with `speed` times their unit twists from the next step on."""
+    for drive, twist in zip(drives, case.motions, strict=True):
+        if rate := float(np.linalg.norm(twist[3:])):
+            drive.angularVelocity = speed * rate
+            drive.linearVelocity = speed * float(twist[:3] @ twist[3:]) / rate
+        else:
+            drive.velocity = speed * float(np.linalg.norm(twist[:3]))

@@ -40,7 +40,9 @@ class Case:
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
-        Velocity of the global origin and angular velocity (6,) of the supports per unit settlement; NaN for a live load.
+        Velocity of the global origin and angular velocity (6,) per unit settlement; NaN for a live load.
+    support_twists : np.ndarray
+        The same (B, 6) of each block: supports may move by different shares of it; 0 for all other blocks.
     live : np.ndarray or None
         Unit direction (3,) of a load in proportion to the weights, which drives the structure in place of supports.
     overrides : dict
@@ -95,6 +97,7 @@ class Case:
     own_inset: np.ndarray
     gravity: np.ndarray
     support_twist: np.ndarray
+    support_twists: np.ndarray
     live: np.ndarray | None
     overrides: dict[str, Any]
     role: np.ndarray
@@ -161,9 +164,21 @@ class Case:
         """Largest speed of a contact point of the support per unit settlement speed: 1 for translations and live loads, m for rotations."""
         if self.live is not None:
             return 1.0
-        touching = np.isin(self.block_a, self.supports) | np.isin(self.block_b, self.supports)
-        velocity = self.support_twist[:3] + np.cross(self.support_twist[3:], self.position[touching])
+        moved = self.support_twists[self.block_b] - self.support_twists[self.block_a]
+        velocity = moved[:, :3] + np.cross(moved[:, 3:], self.position)
         return float(np.linalg.norm(velocity, axis=1).max())
+
+    @cached_property
+    def motions(self) -> np.ndarray:
+        """Distinct unit motions (K, 6) of supports that move."""
+        return np.unique(self.support_twists[np.any(self.support_twists, axis=1)], axis=0)
+
+    @cached_property
+    def leader(self) -> int:
+        """Support whose motion measures the settlement: the one that turns most where that is an angle, else the one that moves most."""
+        twists = self.support_twists[self.supports]
+        moved = twists[:, 3:] if self.is_rotation else twists[:, :3] + np.cross(twists[:, 3:], self.centroid[self.supports])
+        return int(self.supports[np.linalg.norm(moved, axis=1).argmax()])
 
 
 def from_fields(data: Mapping[str, Any]) -> Case:
@@ -174,6 +189,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     index = np.flatnonzero((data["blocks/aside"] == 0) | np.isin(np.arange(total), [block_a, block_b]))
     place = np.zeros(total, dtype=int)
     place[index] = np.arange(len(index))
+    alike = np.where((data["blocks/role"] == SUPPORT)[:, None], data["scene/support_twist"], 0.0)
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
     boxes = tuple(sphere_placement.box_extents(points) for points in vertices)
     case = Case(
@@ -185,6 +201,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         own_inset=data.get("contacts/inset", np.full(len(interface), float(data["scene/inset"]))),
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
+        support_twists=data.get("blocks/support_twist", alike)[index],
         live=data.get("scene/live"),
         overrides=_overrides(data["scene/settings"]),
         role=data["blocks/role"][index],
@@ -253,6 +270,8 @@ def _refuse_undriven(case: Case) -> None:
         raise CaseError("blocks/role: no support block carries a contact point, nothing to settle")
     if not np.all(np.isfinite(case.support_twist)) or not np.any(case.support_twist):
         raise CaseError(f"scene/support_twist is {case.support_twist}: no settlement to impose")
+    if not np.all(np.isfinite(case.support_twists)) or np.any(case.support_twists[case.role != SUPPORT]) or not case.support_speed > 0.0:
+        raise CaseError("blocks/support_twist: every entry must be finite, 0 for a block that is no support, and some support must move")
 
 
 def _refuse_unrunnable(case: Case) -> None:

@@ -92,7 +92,10 @@ class Record:
         self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
         self._rest, self._mass, self._inertia = self.model.position[case.free], case.mass[case.free], case.inertia[case.free]
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
-        self._direction = case.support_twist[3:] if case.is_rotation else case.support_twist[:3]
+        if case.live is None:
+            twist = case.support_twists[case.leader]
+            self._leads = bodies[self.model.clump[case.leader]].state
+            self._direction = twist[3:] if case.is_rotation else twist[:3] + np.cross(twist[3:], case.centroid[case.leader])
 
     def read_row(self, stage: int) -> Row:
         """Read the present instant from YADE, add it to the rows and return it. stage: GRAVITY or SETTLEMENT."""
@@ -105,13 +108,13 @@ class Record:
         squares = (vectors**2).sum(axis=2)
         speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
         rotational = np.einsum("bi,bij,bj->", spin, self._inertia, spin)
-        wrench = self.support_wrench()
+        wrenches = self.support_wrenches()
         row = Row(
             stage=stage,
             time=omega.time + omega.dt,  # YADE's clock advances after the last engine, the bodies have moved already
             settlement=self.settlement(),
-            reaction=-float(case.support_twist @ wrench) if case.live is None else self.multiplier(),
-            support_wrench=wrench,
+            reaction=-float(np.sum(case.support_twists[case.supports] * wrenches)) if case.live is None else self.multiplier(),
+            support_wrench=wrenches.sum(axis=0),
             kinetic_energy=0.5 * float(self._mass @ squares[0] + rotational),
             unbalanced=unbalanced / case.block_weight,
             speed=speed,
@@ -130,28 +133,28 @@ class Record:
         turning = sum(float(self.case.applied_load[block, 3:] @ self.rotation(block)) for block in self._turned)
         return float(np.sum(self._loads * moved)) + turning
 
-    def support_wrench(self) -> np.ndarray:
-        """Return force and moment about the global origin (6,), N and N m, of the supports on the structure; 0 without supports."""
+    def support_wrenches(self) -> np.ndarray:
+        """Return force and moment about the global origin (S, 6), N and N m, of each support on the structure."""
         if not self._supports:
-            return np.zeros(6)
+            return np.zeros((0, 6))
         forces, supports = Omega().forces, self._supports
         read = [map(forces.f, supports), map(forces.t, supports), (state.pos for state in self._support_states)]
         force, torque, place = _array(chain(*read)).reshape(len(read), -1, 3)
         moment = torque + (place[:, [1, 2, 0]] * force[:, [2, 0, 1]] - place[:, [2, 0, 1]] * force[:, [1, 2, 0]])
-        return -np.concatenate([force, moment], axis=1).sum(axis=0)
+        return -np.concatenate([force, moment], axis=1)
 
     def settlement(self) -> float:
-        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the first support.
+        """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the one that leads.
 
         Under a live load: the mean displacement along it since `start_load`, weighted by mass, m.
         """
         if self.case.live is not None:
             return 0.0 if self._rest_along is None else self._mean_place() - self._rest_along
-        block, direction = int(self.case.supports[0]), self._direction
+        block, direction = self.case.leader, self._direction
         if self.case.is_rotation:
             moved = self.rotation(block)
         else:
-            place = self._support_states[0].pos
+            place = self._leads.pos
             moved = np.array([place[0], place[1], place[2]]) - self.model.position[block]
         return float(moved @ direction) / float(direction @ direction)
 

@@ -84,7 +84,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    optional = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
+    optional = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, *exchange.LOAD_FIELDS)
     own = tuple(field for field in optional if exchange.holds(options.case, field.path))
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
     limit = settings.derive(problem).time_limit if options.time_limit is None else options.time_limit

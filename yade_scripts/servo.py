@@ -98,6 +98,7 @@ class Servo:
         """Measure displacements from here, and pull from the next step on."""
         record.start_load()
         self.renew(0.0, record.masses, record.along("pos"))
+        assert not isinstance(model.drive, list)  # those move supports
         model.drive.iterPeriod, model.drive.dead = self.every, False
 
     def measured(self, elapsed: float, record: Record) -> float:

@@ -12,6 +12,7 @@ NAMES = {
     "stone.density": "density (kg/m³)",
     "settlement.direction": "direction of the settlement",
     "live.direction": "direction of the live load",
+    "tilt.axis": "axis of the tilt",
     "effects.plane": "plane model",
     "effects.friction": "friction law",
     "classic.relaxation": "classic relaxation b (-)",

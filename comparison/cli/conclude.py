@@ -10,7 +10,7 @@ from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
 from comparison.provenance import describe
-from comparison.report import stored_report, write_pdf, write_report
+from comparison.report import angle_words, stored_report, write_pdf, write_report
 from comparison.verdict import Verdict
 
 
@@ -48,6 +48,8 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
 
 def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
     """Yield what the terminal says under the table of verdicts: the reason or the remarks, then what to do next."""
+    if words := angle_words(comparison):
+        yield words
     is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):

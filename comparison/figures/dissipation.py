@@ -87,7 +87,7 @@ def _unit(assembly: Assembly) -> tuple[float, str]:
     """Return divisor and unit of a power per unit motion of the drive; under a live load it has no unit."""
     if assembly.has_live_load:
         return 1.0, ""
-    return force_unit(assembly.weight, "N m" if np.any(assembly.support_twist[:, 3:]) else "N")
+    return force_unit(assembly.weight, "N m" if assembly.is_rotation else "N")
 
 
 def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -> None:

@@ -220,11 +220,13 @@ def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
             if np.linalg.norm(motion) > SHORT:
                 canvas.arrow(vertex, vertex + length * motion)
         return "motion of the turning support"
-    for k in np.unique(owner[driven])[:FEW]:
+    moves = [k for k in np.unique(owner[driven]) if np.any(assembly.support_twist[k])]
+    for k in moves[:FEW]:
         direction = _unit(assembly.support_twist[k, :3])
         ahead = (blocks.vertices[owner == k] - blocks.centroid[k]) @ direction
         start = blocks.centroid[k] + ahead.max() * direction
-        canvas.arrow(start, start + length * direction)
+        share = float(np.linalg.norm(assembly.support_twist[k, :3]) / speed.max())
+        canvas.arrow(start, start + length * share * direction)
     return "motion of the support"
 
 
@@ -261,8 +263,7 @@ def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     """Return the scale of the drawn displacements as a sentence; a travel of 0, m or rad, is unknown."""
     if assembly.has_live_load or not np.any(assembly.support_twist):
         return f"largest displacement drawn: {DRAWN * structure_size(assembly.blocks):.3g} m (displacements linear in it)"
-    turns = bool(np.any(assembly.support_twist[:, 3:]))
-    motion, unit = ("rotation", "mrad") if turns else ("motion", "mm")
+    motion, unit = ("rotation", "mrad") if assembly.is_rotation else ("motion", "mm")
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
         return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"

@@ -16,7 +16,7 @@ from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, p
 from la_core.exchange import RUN_FIELDS
 from la_core.limit import Status
 from la_core.measures import measure
-from la_core.scene import geometry_changes
+from la_core.scene import Scene, geometry_changes, tilt_angles
 
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
@@ -73,6 +73,14 @@ def without_run(status: str, message: str) -> dict[str, Any]:
     return {**dict.fromkeys(names), "status": status, "message": message}
 
 
+def _of_live_load(scene: Scene, yade: dict[str, Any]) -> dict[str, Any]:
+    """Return what YADE's reaction is under a live load, the multiplier, and the angle of a tilt; empty for a settlement."""
+    value, uncertainty = yade.get("reaction"), yade.get("uncertainty")
+    if scene.live is None:
+        return {}
+    return {"multiplier": value} | tilt_angles(scene.tilt, value, math.nan if uncertainty is None else uncertainty)
+
+
 def comparison_summary(
     results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str], first: dict[str, Any] | None = None
 ) -> dict[str, Any]:
@@ -98,7 +106,7 @@ def comparison_summary(
     summary |= {
         "mechanism_measures": dict(_measures(results)),
         "first_prediction": first_prediction_summary(first, analysis),
-        "yade": yade,
+        "yade": yade and yade | _of_live_load(analysis.scene, yade),
         "accuracy": accuracy_summary(results),
         "curves": curves_summary(results),
         "energy": energy_summary(analysis.assembly, run) if run else None,

@@ -4,10 +4,12 @@ from comparison.report import viewer
 from comparison.report.facts import structure_facts
 from comparison.report.paraview import export_results
 from comparison.report.pdf import write_pdf
+from comparison.report.plain_words import angle_words
 from comparison.report.report import stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
 __all__ = [
+    "angle_words",
     "export_results",
     "flat",
     "stored_report",

@@ -10,7 +10,7 @@ from comparison.yade import Results
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.measures import ContactState, mechanism, thrust_line
-from la_core.scene import classes_as_dicts, loads_as_dicts, ties_as_dicts
+from la_core.scene import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 
 MOST_NAMES = 12  # blocks or joints that a report names
 
@@ -44,6 +44,8 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "ties": ties_as_dicts(scene.ties, blocks.names),
         "motion": scene.support_twist.tolist() if scene.support_twist is not None else None,
         "live": scene.live.tolist() if scene.live is not None else None,
+        "motions": [] if scene.moves_alike else motions_as_dicts(scene.support_twists, blocks),
+        "tilt": scene.tilt.tolist() if scene.tilt is not None else None,
         "support": _support(blocks),
         "accuracy": scene.accuracy,
         "has_thrust_line": bool(len(thrust_line(analysis.assembly))),

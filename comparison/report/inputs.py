@@ -87,10 +87,15 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
     unit = "rad" if "m" in str(comparison.get("unit", "")) else "m"
     if facts.get("live"):
         yield "live load, in proportion to weight", f"along ({', '.join(_given(value) for value in facts['live'])})"
+    if facts.get("tilt"):
+        yield "tilt of the ground, right-handed", f"about ({', '.join(_given(value) for value in facts['tilt'])})"
     if facts.get("motion"):
         motion = [*map(float, facts["motion"])]
         turn = f", angular ({', '.join(_given(value) for value in motion[3:])}) per unit" if any(motion[3:]) else ""
         yield "motion of the support, unit vector (x, y, z)", f"({', '.join(_given(value) for value in motion[:3])}){turn}"
+        for own in facts.get("motions") or ():
+            turn = f", angular ({', '.join(_given(value) for value in own['spin'])})" if any(own["spin"]) else ""
+            yield f"of it, motion of {', '.join(own['names'])}", f"({', '.join(_given(value) for value in own['velocity'])}){turn}"
         support = facts.get("support") or {}
         if support:
             places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))

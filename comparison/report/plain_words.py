@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, exists, format_number
+from comparison.numbers import Units, exists, format_number, with_uncertainty
 from comparison.verdict import Verdict
 
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
@@ -50,6 +50,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if exists(predicted) and exists(weight) and weight:
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
         carries = "It then still carries" if "settles" in moves or not moves else "The force on it along its motion is then"
+        if facts.get("motions"):
+            carries = "The forces on it, each times its share of the settlement, are then together"
         yield f"{carries if unit == 'N' else 'The moment on it is then'} {units.text(predicted, unit, 4)}{share}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
@@ -69,14 +71,32 @@ def _of_yade(comparison: dict[str, Any], given: str) -> Iterator[str]:
 def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
     predicted = predicted_value(comparison)
     direction = f" along {_vector(facts['live'])}" if facts.get("live") else ""
-    if exists(predicted):
+    if facts.get("tilt"):
+        yield angle_words(comparison)
+    elif exists(predicted):
         yield (
             f"Pushed{direction} by a share of every block's weight, the structure fails at {format_number(predicted, 4)} times its weight, "
             f"W = {units.text(comparison.get('weight'), 'N', 4)}."
         )
+    if exists(predicted):
         yield f"Then {_moving_words(comparison, facts)}."
     reaction = (comparison.get("yade") or {}).get("reaction")
     yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
+
+
+def angle_words(comparison: dict[str, Any]) -> str:
+    """Return the angle at which the ground of a tilted structure fails it, by both methods, as a sentence; "" without a tilt."""
+    answers = comparison.get("limit_analysis") or {}
+    answer = answers.get("coulomb") or answers.get("associated") or {}
+    answer, yade = answer.get("shared_inset") or answer, comparison.get("yade") or {}
+    if not exists(answer.get("angle")):
+        return ""
+    found = f"{with_uncertainty(answer['angle'], answer.get('angle_uncertainty'))} degrees by limit analysis"
+    if exists(yade.get("angle")) and yade.get("status") == "plateau":
+        found += f" and by {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
+    axis = (comparison.get("structure") or {}).get("tilt")
+    about = f" about {_vector(axis)}" if axis else ""
+    return f"The structure fails when the ground is tilted{about} by {found}; the multiplier is the tangent."
 
 
 def predicted_value(comparison: dict[str, Any]) -> Any:
@@ -117,6 +137,8 @@ def _motion_words(facts: dict[str, Any]) -> str:
     """Return the motion of the support as a verb; "" where it is unknown."""
     if not facts.get("motion"):
         return ""
+    if facts.get("motions"):
+        return "moves by different shares of the settlement"
     motion, gravity = np.array(facts["motion"]), np.array(facts.get("gravity") or (0.0, 0.0, -9.81))
     if np.any(motion[3:]):
         return f"turns about {_vector(motion[3:])}"

@@ -56,6 +56,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
     weight = shown(comparison.get("weight"))
+    sources = (("associated", shared), ("Coulomb", shared_coulomb), ("YADE", yade if steady else {}))
     ratios = {name: value / weight if exists(value) and weight and not live else None for name, value in reactions.items()}
     unbounded = associated.get("reaction_max_status") == "unbounded"
     return reactions | {
@@ -73,6 +74,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "live": live,
         "difference_words": _share_of(reactions["difference"], nearest),
         "multiplier": shared.get("multiplier"),
+        "angles": {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer},
         "status": associated.get("status") or DASH,
         "yade_status": yade.get("status") or "not run",
         "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
@@ -111,6 +113,8 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
         yield "limit analysis: interval of the prediction's mechanism", r["interval"], ""
     state = "" if r["yade_status"] == "plateau" else r["yade_status"]
     yield row("YADE: plateau", r["yade"], r["uncertainty"], ratios["yade"], state)
+    for name, (angle, uncertainty) in r["angles"].items():
+        yield f"angle of the tilt at collapse, {name}", f"{with_uncertainty(angle, uncertainty)} degrees" if exists(angle) else DASH, ""
     if exists(r["difference"]):
         _, _, over = row("", r["difference"], None, ratios["difference"])
         yield (

@@ -248,6 +248,7 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
             yield _quantity(scene, name.replace("_", " "), answer[name])
     if "falling" in answer:
         yield "blocks that fall", ", ".join(answer["falling"]), ""
+    yield from _angle_rows("", answer)
     for name in ("equilibrium_residual", "cone_violation", "mechanism_violation", "duality_gap", "seconds"):
         yield name.replace("_", " "), number_text(answer[name], 2), ""
     if values["coulomb"]:
@@ -260,6 +261,7 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
     yield _quantity(scene, "Coulomb: uncertainty", answer["uncertainty"], 2)
+    yield from _angle_rows("Coulomb: ", answer)
     for plateau in answer["plateaus"]:
         yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
     yield _quantity(scene, "Coulomb: least by its mechanism", low)
@@ -269,6 +271,13 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     for name in ("strain_residual", "drift", "travel", "seconds"):
         yield f"Coulomb: {name.replace('_', ' ')}", number_text(answer[name], 2), ""
     yield "Coulomb: iterations", str(answer["iterations"]), ""
+
+
+def _angle_rows(before: str, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield the angle at which the ground of a [tilt] fails its structure, and its uncertainty. before: first words of the rows."""
+    for name, digits in (("angle", 5), ("angle_uncertainty", 2)):
+        if name in answer:
+            yield f"{before}{name.replace('_', ', ')}, degrees", number_text(answer[name], digits), ""
 
 
 def _quantity(scene: Scene, name: str, value: float | None, digits: int = 6) -> tuple[str, str, str]:

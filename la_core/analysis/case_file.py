@@ -97,6 +97,8 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
         values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))
     if (assembly.points.inset != assembly.inset).any():
         values[exchange.JOINT_INSET] = assembly.points.inset
+    if scene.support_twists is not None and not scene.moves_alike:
+        values[exchange.SUPPORT_TWISTS] = scene.support_twists
     if scene.live is not None:
         values[exchange.LIVE_DIRECTION] = scene.live
     if assembly.applied_load.any():
@@ -107,7 +109,7 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
 
 def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
     """Return the live load (B, 6) of multiplier 1 beside that of the blocks' own masses, N and N m."""
-    live_load = np.where(assembly.applied_load.any(axis=1)[:, None], assembly.live_load, 0.0)
+    live_load = np.where(np.any(assembly.applied_load, axis=1, keepdims=True), assembly.live_load, 0.0)
     if scene.live is not None:
         own_weight = np.linalg.norm((assembly.dead_load - assembly.applied_load)[:, :3], axis=1)
         live_load[live_load.any(axis=1), :3] -= own_weight[live_load.any(axis=1), None] * scene.live

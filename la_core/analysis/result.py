@@ -9,7 +9,7 @@ from la_core.analysis.accuracy_record import AccuracyRecord
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness
-from la_core.scene import Scene
+from la_core.scene import Scene, tilt_angles
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,8 @@ def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
     values["inset"] = analysis.assembly.inset if scene.inset else 0.0
     if analysis.assembly.inset != values["inset"]:
         bounds = {drive.key: bound.value for drive, bound in analysis.bounds.items()}
-        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds}
+        values["shared_inset"] = {"inset": analysis.assembly.inset, **bounds, **tilt_angles(scene.tilt, analysis.bounds[main].value)}
+    values |= tilt_angles(scene.tilt, solution.value)
     values |= {name: _worst(getattr(s, name) for s in printed.values()) for name in EVIDENCE}
     values["iterations"] = solution.iterations
     values["seconds"] = sum(s.seconds for s in _distinct(analysis))
@@ -168,7 +169,9 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
     if scene.inset == 0.0 and analysis.assembly.inset:
         shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
+        shared |= tilt_angles(scene.tilt, rounded.value, rounded.uncertainty)
         values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
+    values |= tilt_angles(scene.tilt, printed.value, printed.uncertainty)
     values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
     return values | {
         "iterations": printed.iterations,

@@ -86,6 +86,10 @@ PART_FIELDS = (
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
 # Optional: only where a live load drives the structure; no support moves then.
 LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load in proportion to the weights of the free blocks")
+# Optional: only where supports move by different shares of the settlement.
+SUPPORT_TWISTS = Field(
+    "blocks/support_twist", "f8", ("B", 6), "-", "unit motion of each support: velocity of the origin, angular velocity; 0 for other blocks"
+)
 # Optional: only where loads or ties act on blocks.
 LOAD_FIELDS = (
     Field("blocks/applied_load", "f8", ("B", 6), "N, N m", "dead loads and ties on each block, a wrench that never changes"),

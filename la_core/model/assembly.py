@@ -6,7 +6,6 @@ import numpy as np
 from scipy import sparse
 
 from la_core.errors import SceneError
-from la_core.exchange import SUPPORT
 from la_core.geometry import SLIVER, Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
 from la_core.model.effects import Effects, applied_wrenches, decide
 from la_core.scene import Scene, friction_of_joints, refuse_idle_classes
@@ -55,6 +54,8 @@ class Assembly:
         (`la_core.analysis.reach`).
     slivers : int
         Joints that are too short to count, and were dropped.
+    is_rotation : bool
+        Whether the unit motion of the supports is an angle, rad, and the reaction a moment.
     """
 
     blocks: Blocks
@@ -70,6 +71,7 @@ class Assembly:
     support_twist: np.ndarray
     aside: np.ndarray
     slivers: int = 0
+    is_rotation: bool = False
 
     @property
     def short_joints(self) -> int:
@@ -206,8 +208,8 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
     points = contact_points(blocks, interfaces, _friction(scene, interfaces), scene.inset, effects.plane)
     refuse_idle_classes(scene.joint_classes, blocks, interfaces)
-    if scene.support_twist is not None:
-        _refuse_idle_support(blocks.role == SUPPORT, interfaces)
+    if scene.support_twists is not None:
+        _refuse_idle_support(np.any(scene.support_twists, axis=1), interfaces)
     return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
 
 
@@ -232,18 +234,17 @@ def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: Cont
     if scene.live is not None:
         live_load[:, :3] = np.linalg.norm(weight[:, :3], axis=1)[:, None] * scene.live
         live_load += scene.loads.wrenches(blocks.centroid, per_mass=size * scene.live)
-    if scene.support_twist is not None:
-        support = blocks.role == SUPPORT
-        velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
-        support_twist[support, :3] = velocity + np.cross(spin, blocks.centroid[support])
-        support_twist[support, 3:] = spin
+    if scene.support_twists is not None:
+        velocity, spin = scene.support_twists[:, :3], scene.support_twists[:, 3:]
+        support_twist[:] = np.concatenate([velocity + np.cross(spin, blocks.centroid), spin], axis=1)
     aside = np.zeros(len(blocks), dtype=bool)
     return Assembly(
         blocks, interfaces, points, effects, scene.inset, weight + applied_load, applied_load,
         scene.loads.weight(len(blocks), scene.gravity / size), scene.gravity / size, live_load, support_twist, aside, slivers,
+        scene.is_rotation,
     )  # fmt: skip
 
 
 def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:
     if not (support[interfaces.block_a] | support[interfaces.block_b]).any():
-        raise SceneError("settlement", "no support block touches a free block, so its motion changes nothing")
+        raise SceneError("settlement", "no support block that moves touches a free block, so its motion changes nothing")

@@ -128,11 +128,11 @@ def _obstacle_to_plane(scene: Scene) -> str:
     if abs(scene.gravity[1]) > FLAT * np.linalg.norm(scene.gravity):
         return "gravity has a component along y"
     if scene.live is not None and abs(scene.live[1]) > FLAT:
-        return "the live load has a component along y"
-    if scene.support_twist is not None:
-        velocity, spin = scene.support_twist[:3], scene.support_twist[3:]
-        out_of_plane = np.hypot(spin[0], spin[2]) if np.any(spin) else abs(velocity[1])
-        if out_of_plane > FLAT:
+        return "the tilt pushes along y" if scene.tilt is not None else "the live load has a component along y"
+    if scene.support_twists is not None:
+        turns = np.any(scene.support_twists[:, 3:], axis=1)
+        out_of_plane = np.where(turns, np.hypot(*scene.support_twists[:, [3, 5]].T), np.abs(scene.support_twists[:, 1]))
+        if out_of_plane.max() > FLAT:
             return "the support does not move in the xz plane"
     return _load_out_of_plane(scene)
 

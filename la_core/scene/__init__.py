@@ -5,7 +5,8 @@ from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
 from la_core.scene.loads.friction import friction_of_joints, refuse_idle_classes
-from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, ties_as_dicts
+from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
+from la_core.scene.loads.tilt import tilt_angles
 from la_core.scene.scene import Scene, load_scene, scene_of_text
 from la_core.scene.schema.json_schema import part_of_schema, scene_schema, tables_of_schema
 from la_core.scene.schema.key_words import default_words, value_words
@@ -44,6 +45,7 @@ __all__ = [
     "load",
     "load_scene",
     "loads_as_dicts",
+    "motions_as_dicts",
     "names",
     "override",
     "part_of_schema",
@@ -58,6 +60,7 @@ __all__ = [
     "starter_text",
     "tables_of_schema",
     "ties_as_dicts",
+    "tilt_angles",
     "value_words",
     "variant",
 ]

@@ -17,7 +17,7 @@ NAMED = 3  # blocks named in one warning
 
 
 def implausible(
-    blocks: Blocks, densities: Sequence[float | None], friction: float, gravity: np.ndarray, twist: np.ndarray | None
+    blocks: Blocks, densities: Sequence[float | None], friction: float, gravity: np.ndarray, twists: np.ndarray | None
 ) -> tuple[str, ...]:
     """Return one sentence for each value of a scene that is probably a slip.
 
@@ -31,7 +31,7 @@ def implausible(
         Friction coefficient, tan(phi).
     gravity : ndarray, shape (3,)
         Acceleration of gravity, m/s2.
-    twist : ndarray, shape (6,), or None
+    twists : ndarray, shape (B, 6), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
     """
     return (
@@ -40,7 +40,7 @@ def implausible(
         *_of_sizes(blocks),
         *_of_gravity(gravity),
         *_of_weight(blocks, gravity),
-        *_of_motion(blocks, gravity, twist),
+        *_of_motion(blocks, gravity, twists),
     )
 
 
@@ -98,11 +98,11 @@ def _of_weight(blocks: Blocks, gravity: np.ndarray) -> Iterator[str]:
         yield f"the free blocks weigh {weight:.3g} N, {beyond}; are coordinates in metres and densities in kg/m3?"
 
 
-def _of_motion(blocks: Blocks, gravity: np.ndarray, twist: np.ndarray | None) -> Iterator[str]:
+def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -> Iterator[str]:
     supports = blocks.role == ROLES["support"]
-    if twist is None or not supports.any():
+    if twists is None or not supports.any():
         return
-    velocity = twist[:3] + np.cross(twist[3:], blocks.centroid[supports])
+    velocity = twists[supports, :3] + np.cross(twists[supports, 3:], blocks.centroid[supports])
     sinks = np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity
     if sinks < -UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max():
         yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."

@@ -19,6 +19,8 @@ from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.loads.dead_loads import Ties, faults_of_loads, load_forces, ties_of
 from la_core.scene.loads.plausibility import implausible_loads
 from la_core.scene.loads.point_forces import PointForces
+from la_core.scene.loads.support_motion import faults_of_settlement, support_twists
+from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
 from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
 from la_core.scene.schema import scene_file
@@ -58,8 +60,10 @@ class Scene(Tabled):
         Geometry, mass and role of every block.
     support_twist : ndarray, shape (6,), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
+    support_twists : ndarray, shape (B, 6), or None
+        The same for each block: supports by their shares of the settlement, others 0.
     live : ndarray, shape (3,), or None
-        Unit direction of a load proportional to weight. None for a settlement.
+        Unit direction of a load proportional to weight, also of the one that a tilt is. None for a settlement.
     effects : RequestedEffects
         Choice for every effect, "auto" where the program decides.
     path_asked : RequestedPath or None
@@ -96,6 +100,8 @@ class Scene(Tabled):
         Classes of joints with a friction of their own.
     load_names : tuple of str
         Name of each [[load]] table.
+    tilt : ndarray, shape (3,), or None
+        Unit axis about which the ground tilts, right-handed. None without a tilt.
     """
 
     name: str
@@ -108,6 +114,7 @@ class Scene(Tabled):
     inset: float
     blocks: Blocks
     support_twist: np.ndarray | None
+    support_twists: np.ndarray | None
     live: np.ndarray | None
     effects: scene_file.RequestedEffects
     path_asked: scene_file.RequestedPath | None
@@ -127,6 +134,7 @@ class Scene(Tabled):
     ties: Ties | None = None
     joint_classes: tuple[JointFriction, ...] = ()
     load_names: tuple[str, ...] = ()
+    tilt: np.ndarray | None = None
 
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
@@ -159,6 +167,12 @@ class Scene(Tabled):
     def shortest_joint(self) -> float:
         """Length of the shortest joint that counts, m; 0 without a tolerance of the geometry."""
         return 0.0 if self.repairs is None else self.repairs.shortest_joint
+
+    @property
+    def moves_alike(self) -> bool:
+        """Whether all supports move as one rigid body; also without a support."""
+        support = self.blocks.role == ROLES["support"]
+        return self.support_twists is None or bool(np.all(self.support_twists[support] == self.support_twist))
 
     @property
     def is_rotation(self) -> bool:
@@ -241,9 +255,11 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     stones = densities(named, file)
     loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
     blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named])
-    gravity, twist = np.array(file.gravity), support_twist(file.settlement)
-    if faults := list(faults_of_loads(file, blocks)):
+    gravity = np.array(file.gravity)
+    tilt = unit_vector(file.tilt.axis) if file.tilt else None
+    if faults := [*faults_of_loads(file, blocks), *faults_of_settlement(file, blocks)]:
         raise joined(faults, counted)
+    twists = support_twists(file.settlement, blocks)
     loads, ties = load_forces(file.load, blocks, gravity), ties_of(file.tie, blocks) if file.tie else None
     names_of_loads = tuple(load.name for load in file.load)
     return Scene(
@@ -256,8 +272,9 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         friction=file.joint.friction,
         inset=file.joint.inset,
         blocks=blocks,
-        support_twist=twist,
-        live=unit_vector(file.live.direction) if file.live else None,
+        support_twist=support_twist(file.settlement),
+        support_twists=twists,
+        live=unit_vector(file.live.direction) if file.live else None if tilt is None else tilt_push(tilt, gravity),
         effects=file.effects,
         path_asked=file.path,
         expected=file.expected,
@@ -271,7 +288,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         drawn=tuple(tables.drawn),
         repairs=repairs,
         warnings=(
-            *implausible(blocks, stones, file.joint.friction, gravity, twist),
+            *implausible(blocks, stones, file.joint.friction, gravity, twists),
             *implausible_loads(loads, names_of_loads, ties, file.friction, blocks, gravity),
         ),
         places=tuple(tables.places),
@@ -279,4 +296,5 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         ties=ties,
         joint_classes=file.friction,
         load_names=names_of_loads,
+        tilt=tilt,
     )

@@ -18,6 +18,7 @@ from la_core.scene.generators.drawings import DrawnBlocks, drawing_blocks, read_
 from la_core.scene.generators.mesh import MeshFile, mesh_blocks, read_files
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.line_numbers import KeyPath
+from la_core.scene.loads.tilt import faults_of_tilt
 from la_core.scene.schema import scene_file
 from la_core.scene.schema.types import MOST_BLOCKS
 from la_core.scene.validation import Fault
@@ -111,15 +112,17 @@ def faults_of_sense(tables: Tables, file: scene_file.SceneFile) -> Iterator[Faul
         yield ("block",), str(SceneError("block", "no block is free, so there is no structure", hint='give a [[block]] the role "free"'))
     if file.settlement and "support" not in roles:
         yield ("settlement",), str(SceneError("settlement", "no block has the role of support", hint=WHERE_A_SUPPORT_IS))
-    if file.live and "support" in roles:
-        yield ("live",), str(SceneError("live", "a [live] scene has no support", hint='give its held blocks role = "fixed"'))
-    if file.expected and (file.expected.multiplier is None) != (file.live is None):
-        wanted = "multiplier" if file.live else "reaction_over_weight"
-        rule = f"a [{'live' if file.live else 'settlement'}] scene expects a `{wanted}`"
+    driven = next(name for name in ("settlement", "live", "tilt") if getattr(file, name) is not None)
+    if driven != "settlement" and "support" in roles:
+        yield (driven,), str(SceneError(driven, f"a [{driven}] scene has no support", hint='give its held blocks role = "fixed"'))
+    if file.expected and (file.expected.multiplier is None) != (driven == "settlement"):
+        wanted = "multiplier" if driven != "settlement" else "reaction_over_weight"
+        rule = f"a [{driven}] scene expects a `{wanted}`"
         yield ("expected",), str(SceneError("expected", rule))
     for name in file.yade:
         if name not in SETTINGS:
             yield ("yade", name), str(SceneError(f"yade.{name}", "unknown key", hint=nearest(name, SETTINGS)))
+    yield from faults_of_tilt(file)
     yield from _faults_of_density(tables, file)
 
 

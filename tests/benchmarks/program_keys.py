@@ -50,6 +50,7 @@ def hdf5_fields() -> str:
         ("### `case.h5`: where a block has several convex parts", exchange.schema_table(exchange.PART_FIELDS)),
         ("### `case.h5`: where the inset of a joint is not that of the scene", exchange.schema_table((exchange.JOINT_INSET,))),
         ("### `case.h5`: where a live load drives the structure", exchange.schema_table((exchange.LIVE_DIRECTION,))),
+        ("### `case.h5`: where supports move by different shares", exchange.schema_table((exchange.SUPPORT_TWISTS,))),
         ("### `case.h5`: where loads or ties act on blocks", exchange.schema_table(exchange.LOAD_FIELDS)),
         ("### `case.h5`: where an effect was restored after a run in YADE", exchange.schema_table((exchange.FIRST_PREDICTION,))),
         ("### `case.h5`: associated answers", exchange.schema_table(exchange.solution_fields("GROUP"))),

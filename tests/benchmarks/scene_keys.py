@@ -23,6 +23,7 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "SceneFile": "Top of the file", "Stone": "`[stone]`", "Joint": "`[joint]`", "Block": "`[[block]]`",
     "Box": "`box` of a block, `region` of a load",
     "Prism": "`prism` of a block", "Polyhedron": "`polyhedron` of a block", "Settlement": "`[settlement]`", "Live": "`[live]`",
+    "Zone": "`zone` of a settlement", "Tilt": "`[tilt]`",
     "RequestedPath": "`[path]`", "RequestedEffects": "`[effects]`", "Expected": "`[expected]`",
     "Wall": "`[[wall]]`", "Opening": "`opening` of a wall",
     "Footing": "`footing` of a wall or of rubble",
@@ -33,7 +34,8 @@ HEADINGS = {  # of a table of the schema, as a scene file spells it, in the orde
     "JointFriction": "`[[friction]]`", "Load": "`[[load]]`", "Tie": "`[[tie]]`",
 }  # fmt: skip
 EXAMPLES = {  # starter that shows a table, or a shipped scene
-    "SceneFile": "curve", "Block": "blocks", "Live": "push", "Wall": "gable", "Opening": "facade", "Footing": "buttress",
+    "SceneFile": "curve", "Block": "blocks", "Zone": "zones", "Live": "push", "Tilt": "tilt", "Wall": "gable", "Opening": "facade",
+    "Footing": "buttress",
     "Building": "building", "Arch": "pointed_arch", "Vault": "vault", "Dome": "dome", "Rubble": "rubble", "Mesh": "rubble_wall",
     "Load": "floors",
 }  # fmt: skip

@@ -207,7 +207,9 @@ class Rectangles:
 
 
 def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
-    """Least (sign 1) or greatest (sign -1) vertical reaction over weight, or the multiplier of a live load along x: static form.
+    """Least (sign 1) or greatest (sign -1) reaction over weight, or the multiplier of a live load along x: static form.
+
+    The reaction is the power of the forces on each support against its own unit motion, which may differ from support to support.
 
     Unknowns: normal and tangential force at both ends of every joint. Independent of la_core but for the corners of the blocks.
     """
@@ -232,7 +234,8 @@ def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
                         columns += [2 * count + kind] * 3
                         entries += list(generalised)
                 # A support at a pushes up on b; the reaction is positive when it holds the structure.
-                cost.append(direction[1] if shape.role[a] == SUPPORT else -direction[1] if shape.role[b] == SUPPORT else 0.0)
+                held, onto = (a, -1.0) if shape.role[a] == SUPPORT else (b, 1.0)
+                cost.append(onto * float(_velocity(scene, held, point) @ direction) if shape.role[held] == SUPPORT else 0.0)
             count += 1
     load = np.zeros((int(free.sum()), 3))
     load[:, 1] = shape.weight[free] / total
@@ -250,6 +253,14 @@ def static_form_of_rectangles(scene: Scene, sign: float = 1.0) -> float:
     answer = linprog(objective, A_ub=sliding, b_ub=np.zeros(2 * count), A_eq=equilibrium, b_eq=load, bounds=bounds, method="highs")
     assert answer.status == 0, answer.message
     return float(sign * answer.fun if scene.live is None else -answer.fun)
+
+
+def _velocity(scene: Scene, block: int, point: np.ndarray) -> np.ndarray:
+    """Velocity (x, z) of a point (x, z) of a support for the unit settlement; zero for a live load."""
+    if scene.support_twists is None:
+        return np.zeros(2)
+    velocity_x, _, velocity_z, _, spin, _ = scene.support_twists[block]
+    return np.array([velocity_x + spin * point[1], velocity_z - spin * point[0]])
 
 
 def _friction_of_joint_ends(count: int, friction: float) -> csr_matrix:

@@ -58,16 +58,19 @@ def text(
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
     settlement: Sequence[float] | dict[str, Any] | None = DOWN,
     live: Sequence[float] | None = None,
+    tilt: Sequence[float] | None = None,
     plane: bool | str = "auto",
     model: str = "associated",
     effects: dict[str, Any] | None = None,
     reach: bool | str = "auto",
 ) -> str:
-    """A whole scene file; `live` replaces `settlement`, which is a direction or a table; `effects` adds to plane and model."""
+    """A whole scene file; `live` or `tilt` replaces `settlement`, which is a direction or a table; `effects` adds to plane and model."""
     lines = [f"gravity = {inline(gravity)}", table("stone", density=density), table("joint", friction=friction, inset=inset), *parts]
     lines.append(table("effects", **({"plane": plane, "friction": model, "reach": reach} | (effects or {}))))
     if live is not None:
         lines.append(table("live", direction=live))
+    elif tilt is not None:
+        lines.append(table("tilt", axis=tilt))
     elif settlement is not None:
         lines.append(table("settlement", **(settlement if isinstance(settlement, dict) else {"direction": settlement})))
     return "\n".join(lines) + "\n"

@@ -104,7 +104,11 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: unknown key; joints have none: they open without force"),
         ("= 0.6", "= 0.6\nload = 100.0", "joint.load: unknown key; dead loads stand in [[load]] tables of their own"),
         ("[settlement]", '[[sweep]]\nscene = "wall"\n[settlement]', "sweep: unknown key; this is a campaign, not a scene"),
-        ("[settlement]", "[live]\ndirection = [1, 0, 0]\n[settlement]", "needs either a [settlement] or a [live] table; it has both"),
+        (
+            "[settlement]",
+            "[live]\ndirection = [1, 0, 0]\n[settlement]",
+            "needs one table out of [settlement], [live] and [tilt]; it has [settlement] and [live]",
+        ),
     ],
 )
 def test_a_common_slip_is_recognised(old: str, new: str, expected: str, tmp_path: Path, two_pads: str) -> None:

@@ -121,8 +121,11 @@ CHANGED = {
         "stone = 2000.0: must be a table",
     ),
     "array of tables for a table": (("[joint]", "[[joint]]"), "must be a table"),
-    "neither motion nor load": ((MOTION, ""), "scene: needs either a [settlement] or a [live] table"),
-    "motion and load": ((MOTION, MOTION + "\n" + LIVE), "scene: needs either a [settlement] or a [live] table"),
+    "neither motion nor load": ((MOTION, ""), "scene: needs one table out of [settlement], [live] and [tilt]; it has none"),
+    "motion and load": (
+        (MOTION, MOTION + "\n" + LIVE),
+        "scene: needs one table out of [settlement], [live] and [tilt]; it has [settlement] and [live]",
+    ),
     "support under a live load": ((MOTION, LIVE), 'live: a [live] scene has no support; give its held blocks role = "fixed"'),
     "axis without point": ((MOTION, "[settlement]\naxis = [0.0, 1.0, 0.0]"), "settlement: needs either `direction` (translation) or both"),
     "motion given twice": ((MOTION, MOTION + "\naxis = [0, 1, 0]\npoint = [0, 0, 0]"), "settlement: needs either `direction`"),

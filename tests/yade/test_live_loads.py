@@ -61,9 +61,11 @@ CLOSED_FORMS = {
     "in space": (lambda: column(0.5, 0.7, friction=0.9, plane=False), TIPPING),
 }
 
+FAST = ("slides", "tips")
+
 
 @pytest.mark.yade
-@pytest.mark.parametrize("name", CLOSED_FORMS)
+@pytest.mark.parametrize("name", [name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in CLOSED_FORMS])
 def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
     build, exact = CLOSED_FORMS[name]
     summary, analysis, run = by_both(build(), tmp_path / "results")
@@ -73,6 +75,7 @@ def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
     assert abs(run.reaction - exact) <= run.uncertainty <= 5.0 * PER_MILLE * exact
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_block_of_another_size_takes_the_same_steps(tmp_path: Path) -> None:
     """All gains follow from the case: sizes and weights change no digit but round-off."""
@@ -115,6 +118,7 @@ def test_the_recorded_multiplier_is_the_one_that_acts_and_the_blocks_move_steadi
     assert speed == pytest.approx(run.settings["speed"], rel=0.02)  # of the only block
 
 
+@pytest.mark.slow
 @pytest.mark.yade
 def test_a_block_that_no_push_moves_has_no_plateau(tmp_path: Path) -> None:
     """Between two held walls: limit analysis knows no limit, and YADE's blocks never move steadily."""

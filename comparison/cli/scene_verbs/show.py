@@ -16,7 +16,7 @@ from comparison.studies import TimeEstimate, estimated_times
 from la_core.analysis import DecidedModel, decided_model
 from la_core.errors import SceneError
 from la_core.model import unjoined
-from la_core.scene import Scene, classes_as_dicts, geometry_changes, load_scene, loads_as_dicts, shipped, ties_as_dicts
+from la_core.scene import Scene, classes_as_dicts, geometry_changes, load_scene, loads_as_dicts, motions_as_dicts, shipped, ties_as_dicts
 from la_core.text_table import number_text
 
 FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
@@ -60,6 +60,8 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
     facts["joint_classes"] = classes_as_dicts(scene.joint_classes)
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
+    facts["motions"] = [] if scene.moves_alike else motions_as_dicts(scene.support_twists, blocks)
+    facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
     times = estimated_times(len(assembly.points))
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
     facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
@@ -83,6 +85,11 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
         table.add_row(tables.plain(f"tie {tie['name']}, {' to '.join(tie['between'])}"), number_text(tie["tension"], 4), "N")
     for joints in facts["joint_classes"]:
         table.add_row(tables.plain(f"friction of {class_words(joints)}"), number_text(joints["friction"], 4), "")
+    for motion in facts["motions"]:
+        across = ", ".join(number_text(part, 4) for part in motion["velocity"])
+        table.add_row(tables.plain(f"share of the settlement, {', '.join(motion['names'])}"), f"({across})", "")
+    if facts["tilt"] is not None:
+        table.add_row("axis about which the ground tilts", f"({', '.join(number_text(part, 4) for part in facts['tilt'])})", "")
     for method, words in (("limit_analysis", "limit analysis takes"), ("yade", "YADE takes")):
         if method in facts["estimated_seconds"]:
             table.add_row(words, str(TimeEstimate(*facts["estimated_seconds"][method])), "roughly")

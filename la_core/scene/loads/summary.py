@@ -1,13 +1,16 @@
-"""Dead loads, ties and classes of joints of a scene as plain values, for tables, reports and JSON."""
+"""Dead loads, ties, classes of joints and motions of supports of a scene as plain values, for tables, reports and JSON."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from la_core.geometry import ROLES, Blocks
 from la_core.scene.loads.dead_loads import GROUND, Ties
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.schema.loads import JointFriction
+
+MOST_NAMES = 12  # of supports that move alike
 
 
 def loads_as_dicts(loads: PointForces, names: Sequence[str]) -> list[dict[str, Any]]:
@@ -34,6 +37,24 @@ def ties_as_dicts(ties: Ties | None, blocks: Sequence[str]) -> list[dict[str, An
         {"name": name, "tension": float(ties.tension[k]), "length": float(lengths[k]), "between": ends[k]}
         for k, name in enumerate(ties.names)
     ]
+
+
+def motions_as_dicts(twists: np.ndarray | None, blocks: Blocks) -> list[dict[str, Any]]:
+    """Each distinct unit motion of supports: at most 12 `names` of those that have it, `velocity` of their middle, and `spin`.
+
+    twists: (B, 6), velocity of the origin and angular velocity; None for no support.
+    """
+    supports = np.flatnonzero(blocks.role == ROLES["support"])
+    if twists is None:
+        return []
+    distinct, alike = np.unique(twists[supports], axis=0, return_inverse=True)
+    motions = []
+    for k, twist in enumerate(distinct):
+        own = supports[alike.ravel() == k]
+        velocity = twist[:3] + np.cross(twist[3:], np.average(blocks.centroid[own], axis=0)) + 0.0  # without negative zeros
+        names = [blocks.names[block] for block in own[:MOST_NAMES]]
+        motions.append({"names": names, "velocity": velocity.tolist(), "spin": twist[3:].tolist()})
+    return motions
 
 
 def classes_as_dicts(classes: Sequence[JointFriction]) -> list[dict[str, Any]]:

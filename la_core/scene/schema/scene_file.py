@@ -1,5 +1,6 @@
 """The scene file as a schema: every table and key, its type and its limits (pydantic)."""
 
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
@@ -8,7 +9,7 @@ from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.drawing import Drawing, Geometry
 from la_core.scene.schema.loads import JointFriction, Load, Tie
 from la_core.scene.schema.masonry import Building, Wall
-from la_core.scene.schema.mesh import Mesh
+from la_core.scene.schema.mesh import Mesh, Pattern
 from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
@@ -29,6 +30,7 @@ from la_core.scene.schema.types import (
     described,
 )
 
+LEVEL = 1e-9  # of a direction: round-off
 LEAST_ACCURACY, MOST_ACCURACY = 1e-3, 0.1  # neither finer than the strain of a joint nor coarser than a drawing
 
 
@@ -97,12 +99,40 @@ class Block(Table):
         return self
 
 
+class Zone(Table):
+    """Supports that move by a share of the settlement of their own."""
+
+    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described("names of supports; `*`, `?` and `[...]` as in a shell")
+    ratio: Real = described("their motion over the settlement: 0 holds them, a negative one moves them the other way")
+
+
 class Settlement(Table):
-    """Motion of all support blocks as one rigid body: a translation or a rotation."""
+    """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of it.
+
+    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too. The reaction is the force that
+    does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half that of the second.
+    """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
     axis: Direction | None = described("axis of a rotation, right-handed; the reaction is then a moment in N m", default=None)
     point: Vector | None = described("a point on that axis", "m", default=None)
+    zone: tuple[Zone, ...] = described("supports with another share of the motion; all others have 1, and the last zone counts", default=())
+    profile: Annotated[tuple[Pair, ...], Field(min_length=2)] | None = described(
+        "share of a translation by place, as points [place, ratio], straight between them and level beyond", "m, -", default=None
+    )
+    along: Literal["x", "y"] = described("axis of the places of a `profile`, at right angles to `direction`", default="x")
+
+    @model_validator(mode="after")
+    def _has_one_kind_of_shares(self) -> Self:
+        if self.profile is None:
+            return self
+        if self.zone:
+            raise ValueError("needs either `zone` or `profile`")
+        if self.direction is None or abs(self.direction["xy".index(self.along)]) > LEVEL * max(map(abs, self.direction)):
+            raise ValueError("a `profile` needs a `direction` at right angles to the axis that `along` names")
+        if any(after[0] <= before[0] for before, after in pairwise(self.profile)):
+            raise ValueError("the places of a `profile` must rise from point to point")
+        return self
 
     @model_validator(mode="after")
     def _is_one_motion(self) -> Self:
@@ -116,6 +146,12 @@ class Live(Table):
     """A load proportional to weight, such as the static push of an earthquake; in place of [settlement]."""
 
     direction: Direction = described("direction of the load, of any length")
+
+
+class Tilt(Table):
+    """The ground tilts with the structure until it fails; in place of [settlement]. By the right-hand rule [0, 1, 0] tilts toward +x."""
+
+    axis: Direction = described("level axis about which the ground turns, right-handed, of any length")
 
 
 class RequestedPath(Table):
@@ -149,7 +185,9 @@ class Expected(Table):
 
     reaction_over_weight: Real | None = described("R/W with the scene's own friction", default=None)
     reaction_max_over_weight: Real | None = described("greatest R/W, the support pushed against its settlement; associated", default=None)
-    multiplier: Real | None = described("collapse multiplier of a live load with the scene's own friction", default=None)
+    multiplier: Real | None = described(
+        "collapse multiplier of a live load, or tangent of the tilt, with the scene's own friction", default=None
+    )
     associated_reaction_over_weight: Real | None = described("R/W by the associated flow rule", default=None)
     associated_multiplier: Real | None = described("multiplier by the associated flow rule", default=None)
     tolerance: Positive = described("largest difference that still agrees, in the unit of these values", default=1e-4)
@@ -193,8 +231,9 @@ class SceneFile(Table):
     load: tuple[Load, ...] = described("dead loads on blocks beside their weight", default=())
     tie: tuple[Tie, ...] = described("rods of given tension", default=())
     geometry: Geometry = described("errors of the coordinates", default=Geometry())
-    settlement: Settlement | None = described("how the support moves; either this or [live]", default=None)
-    live: Live | None = described("a load that grows until collapse; either this or [settlement]", default=None)
+    settlement: Settlement | None = described("how the support moves; either this, [live] or [tilt]", default=None)
+    live: Live | None = described("a load that grows until collapse; either this, [settlement] or [tilt]", default=None)
+    tilt: Tilt | None = described("ground that tilts until collapse; either this, [settlement] or [live]", default=None)
     path: RequestedPath | None = described("asks for the curve from rest to the plateau", default=None)
     effects: RequestedEffects = described("which effects are modelled; chosen automatically where left out", default=RequestedEffects())
     expected: Expected | None = described("the known answer", default=None)
@@ -204,9 +243,9 @@ class SceneFile(Table):
 
     @model_validator(mode="after")
     def _has_one_loading(self) -> Self:
-        if (self.settlement is None) == (self.live is None):
-            both = "it has both" if self.live is not None else "it has neither"
-            raise ValueError(f"needs either a [settlement] or a [live] table; {both}")
+        given = [f"[{name}]" for name in ("settlement", "live", "tilt") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"needs one table out of [settlement], [live] and [tilt]; it has {' and '.join(given) or 'none'}")
         return self
 
     @model_validator(mode="after")

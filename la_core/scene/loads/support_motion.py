@@ -1,0 +1,65 @@
+"""The unit motion of every support: all alike, by shares of the settlement, or along a profile of it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from la_core.errors import SceneError, nearest
+from la_core.geometry import ROLES, Blocks
+from la_core.scene.loads.dead_loads import Fault, chosen_by
+from la_core.scene.schema.motion import support_twist
+from la_core.scene.schema.scene_file import SceneFile, Settlement
+
+NO_TURN = 1e-12  # of the settlement, between both ends of a support: round-off
+
+
+def support_twists(settlement: Settlement | None, blocks: Blocks) -> np.ndarray | None:
+    """Twists (B, 6) of all blocks for the unit settlement: velocity of the origin, angular velocity; zero for what is no support.
+
+    They are those of one rigid body, times the ratio of the last zone that names a block. A profile gives the velocities at both ends of
+    a support, and a support whose ends move differently turns. None without a settlement.
+    """
+    twist = support_twist(settlement)
+    if settlement is None or twist is None:
+        return None
+    support = blocks.role == ROLES["support"]
+    if settlement.profile is not None:
+        return np.where(support[:, None], _along_profile(settlement, twist[:3], blocks), 0.0)
+    ratio = support.astype(float)
+    for zone in settlement.zone:
+        ratio[_in_zone(zone.blocks, blocks) & support] = zone.ratio
+    return ratio[:, None] * twist
+
+
+def _in_zone(patterns: tuple[str, ...], blocks: Blocks) -> np.ndarray:
+    """Mask (B,) of the blocks that patterns name."""
+    return np.any([chosen_by(blocks.names, pattern) for pattern in patterns], axis=0)
+
+
+def _along_profile(settlement: Settlement, direction: np.ndarray, blocks: Blocks) -> np.ndarray:
+    """Twists (B, 6) with the velocities of a profile at both ends of every block."""
+    axis = "xy".index(settlement.along)
+    place, ratio = np.array(settlement.profile).T
+    low, high = blocks.low[:, axis], blocks.high[:, axis]
+    at_low, at_high = np.interp(low, place, ratio), np.interp(high, place, ratio)
+    change = np.where(np.abs(at_high - at_low) > NO_TURN, at_high - at_low, 0.0)
+    spin = (change / (high - low))[:, None] * np.cross(np.eye(3)[axis], direction)
+    at_origin = at_low - change / (high - low) * low
+    return np.concatenate([at_origin[:, None] * direction, spin], axis=1)
+
+
+def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
+    """Yield each zone that names no support, and a settlement that moves no support."""
+    if file.settlement is None:
+        return
+    support = blocks.role == ROLES["support"]
+    names = [name for name, moves in zip(blocks.names, support, strict=True) if moves]
+    for number, zone in enumerate(file.settlement.zone):
+        for pattern in zone.blocks:
+            if not (chosen_by(blocks.names, pattern) & support).any():
+                told = SceneError(f"settlement.zone[{number}].blocks", f'no support has the name "{pattern}"', hint=nearest(pattern, names))
+                yield ("settlement",), str(told)
+                return
+    if support.any() and not np.any(support_twists(file.settlement, blocks)):
+        rule = "no support moves: every ratio is 0"
+        yield ("settlement",), str(SceneError("settlement", rule, hint="give one `zone`, or one point of the `profile`, another ratio"))
