@@ -11,7 +11,9 @@ from comparison.numbers import (
     half_width,
     interval_words,
     several_plateaus,
+    share_of,
     signed,
+    small_number,
     value_range,
     with_uncertainty,
 )
@@ -71,18 +73,14 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "less": "Coulomb" if exists(predicted) else "R_min",
         "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
-        "difference_words": _share_of(reactions["difference"], nearest),
+        "difference_text": small_number(reactions["difference"], nearest, 5),
+        "difference_words": share_of(reactions["difference"], nearest),
         "multiplier": associated.get("multiplier"),
         "status": associated.get("status") or DASH,
         "yade_status": yade.get("status") or "not run",
         "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
         "yade_seconds": yade.get("seconds"),
     }
-
-
-def _share_of(difference: Any, value: Any) -> str:
-    """Return a difference in per cent of a value, with its sign."""
-    return f"{signed(100.0 * difference / abs(value), 2)} %" if exists(difference) and exists(value) and value else DASH
 
 
 def _sum(*values: Any) -> float | None:
@@ -112,8 +110,8 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     state = "" if r["yade_status"] == "plateau" else r["yade_status"]
     yield row("YADE: plateau", r["yade"], r["uncertainty"], ratios["yade"], state)
     if exists(r["difference"]):
-        _, _, over = row("", r["difference"], None, ratios["difference"])
-        yield f"YADE less {r['less']}", f"{format_number(r['difference'], 3)} {unit} ({r['difference_words']})", over
+        over = f"{small_number(ratios['difference'], ratios['yade'], 4)}{share}" if exists(ratios["difference"]) and not r["live"] else ""
+        yield f"YADE less {r['less']}", f"{r['difference_text']} {unit} ({r['difference_words']})", over
 
 
 def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
