@@ -208,3 +208,8 @@ def _state(report: dict[str, Any]) -> str:
     settlement, reaction = report.get("settlement"), report.get("reaction")
     moved = "" if settlement is None else f"moved {settlement * 1e3:.3f} {report.get('unit', '')}"
     return moved if reaction is None else f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"
+
+
+def narration(quiet: bool) -> Narration:
+    """Return a narration on standard error for a caller from Python; it prints nothing where it should be quiet."""
+    return Narration(Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True))
