@@ -7,6 +7,8 @@ The stable names:
 - `draw`, `export`: draw a scene or an answer as a `Picture`; write results for ParaView.
 - `run_campaign`, `read_campaign`: run a campaign, or read its results; both return a `CampaignResult`.
 - `compare`: compare two campaigns; returns `CampaignChanges`.
+- `animate`: write the settlement as a GIF or MP4.
+- `cost`, `sensitivity`: study error against time, or the classic iteration; return `CostResult` and `SensitivityResult`.
 
 All other names may change. Nothing is loaded before it is asked for: drawing takes a second that most commands can save.
 Type checkers read the stable names in `__init__.pyi`.
@@ -18,17 +20,22 @@ _HOMES = {
     "CampaignChanges": "campaign_result",
     "CampaignResult": "campaign_result",
     "Check": "verdict",
+    "CostResult": "study_result",
     "Picture": "picture",
     "Result": "result",
     "Run": "yade",
+    "SensitivityResult": "study_result",
     "Verdict": "verdict",
+    "animate": "result",
     "compare": "campaign_result",
+    "cost": "study_result",
     "draw": "picture",
     "export": "result",
     "read": "result",
     "read_campaign": "campaign_result",
     "run": "result",
     "run_campaign": "campaign_result",
+    "sensitivity": "study_result",
 }
 __all__ = sorted(_HOMES)  # noqa: PLE0605
 

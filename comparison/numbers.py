@@ -8,6 +8,9 @@ from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
 LEAST_UNCERTAINTY = 1e-9  # a smaller one is round-off
+MOST_PLACES = 6  # decimal places of a small number; one that needs more is written with an exponent
+NEARLY_ZERO = "≈ 0"
+LEAST_SHARE = 1e-3  # per cent: a smaller difference is as good as none
 A_POINT = "a point"
 DASH = "–"  # stands for an undefined number
 SMALL = 100.0  # N: structures that weigh less are reported in N, all others in kN
@@ -31,6 +34,28 @@ def format_number(value: Any, digits: int = 4) -> str:
         mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
         text = f"{mantissa}e{int(exponent)}"
     return text.replace("-", "−", 1) if rounded < 0 else text
+
+
+def small_number(value: Any, scale: Any, digits: int = 3) -> str:
+    """Return a number with the decimal places that `scale` has at `digits` significant digits.
+
+    A difference has the places of the value or the tolerance that it is compared with; its further digits say nothing. What is 0 in
+    these places is NEARLY_ZERO, unless it is exactly 0. Where the scale is zero or undefined, or needs more than MOST_PLACES, the number
+    has `digits` significant digits of its own.
+    """
+    if not (exists(value) and value and exists(scale) and scale):
+        return format_number(value, digits)
+    places = max(0, digits - 1 - math.floor(math.log10(abs(scale))))
+    rounded = round(value, places)
+    if not rounded:
+        return NEARLY_ZERO
+    return f"{rounded:.{places}f}".replace("-", "−") if places <= MOST_PLACES else format_number(value, digits)
+
+
+def plain_number(value: Any, digits: int = 2) -> str:
+    """Return a small number, such as a tolerance, without an exponent as far as MOST_PLACES reach, and without zeros at its end."""
+    text = small_number(value, value, digits)
+    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
 
 
 def exists(value: Any) -> TypeGuard[float]:
@@ -95,6 +120,14 @@ def class_words(joints: dict[str, Any]) -> str:
     """Return what a class of joints holds for; `joints` is an entry of `la_core.scene.classes_as_dicts`."""
     kind = f"{joints['joints']} joints" if joints["joints"] else "joints"
     return f"{kind} between {' and '.join(joints['between'])}" if joints["between"] else kind
+
+
+def share_of(difference: Any, value: Any, digits: int = 2) -> str:
+    """Return a difference in per cent of a value, with its sign; NEARLY_ZERO below LEAST_SHARE, a dash where it is undefined."""
+    if not (exists(difference) and exists(value) and value):
+        return DASH
+    share = 100.0 * difference / abs(value)
+    return f"{NEARLY_ZERO if 0.0 < abs(share) < LEAST_SHARE else signed(share, digits)} %"
 
 
 def plural(count: int, word: str) -> str:

@@ -213,3 +213,8 @@ def _state(report: dict[str, Any]) -> str:
     if report.get("quantity") == "multiplier":
         return f"{moved}, multiplier {reaction:.5g}"
     return f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"
+
+
+def narration(quiet: bool) -> Narration:
+    """Return a narration on standard error for a caller from Python; it prints nothing where it should be quiet."""
+    return Narration(Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True))

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
+from comparison.figures import Story, write_animation
 from comparison.picture import Picture, draw
-from comparison.progress import Narration
+from comparison.progress import narration
 from comparison.provenance import describe
 from comparison.report import export_results, write_report
-from comparison.run_folder import refuse_name
+from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, refuse_name
 from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, mark_of, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
@@ -193,9 +192,9 @@ def run(
     chosen = scene if isinstance(scene, Scene) else load(scene)
     refuse_name(chosen)
     scene_folder = Path(folder) / chosen.name
-    with _narration(quiet) as narration:
+    with narration(quiet) as told:
         model = structural_model(chosen)
-        summary = run_scene(model, scene_folder, narration, yade, time_limit)
+        summary = run_scene(model, scene_folder, told, yade, time_limit)
     return _result(scene_folder, summary, model.assembly.interfaces)
 
 
@@ -226,8 +225,8 @@ def read(folder: Path | str) -> Result:
     >>> comparison.read("results/two_pads").verdict == result.verdict
     True
     """
-    with _narration(True) as narration:
-        summary = report_again(Path(folder), narration)
+    with narration(True) as told:
+        summary = report_again(Path(folder), told)
     return _result(Path(folder), summary)
 
 
@@ -250,8 +249,43 @@ def export(what: Answer | Result, folder: Path | str) -> list[Path]:
     return export_results(Results(answer.analysis, record), Path(folder))
 
 
-def _narration(quiet: bool) -> Narration:
-    return Narration(Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True))
+def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool = False) -> Path:
+    """Write the settlement as an animation, as `crosscheck animate` does: the mechanisms grow while YADE's reaction is recorded.
+
+    Parameters
+    ----------
+    what : Answer or Result
+        Results of limit analysis, or of both methods.
+    path : Path or str
+        File to write; its ending chooses the format: .gif, or .mp4, which needs ffmpeg.
+    fps : int
+        Frames a second, 1 to 50.
+    quiet : bool
+        Whether to write no progress to stderr.
+
+    Returns
+    -------
+    Path
+        The written file.
+
+    Raises
+    ------
+    SceneError
+        Nothing moves, or an argument is invalid.
+    FileNotFoundError
+        The file is an MP4, and ffmpeg is not installed.
+    """
+    answer, record = (what, None) if isinstance(what, Answer) else (what.answer, what.yade)
+    if Path(path).suffix not in MOVING_FORMATS:
+        raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
+    if not 1 <= fps <= MOST_FRAMES:
+        raise SceneError("fps", f"must be a whole number from 1 to {MOST_FRAMES}", value=fps)
+    with narration(quiet) as told:
+        name = answer.scene.name
+        write_animation(
+            Story(Results(answer.analysis, record)), Path(path), fps, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}")
+        )
+    return Path(path)
 
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:

@@ -23,7 +23,7 @@ ROOMS = (
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",
     "comparison.progress", "comparison.verdict", "comparison.yade", "comparison.judge", "comparison.limit_analysis", "comparison.figures",
     "comparison.report", "comparison.workflow", "comparison.studies", "comparison.campaign", "comparison.picture", "comparison.result",
-    "comparison.campaign_result", "comparison.cli", "comparison.__main__",
+    "comparison.study_result", "comparison.campaign_result", "comparison.cli", "comparison.__main__",
 )  # fmt: skip
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", "loads", ""),

@@ -16,11 +16,14 @@ from types import FunctionType
 import api_page
 import numpy as np
 import pytest
+from PIL import Image
 
 import comparison
 import la_core
 from comparison.cli.commands import main
 from comparison.figures import report_figures
+from comparison.studies import whole_studies
+from comparison.studies.cost_limit_analysis import limit_analysis_methods
 from comparison.workflow import one_scene
 from comparison.yade import Results
 from la_core.analysis.case_file import scene_digest
@@ -408,3 +411,37 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
 def test_results_are_exported_from_python(tmp_path: Path) -> None:
     files = comparison.export(la_core.solve(la_core.load("two_pads")), tmp_path / "paraview")
     assert files == [tmp_path / "paraview" / "structure.pvd"] and all(path.is_file() for path in files)
+
+
+def test_an_answer_is_animated_from_python(tmp_path: Path) -> None:
+    answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
+    path = comparison.animate(answer, tmp_path / "pads.gif", fps=1, quiet=True)
+    with Image.open(path) as movie:
+        assert getattr(movie, "n_frames", 1) > 2
+    for name, fps, rule in (("pads.avi", 1, "must end in .gif or .mp4"), ("pads.gif", 0, "fps = 0: must be a whole number from 1 to 50")):
+        with pytest.raises(la_core.SceneError, match=rule):
+            comparison.animate(answer, tmp_path / name, fps, quiet=True)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_studies_are_run_shown_and_drawn_from_python(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("comparison.studies.cost.REPEATS", 1)
+    few = ("cone programme", "associated", "classic iteration")
+    monkeypatch.setattr(
+        whole_studies, "limit_analysis_methods", lambda *given: [m for m in limit_analysis_methods(*given) if m.family in few]
+    )
+    pads = la_core.load("two_pads")
+    costs = comparison.cost(pads, yade=False, quiet=True)
+    assert {row["family"] for row in costs.rows} == set(few)
+    assert {row["target"] for row in costs.rows} == set(costs.references) == {"associated", "prediction"}
+    assert [row["value"] for row in costs.rows] == pytest.approx([1.0 / 6.0] * len(costs.rows), rel=ELASTIC)
+    assert len(repr(costs).splitlines()) == len(costs.rows) + 3 and "cone programme" in costs._repr_html_()
+    runs = comparison.sensitivity("two_pads", quiet=True)
+    assert len(runs.rows) == 25 and {row["status"] for row in runs.rows} == {"solved"}
+    assert runs.rows[0]["value"] == pytest.approx(la_core.solve(pads).coulomb, rel=ELASTIC)
+    assert len(repr(runs).splitlines()) == len(runs.rows) + len(runs.references) + 3
+    for result in (costs, runs):
+        assert isinstance(result.plot(), comparison.Picture) and len(result.to_dataframe()) == len(result.rows)
+    assert capsys.readouterr().err == ""
+    with pytest.raises(la_core.SceneError, match="did you mean"):
+        comparison.sensitivity("two_padz")

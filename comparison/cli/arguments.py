@@ -7,13 +7,11 @@ from pathlib import Path
 from comparison.cli.exit_codes import MEANINGS
 from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
-from comparison.run_folder import FIGURE_FORMATS
+from comparison.run_folder import FIGURE_FORMATS, MOST_FRAMES, MOVING_FORMATS
 from comparison.settings import HARDER_SECONDS, MOST_WORKERS
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
-MOVING_FORMATS = (".gif", ".mp4")
-MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 PAGE_FORMATS = (".html", ".md", ".json")
 COSTS = Path("crosscheck-cost")
 SCENE_HELP = "path of a scene file, or the name of a shipped scene"

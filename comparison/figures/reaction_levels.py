@@ -1,5 +1,6 @@
 """Numbers of the reaction's figure: levels and interval of limit analysis, units and limits of the axes."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -79,7 +80,8 @@ def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
     The settlement is that at which the stiffer joints of YADE's run are strained alike.
     """
     analysis = results.analysis
-    if analysis.coulomb is None or len(analysis.coulomb.path_settlement) < 2 or not end > 0.0:
+    known = analysis.coulomb is not None and len(analysis.coulomb.path_settlement) >= 2 and math.isfinite(results.stiffening)
+    if analysis.coulomb is None or not known or not end > 0.0:
         return np.zeros(0), np.zeros(0)
     settlement, value = analysis.coulomb.path_settlement / results.stiffening, analysis.coulomb.path_value
     inside = (settlement >= 0.0) & (settlement < end)

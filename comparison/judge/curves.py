@@ -5,6 +5,7 @@ The verdict rests on the plateaus; where the curves part, inertia matters or ano
 """
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,9 +37,12 @@ class CurveDifference:
 
 
 def compare_curves(results: Results) -> CurveDifference | None:
-    """Return the difference of both curves from rest on, as far as both go; None where one of them does not exist."""
+    """Return the difference of both curves from rest on, as far as both go; None where one of them does not exist.
+
+    There is no difference either where the stiffness of YADE's joints is undefined: the path cannot be put to it.
+    """
     coulomb, run = results.analysis.coulomb, results.run
-    if coulomb is None or run is None or len(coulomb.path_settlement) < 2:
+    if coulomb is None or run is None or len(coulomb.path_settlement) < 2 or math.isnan(results.stiffening):
         return None
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
     path = coulomb.path_settlement / results.stiffening

@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.judge import METHODS as ACCURACY_METHODS
 from comparison.judge import percent
-from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, exists, format_number, plural
+from comparison.numbers import A_POINT, DASH, LEAST_UNCERTAINTY, Units, exists, format_number, plain_number, plural, small_number
 
 METHODS = {"associated": "limit analysis, associated", "coulomb": "limit analysis, Coulomb", "yade": "YADE"}
 MEASURES = (
@@ -44,7 +44,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     yield row(METHODS["associated"], answer, results["status"], accuracy, work, associated.get("seconds"))
     if coulomb:
         half = results["half_width"]
-        width = f", half-width {format_number(half, 2)}{unit}" if half and results["interval"] != A_POINT else ""
+        width = f", half-width {plain_number(half)}{unit}" if half and results["interval"] != A_POINT else ""
         share = results["ratios"]["coulomb_uncertainty"]
         stated = _stated(results["coulomb_uncertainty"], share, results) if exists(share) else ""
         parts = (stated, results["plateaus"], f"interval {results['interval']}{width}")
@@ -87,8 +87,8 @@ def _stated(uncertainty: Any, share: float, results: dict[str, Any]) -> str:
     """
     if share < LEAST_UNCERTAINTY and not results["live"]:
         return "± round-off"
-    stated = f"± {format_number(uncertainty, 2)} {results['unit']}".rstrip()
-    return stated if results["live"] else f"{stated}, {format_number(share, 2)} {results['ratio_unit']}"
+    stated = f"± {plain_number(uncertainty)} {results['unit']}".rstrip()
+    return stated if results["live"] else f"{stated}, {plain_number(share)} {results['ratio_unit']}"
 
 
 def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
@@ -119,7 +119,7 @@ ENERGIES = {
 
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover.
+    """Return the energy balance of YADE's run with its drift, in J and as shares of the turnover, as text.
 
     The list is empty without a run.
     """
@@ -128,7 +128,10 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
         return []
     turnover = audit["turnover"]
     parts = {ENERGIES[name]: audit[name] for name in ENERGIES} | {"not accounted for": audit["drift"] * turnover}
-    return [{"name": name, "joule": value, "share": f"{format_number(100.0 * value / turnover, 2)} %"} for name, value in parts.items()]
+    return [
+        {"name": name, "joule": small_number(value, turnover, 4), "share": f"{small_number(100.0 * value / turnover, 100.0, 5)} %"}
+        for name, value in parts.items()
+    ]
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:

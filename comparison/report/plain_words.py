@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, exists, format_number, with_uncertainty
+from comparison.numbers import Units, exists, format_number, plain_number, with_uncertainty
 from comparison.verdict import Verdict
 
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
@@ -49,10 +49,12 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     weight, unit = comparison.get("weight"), comparison.get("unit", "N")
     if exists(predicted) and exists(weight) and weight:
         share = f", {format_number(100.0 * predicted / weight, 3)} % of the weight W = {units.text(weight, 'N', 4)}" if unit == "N" else ""
-        carries = "It then still carries" if "settles" in moves or not moves else "The force on it along its motion is then"
+        by_motion = "settles" in moves or not moves
+        of_force = "The support then still carries" if by_motion else "The force on the support along its motion is then"
         if facts.get("motions"):
-            carries = "The forces on it, each times its share of the settlement, are then together"
-        yield f"{carries if unit == 'N' else 'The moment on it is then'} {units.text(predicted, unit, 4)}{share}, by limit analysis."
+            of_force = "The forces on the supports, each times its share of the settlement, are then together"
+        carries = of_force if unit == "N" else "The moment on the support is then"
+        yield f"{carries} {units.text(predicted, unit, 4)}{share}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
 
@@ -130,7 +132,7 @@ def _support_words(facts: dict[str, Any]) -> str:
         return "the support"
     (low, *_), (high, *_) = support["low"], support["high"]
     named = f'"{names[0]}"' if len(names) == 1 else f"{len(names)} blocks or more" if len(names) >= 12 else f"{len(names)} blocks"
-    return f"the support ({named}, x = {format_number(low, 3)} to {format_number(high, 3)} m)"
+    return f"the support ({named}, x = {plain_number(low, 3)} to {plain_number(high, 3)} m)"
 
 
 def _motion_words(facts: dict[str, Any]) -> str:

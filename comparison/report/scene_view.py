@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from comparison.numbers import DASH, Units, exists, format_number, value_range
+from comparison.numbers import DASH, Units, exists, format_number, plain_number, small_number, value_range
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.inputs import input_rows, key_rows, scene_file
 from comparison.report.plain_words import plain_words
@@ -144,10 +144,18 @@ def _first_verdict(comparison: dict[str, Any]) -> Iterator[str]:
 
 
 def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
+    """Return a check as texts; numbers below the tolerance have its decimal places."""
     symbol, word = check_words(check.get("verdict"))
     unit = check.get("unit") or ""
     words = (check.get(name) for name in ("reason", "next_step"))
-    return {name: units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")} | {
+    predicted, yade, difference, tolerance = (
+        units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")
+    )
+    return {
+        "limit_analysis": _compared(predicted, tolerance),
+        "yade": _compared(yade, tolerance),
+        "difference": small_number(difference, tolerance),
+        "tolerance": plain_number(tolerance),
         "name": check.get("name"),
         "passed": check.get("verdict") in PASSED,
         "unit": units.of(unit)[1],
@@ -156,6 +164,12 @@ def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
         "reason": units.words(" ".join(sentence for sentence in words if sentence)),
         "range": _range_words(*(units.value(end, unit) for end in check.get("range") or (None, None))),
     }
+
+
+def _compared(value: float | None, tolerance: float | None) -> str:
+    """Return a compared value; one that the tolerance outweighs is as good as zero, and has the decimal places of the tolerance."""
+    outweighed = exists(value) and exists(tolerance) and abs(value) < tolerance
+    return small_number(value, tolerance) if outweighed else format_number(value, 5)
 
 
 def _range_words(low: float | None, high: float | None) -> str:

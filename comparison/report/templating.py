@@ -6,7 +6,7 @@ from typing import Any
 
 import jinja2
 
-from comparison.numbers import DASH, first_sentence, format_number, plural
+from comparison.numbers import DASH, first_sentence, format_number, plain_number, plural, with_uncertainty
 
 
 def template_environment(name: str) -> jinja2.Environment:
@@ -23,6 +23,7 @@ def template_environment(name: str) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {"number": format_number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
+    environment.filters |= {"uncertain": with_uncertainty, "plain": plain_number}
     return environment
 
 

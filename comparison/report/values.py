@@ -11,7 +11,9 @@ from comparison.numbers import (
     half_width,
     interval_words,
     several_plateaus,
+    share_of,
     signed,
+    small_number,
     value_range,
     with_uncertainty,
 )
@@ -72,7 +74,8 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "less": "Coulomb" if exists(predicted) else "associated" if live else "R_min",
         "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
-        "difference_words": _share_of(reactions["difference"], nearest),
+        "difference_text": small_number(reactions["difference"], nearest, 5),
+        "difference_words": share_of(reactions["difference"], nearest),
         "multiplier": shared.get("multiplier"),
         "angles": {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer},
         "status": associated.get("status") or DASH,
@@ -80,11 +83,6 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "limit_analysis_seconds": _sum(associated.get("seconds"), coulomb.get("seconds")),
         "yade_seconds": yade.get("seconds"),
     }
-
-
-def _share_of(difference: Any, value: Any) -> str:
-    """Return a difference in per cent of a value, with its sign."""
-    return f"{signed(100.0 * difference / abs(value), 2)} %" if exists(difference) and exists(value) and value else DASH
 
 
 def _sum(*values: Any) -> float | None:
@@ -116,12 +114,9 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     for name, (angle, uncertainty) in r["angles"].items():
         yield f"angle of the tilt at collapse, {name}", f"{with_uncertainty(angle, uncertainty)} degrees" if exists(angle) else DASH, ""
     if exists(r["difference"]):
-        _, _, over = row("", r["difference"], None, ratios["difference"])
-        yield (
-            f"YADE less {r['less']}",
-            " ".join(filter(None, (format_number(r["difference"], 3), unit, f"({r['difference_words']})"))),
-            over,
-        )
+        over = f"{small_number(ratios['difference'], ratios['yade'], 4)}{share}" if exists(ratios["difference"]) and not r["live"] else ""
+        difference = " ".join(filter(None, (r["difference_text"], unit, f"({r['difference_words']})")))
+        yield f"YADE less {r['less']}", difference, over
 
 
 def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:

@@ -1,5 +1,6 @@
 """Stored results of both methods: find the folder of a scene and read them."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,13 +49,16 @@ class Results:
 
     @property
     def stiffening(self) -> float:
-        """Stiffness of YADE's joints over that of limit analysis; 1 without a run.
+        """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN where a stiffness is undefined or zero.
 
         With small displacements only travel over sag counts: a settlement s of the run strains the joints as s times this does on the
         path.
         """
+        if self.run is None:
+            return 1.0
         normal = self.analysis.stiffness.normal
-        return 1.0 if self.run is None else self.run.settings.get("normal_stiffness", normal) / normal
+        used = float(self.run.settings.get("normal_stiffness", normal))
+        return used / normal if normal > 0.0 and used > 0.0 else math.nan
 
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:

@@ -519,11 +519,11 @@ def test_a_prediction_may_move_by_the_uncertainty_that_both_campaigns_state(tmp_
 
 
 def test_the_report_shows_the_uncertainty_of_a_prediction_where_it_is_stated(tmp_path: Path) -> None:
-    table = changed(campaign(tmp_path), 0, coulomb_uncertainty=1.5, coulomb_plateaus=2)
+    table = changed(campaign(tmp_path), 0, coulomb_uncertainty=3.0, coulomb_plateaus=2)
     write_campaign_report(table)
     for name in ("report.html", "report.md"):
         text = (tmp_path / name).read_text(encoding="utf-8")
-        assert text.count(" ± 0.0015") == text.count("one of 2 plateaus") == 1
+        assert text.count(" ± 0.003") == text.count("one of 2 plateaus") == 1
 
 
 def test_a_prediction_may_move_where_its_mechanism_leaves_it_open_and_not_elsewhere(tmp_path: Path) -> None:

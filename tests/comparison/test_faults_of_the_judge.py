@@ -2,12 +2,14 @@
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 import pytest
 import scenes
 from runs import coulomb_run, made_up_run, perfect_run, with_answers
 
+from comparison.figures.reaction_levels import curve_of
 from comparison.judge import energy
 from comparison.judge.curves import compare_curves
 from comparison.judge.run_checks import check_run
@@ -293,3 +295,14 @@ def test_curves_are_compared_as_far_as_both_go_and_not_at_all_without_one(wall: 
     arch = analyse(scenes.shipped("arch_spreading"))
     assert compare_curves(Results(arch, coulomb_run(arch))) is None  # no joint slides: no path was followed
     assert math.isfinite(found.largest)
+
+
+@pytest.mark.parametrize("stiffness", [0.0, math.nan])
+def test_curves_are_not_compared_where_yades_stiffness_is_undefined(wall: LimitAnalysis, stiffness: float) -> None:
+    """A damaged record; the path cannot be put to the run's settlements, and no warning of a division reaches the user."""
+    run = dataclasses.replace(coulomb_run(wall), settings={"normal_stiffness": stiffness})
+    results = Results(wall, run)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert math.isnan(results.stiffening) and compare_curves(results) is None
+        assert [len(part) for part in curve_of(results, 1e-3)] == [0, 0]

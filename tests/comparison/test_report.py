@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 import re
 import tomllib
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from typing import Any
 import pytest
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.numbers import Units, format_number, with_uncertainty
+from comparison.numbers import Units, format_number, plain_number, share_of, small_number, with_uncertainty
 from comparison.report import report, structure_facts, values
 from comparison.report.plain_words import plain_words
 from comparison.verdict.verdict_table import verdict_cells
@@ -113,6 +114,34 @@ def values_part(page: str) -> str:
     return part[: part.index("</table>")]
 
 
+@pytest.mark.parametrize(
+    ("value", "scale", "digits", "shown"),
+    [
+        (-4.1e-6, 0.3633, 5, "≈ 0"),  # kN: a difference of 0.004 N of two reactions
+        (1.59e-4, 2.5524, 5, "0.0002"),
+        (-0.0025, 0.366, 5, "−0.00250"),
+        (0.0, 0.366, 5, "0"),  # exactly
+        (2.44e-11, 1e-6, 3, "≈ 0"),  # far below its tolerance
+        (3.5e-6, 1e-5, 3, "3.5e-6"),  # too many places
+        (12.0, 250.0, 3, "12"),
+        (math.nan, 1.0, 3, "–"),
+        (0.5, math.nan, 3, "0.500"),
+        (0.5, 0.0, 3, "0.500"),
+    ],
+)
+def test_a_difference_has_the_places_of_what_it_is_compared_with(value: float, scale: float, digits: int, shown: str) -> None:
+    assert small_number(value, scale, digits) == shown
+
+
+def test_small_numbers_of_a_report_have_no_exponent_and_no_idle_zeros() -> None:
+    assert [plain_number(value) for value in (1.28e-4, 0.0020, 0.05, 4.0, 20.0, 1e-9, None)] == [
+        "0.00013", "0.002", "0.05", "4", "20", "1e-9", "–",
+    ]  # fmt: skip
+    assert plain_number(1.85, 3) == "1.85" and plain_number(-0.5, 3) == "−0.5"
+    assert [share_of(apart, 2.0) for apart in (0.02, -1e-3, 1e-6, 0.0, None)] == ["+1 %", "−0.050 %", "≈ 0 %", "0 %", "–"]
+    assert share_of(1.0, 0.0) == "–"
+
+
 def test_the_page_loads_nothing_and_escapes_everything(tmp_path: Path) -> None:
     (tmp_path / "two pads").mkdir()
     (tmp_path / "two pads" / "assembly.png").write_bytes(b"not looked into")
@@ -169,7 +198,7 @@ def test_the_inset_of_yade_is_what_it_is_judged_by(tmp_path: Path) -> None:
     }
     page = report.write_report(tmp_path, [comparison], {}).read_text(encoding="utf-8")
     assert ">0.36400 kN<" in page and ">2.1500 kN<" in page
-    assert "−5e-4 kN" in page
+    assert "−0.00050 kN (−0.14 %)" in page
 
 
 def test_json_is_strict_and_all_three_files_are_the_same_twice(tmp_path: Path) -> None:
@@ -219,8 +248,8 @@ def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_
     assert "several plateaus:" not in row
     assert "less R_min" not in row
     (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
-    assert "| 0.36600 ± 7.5e-4 | 0.36330 to 0.37130 kN |" in top
-    assert top.endswith("| −0.00250 |")
+    assert "| 0.3660 ± 0.0008 kN | 0.36330 to 0.37130 kN |" in top
+    assert top.endswith("| −0.00250 kN (−0.68 %) |")
 
 
 def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_plateaus() -> None:
@@ -234,16 +263,16 @@ def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_pla
 def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, comparison_of())
     row = values_part(page)
-    assert "2e-4 kN" in row
+    assert "0.00020 kN (+0.055 %)" in row
     assert "YADE less R_min" in row
-    assert "| 2e-4 (less R\\_min) |" in markdown
+    assert "| 0.00020 kN (+0.055 %) (less R\\_min) |" in markdown
 
 
 def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> None:
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     for text in (page, markdown):
         for words in (
-            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 7.5e-4 kN", "half-width 0.0040 kN",
+            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 0.00075 kN", "half-width 0.004 kN",
             "2 increments, 43 Newton iterations", "largest share of drag 4.5e-4", "1 increment not reached", "34233 steps",
         ):  # fmt: skip
             assert words in text
@@ -261,7 +290,7 @@ def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_unce
     for name in ("uncertainty", "plateaus", "viscosities", "steps", "travel"):
         del coulomb[name]
     page, markdown = page_and_markdown(tmp_path, comparison)
-    assert "| 0.36600 | 0.36330 to 0.37130 kN |" in markdown
+    assert "| 0.36600 kN | 0.36330 to 0.37130 kN |" in markdown
     assert "several plateaus:" not in page
     row = values_part(page)
     assert row.count("±") == 1  # YADE's
@@ -394,7 +423,7 @@ def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() ->
     told = " ".join(plain_words(summary, Units(summary["weight"])))
     for words in (
         "settles, 1 of the 2 blocks (50 % of the weight) moves.",
-        "It then still carries",
+        "The support then still carries",
         "50",
         "YADE was not run",
         "friction coefficient",

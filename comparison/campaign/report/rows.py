@@ -26,7 +26,7 @@ from comparison.campaign.row_values import (
 )
 from comparison.campaign.table import CampaignTable
 from comparison.judge import LEAST_REACTION
-from comparison.numbers import DASH, LEAST_UNCERTAINTY, exists, format_number, interval_words, signed
+from comparison.numbers import DASH, exists, format_number, interval_words, share_of, small_number, with_uncertainty
 from comparison.verdict import VERDICTS, Verdict
 
 MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
@@ -51,25 +51,21 @@ def compared(table: CampaignTable) -> list[Words]:
 
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
-    share = apart / row[predicted] if apart is not None and abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION else None
+    comparable = abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION  # a share of nothing is no number
     sign, word = verdict_symbol(row)
     stated, plateaus = over_weight(row, "coulomb_uncertainty"), row.get("coulomb_plateaus")
     return _named(table, row, varying) | {
         "symbol": sign,
         "word": word,
-        "predicted": format_number(over_weight(row, predicted)),
-        "predicted_uncertainty": format_number(stated, 2)
-        if predicted == "coulomb" and exists(stated) and stated >= LEAST_UNCERTAINTY
-        else "",
+        "predicted": with_uncertainty(over_weight(row, predicted), stated if predicted == "coulomb" else None),
         "plateaus": f"one of {plateaus} plateaus" if exists(plateaus) and plateaus > 1 else "",
         "by": PREDICTED_BY[predicted] if row.get(predicted) is not None else row.get("associated_status") or DASH,
         "interval": interval_words(over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high"), ""),
-        "yade": format_number(over_weight(row, "yade")),
-        "uncertainty": format_number(over_weight(row, "yade_uncertainty"), 2),
+        "yade": with_uncertainty(over_weight(row, "yade"), over_weight(row, "yade_uncertainty")),
         "yade_status": row.get("yade_status") or "not run",
         "found": exists(row.get("yade")),
-        "share": f"{signed(100.0 * share, 3)} %" if exists(share) else DASH,
-        "deviation": format_number(deviation(row), 2),
+        "share": share_of(apart, row[predicted], 3) if comparable else DASH,
+        "deviation": small_number(deviation(row), 1.0),
         "reason": row.get("reason") or "",
         "is_said": row.get("verdict") in ("", None, Verdict.EXPECTED_MET),  # by the verdict's own words
     }

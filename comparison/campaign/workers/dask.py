@@ -17,6 +17,7 @@ from typing import Any
 
 from comparison.campaign.job import LOADED, Job, JobOutcome, StoppedError, failure, run_job
 from comparison.errors import message_of
+from comparison.numbers import plural
 from comparison.run_folder import LOCK, write_text
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
@@ -81,7 +82,7 @@ class Dask:
                 continue
             raise SceneError("--scheduler", f"the worker {worker} {rule}")
         self.capacity = sum(threads.values())
-        self.name = f"Dask, {self.capacity} workers"
+        self.name = f"Dask, {plural(self.capacity, 'worker')}"
 
     def begin(self, job: Job) -> None:
         """Hand a job to the scheduler."""

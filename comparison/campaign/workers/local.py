@@ -16,6 +16,7 @@ from types import FrameType
 from typing import Any
 
 from comparison.campaign.job import Job, JobOutcome, StoppedError, failure, run_job
+from comparison.numbers import plural
 from comparison.yade import find_yade
 from la_core.analysis import Silent
 
@@ -35,7 +36,7 @@ class Local:
 
     def __init__(self, workers: int, yade: bool) -> None:
         self.capacity, self._yade = workers, yade
-        self.name = f"this machine, {workers} workers"
+        self.name = f"this machine, {plural(workers, 'worker')}"
         self._idle: list[_Worker] = []
         self._busy: list[_Worker] = []
 

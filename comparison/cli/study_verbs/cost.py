@@ -1,7 +1,6 @@
 """`crosscheck cost`: measure error against time for each scene; write `SCENE-cost.png` and `SCENE-cost.json`."""
 
 import json
-import tempfile
 from pathlib import Path
 
 from comparison.cli.context import Context
@@ -10,21 +9,7 @@ from comparison.figures import save
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import refuse_names, write_text
-from comparison.studies import (
-    CostStudy,
-    cost,
-    cost_dict,
-    cost_figure,
-    limit_analysis_methods,
-    measure_study,
-    prediction_inset,
-    yade_methods,
-)
-from comparison.yade import find_yade
-from la_core.analysis import drives
-from la_core.errors import SceneError
-from la_core.limit import Status, solve_associated
-from la_core.model import assemble
+from comparison.studies import CostStudy, cost, cost_dict, cost_figure, study_cost
 from la_core.scene import Scene, load_scene, shipped
 
 CAN_GO = ("range s", "post s", "build s", "solve s", "status")  # columns that a narrow table leaves out, the first to go first
@@ -50,24 +35,10 @@ def execute(context: Context) -> int:
 def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> CostStudy:
     """Run every setting of every method on a scene, and write the figure and the numbers into a folder.
 
-    with_yade: include YADE. narration: receives the progress. Raises SceneError for a structure
-    without an answer.
+    with_yade, narration: as in `study_cost`. Raises SceneError for a structure without an answer.
     """
-    status = solve_associated(assemble(scene), drives(scene)[0]).status
-    if status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {status}, so the study has no reference value")
+    ladder = study_cost(scene, with_yade, narration)
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as runs:
-        methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
-        if with_yade:
-            yade = find_yade()
-            methods += yade_methods(
-                scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
-            )
-        count = len(methods)
-        ladder = measure_study(
-            scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}")
-        )
     save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
     stored = cost_dict(ladder) | {"provenance": describe()}
     write_text(folder / f"{scene.name}-cost.json", json.dumps(stored, indent=2, ensure_ascii=False) + "\n")

@@ -1,0 +1,68 @@
+"""The studies of one scene as a whole: every rung of the cost study, the references and runs of the sensitivity study."""
+
+import tempfile
+from pathlib import Path
+
+from comparison.progress import Narration
+from comparison.studies.cost import CostStudy, measure_study, prediction_inset
+from comparison.studies.cost_limit_analysis import limit_analysis_methods
+from comparison.studies.cost_yade import yade_methods
+from comparison.studies.sensitivity import Sensitivity, study
+from comparison.yade import find_yade
+from la_core.analysis import analyse, drives
+from la_core.errors import SceneError
+from la_core.limit import Status, solve_associated
+from la_core.model import assemble
+from la_core.scene import Scene
+
+References = dict[str, tuple[float, int | None]]
+
+
+def study_cost(scene: Scene, with_yade: bool, narration: Narration) -> CostStudy:
+    """Run every setting of every method on a scene.
+
+    Raises SceneError for a structure without an answer.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    with_yade : bool
+        Whether to include YADE.
+    narration : Narration
+        Receives the progress.
+    """
+    status = solve_associated(assemble(scene), drives(scene)[0]).status
+    if status is not Status.SOLVED:
+        raise SceneError(str(scene.path), f"limit analysis ends as {status}, so the study has no reference value")
+    with tempfile.TemporaryDirectory() as runs:
+        methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
+        if with_yade:
+            yade = find_yade()
+            methods += yade_methods(
+                scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
+            )
+        count = len(methods)
+        return measure_study(
+            scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}")
+        )
+
+
+def study_sensitivity(scene: Scene, narration: Narration) -> tuple[Sensitivity, References]:
+    """Study a scene; returns the study, and each reference's value and number of programmes, None without any.
+
+    Raises SceneError for a structure without an answer.
+    """
+    analysis = analyse(scene)
+    main, coulomb = analysis.bounds[analysis.main], analysis.coulomb
+    if main.status is not Status.SOLVED:
+        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so the classic iteration has no starting point")
+    references: References = {"associated": (main.value, 1)}
+    if coulomb is not None:
+        references["Coulomb, elastic joints"] = (coulomb.value, None)
+    result = study(
+        scene,
+        analysis.whole,
+        progress=lambda done, of, _: narration.fraction(scene.name, done / of, f"run {done} of {of}"),
+    )
+    return result, references
