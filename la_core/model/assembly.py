@@ -7,7 +7,17 @@ from scipy import sparse
 
 from la_core.errors import SceneError
 from la_core.exchange import SUPPORT
-from la_core.geometry import SLIVER, Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
+from la_core.geometry import (
+    SLIVER,
+    Blocks,
+    ContactPoints,
+    Interfaces,
+    contact_points,
+    find_interfaces,
+    nearest_gap,
+    plane_axes,
+    without_slivers,
+)
 from la_core.model.effects import Effects, decide
 from la_core.scene import Scene
 
@@ -191,7 +201,7 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     interfaces = without_slivers(blocks, found, max(SLIVER * scene.inset, scene.shortest_joint / 2.0), effects.plane)
     points = contact_points(blocks, interfaces, scene.friction, scene.inset, effects.plane)
     if scene.support_twist is not None:
-        _refuse_idle_support(blocks.role == SUPPORT, interfaces)
+        _refuse_idle_support(blocks, interfaces)
     return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
 
 
@@ -217,6 +227,13 @@ def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: Cont
     return Assembly(blocks, interfaces, points, effects, scene.inset, dead_load, live_load, support_twist, aside, slivers)
 
 
-def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:
+def _refuse_idle_support(blocks: Blocks, interfaces: Interfaces) -> None:
+    support = blocks.role == SUPPORT
     if not (support[interfaces.block_a] | support[interfaces.block_b]).any():
-        raise SceneError("settlement", "no support block touches a free block, so its motion changes nothing")
+        raise SceneError(
+            "settlement",
+            "no support block touches a free block, so its motion changes nothing",
+            hint=nearest_gap(blocks, np.flatnonzero(support), np.flatnonzero(blocks.free)),
+            blocks=[blocks.names[i] for i in np.flatnonzero(support)],
+            spots=[tuple(centroid) for centroid in blocks.centroid[support].tolist()],
+        )
