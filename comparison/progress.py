@@ -56,6 +56,7 @@ class Narration(_Bars):
         self._pace = _Pace()
         self._paces: dict[str, _Pace] = {}
         self._shares: dict[str, float] = {}
+        self._moved: set[str] = set()
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Print that a stage began, was found cached or ended badly."""
@@ -81,13 +82,19 @@ class Narration(_Bars):
         self.fraction(scene.name, share, words)
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Show the progress of a running YADE case. report: as YADE's process wrote it."""
+        """Show the progress of a running YADE case; its blocks come to rest again where an attempt with other settings begins.
+
+        report: as YADE's process wrote it.
+        """
         share = float(report.get("fraction") or 0.0)
+        rests = report.get("stage") == "gravity"
+        again = "another attempt, " if rests and scene in self._moved else ""
+        self._moved |= set() if rests else {scene}
         if scene not in self._paces or share < self._shares.get(scene, 0.0):
             self._paces[scene] = _Pace()
         self._shares[scene] = share
-        done = f"{100.0 * share:.0f} %, " if report.get("stage") != "gravity" and share > 0.0 else ""
-        self.fraction(scene, share, f"YADE: {done}{_state(report)}{self._paces[scene].time_left(share) if done else ''}")
+        done = f"{100.0 * share:.0f} %, " if share > 0.0 and not rests else ""
+        self.fraction(scene, share, f"YADE: {again}{done}{_state(report)}{self._paces[scene].time_left(share) if done else ''}")
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work; without a terminal, print a line every few seconds.

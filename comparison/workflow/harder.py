@@ -4,6 +4,7 @@ The settings depend on the scene and on the settings of the first attempt, never
 second attempt is as blind as the first. The first verdict is kept, and the second one tells it.
 """
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -53,7 +54,8 @@ def try_harder(
         return None
     expected = DEARER * (yade.get("seconds") or 0.0) * with_yade + DEARER_PATHS * _prediction_seconds(first)
     if expected > seconds:
-        words = f"not tried harder: this would take about {plural(round(expected / 60.0), 'minute')}; allow it with --try-harder-limit"
+        minutes = math.ceil(expected / 60.0)
+        words = f"not tried harder: this would take about {plural(minutes, 'minute')}; --try-harder-limit {60 * minutes} (s) allows it"
         listener.stage(scene.name, "comparison", words)
         return None
     listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")

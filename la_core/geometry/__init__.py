@@ -2,7 +2,7 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
-from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, overlaps, separation_by_faces
+from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, nearest_gap, overlaps, separation_by_faces
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
 from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
@@ -23,6 +23,7 @@ __all__ = [
     "joint_rooms",
     "loft",
     "near_pairs",
+    "nearest_gap",
     "overlap_of",
     "overlaps",
     "plane_axes",

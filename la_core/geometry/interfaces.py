@@ -264,20 +264,24 @@ def _overlap_polygons(
     return kept[~far], corners[touches], (np.cumsum(~far) - 1)[owner[touches]]
 
 
+def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
+    """The nearest pair of a block in `some` and one in `others` (indices), its gap, and how a gap as wide as mortar is closed."""
+    low, high = blocks.low[some][:, None], blocks.high[some][:, None]
+    gap = np.linalg.norm(np.maximum(np.maximum(blocks.low[others] - high, low - blocks.high[others]), 0.0), axis=2)
+    one, near = np.unravel_index(np.argmin(gap), gap.shape)
+    told = f'"{blocks.names[others[near]]}" is nearest to "{blocks.names[some[one]]}", about {gap.min():.3g} m away'
+    return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else "")
+
+
 def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:
     alone = np.setdiff1d(np.arange(len(blocks)), touching)
     if len(alone):
         block = int(alone[np.argmax(blocks.free[alone])])  # the first free one, if any is free
-        others = np.delete(np.arange(len(blocks)), block)
-        between = np.maximum(blocks.low[others] - blocks.high[block], blocks.low[block] - blocks.high[others])
-        gap = np.linalg.norm(np.maximum(between, 0.0), axis=1)
-        near = int(others[np.argmin(gap)])  # a scene has at least a free and a held block
         names = ", ".join(f'"{blocks.names[i]}"' for i in alone[:10])
-        hint = f'"{blocks.names[near]}" is nearest to "{blocks.names[block]}", about {gap.min():.3g} m away'
         raise SceneError(
             f"block{'s' if len(alone) > 1 else ''} {names}",
             "touches nothing: no face lies on another block's face",
-            hint=hint + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else ""),
+            hint=nearest_gap(blocks, np.array([block]), np.delete(np.arange(len(blocks)), block)),
             blocks=[blocks.names[i] for i in alone],
             spots=[tuple(blocks.centroid[i].tolist()) for i in alone],
         )

@@ -6,7 +6,17 @@ import numpy as np
 from scipy import sparse
 
 from la_core.errors import SceneError
-from la_core.geometry import SLIVER, Blocks, ContactPoints, Interfaces, contact_points, find_interfaces, plane_axes, without_slivers
+from la_core.geometry import (
+    SLIVER,
+    Blocks,
+    ContactPoints,
+    Interfaces,
+    contact_points,
+    find_interfaces,
+    nearest_gap,
+    plane_axes,
+    without_slivers,
+)
 from la_core.model.effects import Effects, applied_wrenches, decide
 from la_core.scene import Scene, friction_of_joints, refuse_idle_classes
 
@@ -209,7 +219,7 @@ def _assemble(scene: Scene, interfaces: Interfaces | None) -> Assembly:
     points = contact_points(blocks, interfaces, _friction(scene, interfaces), scene.inset, effects.plane)
     refuse_idle_classes(scene.joint_classes, blocks, interfaces)
     if scene.support_twists is not None:
-        _refuse_idle_support(np.any(scene.support_twists, axis=1), interfaces)
+        _refuse_idle_support(blocks, np.any(scene.support_twists, axis=1), interfaces)
     return _loaded(scene, effects, interfaces, points, slivers=interfaces.dropped)
 
 
@@ -245,6 +255,12 @@ def _loaded(scene: Scene, effects: Effects, interfaces: Interfaces, points: Cont
     )  # fmt: skip
 
 
-def _refuse_idle_support(support: np.ndarray, interfaces: Interfaces) -> None:
+def _refuse_idle_support(blocks: Blocks, support: np.ndarray, interfaces: Interfaces) -> None:
     if not (support[interfaces.block_a] | support[interfaces.block_b]).any():
-        raise SceneError("settlement", "no support block that moves touches a free block, so its motion changes nothing")
+        raise SceneError(
+            "settlement",
+            "no support block that moves touches a free block, so its motion changes nothing",
+            hint=nearest_gap(blocks, np.flatnonzero(support), np.flatnonzero(blocks.free)),
+            blocks=[blocks.names[i] for i in np.flatnonzero(support)],
+            spots=[tuple(centroid) for centroid in blocks.centroid[support].tolist()],
+        )

@@ -61,7 +61,7 @@ def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type
     errors: list[Any] = sorted(refused.errors(), key=lambda error: error["loc"][-1:] == ("constrained-int",))
     meant = {_meant(error, table) for error in errors if error["type"] == "extra_forbidden"}
     by_place: dict[KeyPath, str] = {}
-    told: set[str] = set()  # meanings of missing keys, each of which is said once
+    told: set[str] = set()  # meanings of keys, each of which is said once
     for error in errors:
         place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
         if error["type"] != "missing" or place not in meant:
@@ -82,11 +82,11 @@ def joined(faults: list[Fault], text: str) -> SceneError:
 
 
 def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel], told: set[str] | None) -> SceneError:
-    """One error of pydantic; `told` has the meanings of missing keys that were said already, None for no lists of keys."""
+    """One error of pydantic; `told` has the meanings of keys that were said already, None for no lists of keys."""
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
-        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents), told is not None))
+        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents), told))
     if error["type"] == "missing" and isinstance(error["loc"][-1], int):
         return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
     if error["type"] == "missing":
@@ -146,14 +146,15 @@ def _meant(error: Any, table: type[pydantic.BaseModel]) -> KeyPath:
     return (*parents, hint[1] if hint else key)
 
 
-def _valid_keys(key: str, table: type[pydantic.BaseModel], explains: bool) -> str:
-    """The valid key that is nearest to an unknown one, or all of them; where it explains, each with its meaning on a line of its own."""
+def _valid_keys(key: str, table: type[pydantic.BaseModel], told: set[str] | None) -> str:
+    """The valid key that is nearest to an unknown one, or all of them; unless told before, each with its meaning on a line of its own."""
     if key in _NOT_IN_A_SCENE:
         return _NOT_IN_A_SCENE[key]
     keys = _keys(table)
     hint = nearest(key, keys)
-    if not (explains and hint.startswith("valid keys")):
+    if told is None or hint in told or not hint.startswith("valid keys"):
         return hint
+    told.add(hint)
     width = max(map(len, keys))
     return "\n  ".join([hint, *(f"{name:{width}}  {_meaning(field)}" for name, field in keys.items())])
 

@@ -184,6 +184,13 @@ def test_progress_says_the_share_that_is_done_its_units_and_the_last_case() -> N
         narration.progress("wall", {"stage": "settlement", "fraction": 0.25, "settlement": 1e-4, "reaction": 1986.3, "unit": "mm"})
     assert console.file.getvalue() == "wall: YADE: 25 %, moved 0.100 mm, reaction 1986.3 N\n"  # type: ignore[attr-defined]
     console = Console(file=io.StringIO(), width=200)
+    with Narration(console) as narration:
+        for stage in ("gravity", "settlement", "gravity"):
+            narration._spoke = -1e9
+            narration.progress("wall", {"stage": stage})
+    resting = [line for line in console.file.getvalue().splitlines() if "rest" in line]  # type: ignore[attr-defined]
+    assert resting == ["wall: YADE: coming to rest under gravity", "wall: YADE: another attempt, coming to rest under gravity"]
+    console = Console(file=io.StringIO(), width=200)
     with CampaignNarration(console, "sweep") as narration:
         narration.opens(1, 1, 0)
         narration.begins()

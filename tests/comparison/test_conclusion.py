@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -265,7 +266,9 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
     assert (kept["scene"], kept["verdict"], kept["reason"]) == ("wall_third", "inconclusive", "why")
     assert (kept["coulomb"], kept["yade"]) == (1.2, 1.0)
     assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, 200.0) is None
-    assert "--try-harder-limit" in told.lines[-1] and len(runs) == 1
+    limit = re.search(r"about (\d+) minutes; --try-harder-limit (\d+) \(s\) allows it", told.lines[-1])
+    assert limit is not None and int(limit[2]) == 60 * int(limit[1]) and len(runs) == 1
+    assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, float(limit[2])) is not None
 
 
 def test_a_high_effort_is_finer_paths() -> None:

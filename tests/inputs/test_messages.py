@@ -77,6 +77,13 @@ def test_of_very_many_errors_the_rest_is_counted(write_scene: WriteScene, two_pa
     assert (told[0], len(told), told[-1]) == ("50 errors", 22, "  and 30 more")
 
 
+def test_the_meaning_of_keys_is_told_once(write_scene: WriteScene, two_pads: str) -> None:
+    block = '[[block]]\nname = "{}"\nprism = {{ profile = [[0, 0], [1, 0], [1, 1]], qqq = [0, 1] }}\n'
+    told = message(write_scene(two_pads + block.format("first") + block.format("second"))).splitlines()
+    assert sum(line.endswith("unknown key; valid keys: profile, y") for line in told) == 2
+    assert sum(line.strip().startswith("profile  corners") for line in told) == 1
+
+
 def test_a_scene_made_in_code_has_no_lines() -> None:
     with pytest.raises(SceneError) as error:
         build({"joint": {"friction": -1.0}, "settlement": {"direction": [0, 0, -1]}})

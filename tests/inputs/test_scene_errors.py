@@ -178,6 +178,14 @@ def test_support_that_touches_nothing_free(write_scene: WriteScene, two_pads) ->
     assert "settlement: no support block touches a free block, so its motion changes nothing" in refusal(write_scene(text))
 
 
+def test_mortar_that_is_not_drawn_between_the_structure_and_its_support(write_scene: WriteScene, two_pads) -> None:
+    """Its width is told; the pads touch each other and the blocks touch each other, so none of them touches nothing."""
+    lowered = swapped(two_pads, ("to = [0.4, 0.2, 0.0]", "to = [0.5, 0.2, -0.01]"), ("to = [1.0, 0.2, 0.0]", "to = [1.0, 0.2, -0.01]"))
+    upper = scenes.box("upper block", (0.0, 0.0, 0.5), (1.0, 0.2, 0.8))
+    told = refusal(write_scene(swapped(lowered, (MOTION, upper + "\n" + MOTION))))
+    assert 'changes nothing; "block" is nearest to "settling pad", about 0.01 m away; [geometry] tolerance closes gaps' in told
+
+
 def test_plane_model_of_a_3d_scene(write_scene: WriteScene, two_pads) -> None:
     asked = (MOTION, MOTION + "\n[effects]\nplane = true")
     shallow = swapped(two_pads, asked, ("to = [0.4, 0.2, 0.0]", "to = [0.4, 0.1, 0.0]"))
