@@ -34,7 +34,7 @@ def parser() -> GuessingParser:
     whole = GuessingParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
-        epilog="begin with: crosscheck tutorial (five tutorials with calculations by hand), or: crosscheck run two_pads. "
+        epilog="begin with: crosscheck tutorial (six tutorials with calculations by hand), or: crosscheck run two_pads. "
         f"exit codes: {', '.join(f'{code} {meaning}' for code, meaning in MEANINGS.items())}",
     )
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")

@@ -19,7 +19,7 @@ from comparison.yade import find_yade
 from la_core.errors import SceneError, nearest
 
 SCRIPTS = Path(__file__).parents[2] / "tutorials"
-NAMES = ("pads", "friction", "arch", "wall", "disagreement")  # in the order of reading
+NAMES = ("pads", "friction", "arch", "wall", "disagreement", "push")  # in the order of reading
 ANSWER = "**Answer.**"  # begins the answer to a tutorial's question, the last part of its cell
 WIDTH = 100  # columns of text
 _CELL = re.compile(r"^# %%(.*)$", re.MULTILINE)
