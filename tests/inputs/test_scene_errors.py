@@ -175,7 +175,7 @@ def test_integers_are_numbers(write_scene: WriteScene, two_pads) -> None:
 def test_support_that_touches_nothing_free(write_scene: WriteScene, two_pads) -> None:
     idle = scenes.box("idle pad", (1.0, 0.0, -0.1), (1.2, 0.2, 0.0), "support")
     text = swapped(two_pads, ('role = "support"', 'role = "fixed"'), (MOTION, idle + "\n" + MOTION))
-    assert "settlement: no support block touches a free block, so its motion changes nothing" in refusal(write_scene(text))
+    assert "settlement: no support block that moves touches a free block, so its motion changes nothing" in refusal(write_scene(text))
 
 
 def test_plane_model_of_a_3d_scene(write_scene: WriteScene, two_pads) -> None:
