@@ -44,8 +44,9 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--results", type=Path, required=True)
     options.add_argument("-o", type=Path, required=True)
+    options.add_argument("--walls", type=int, nargs="*", default=(1, 2, 3, 4, 5, 6))
     given = options.parse_args()
-    rows = [row_of(number, result_of(number, given.results)) for number in (1, 2, 3, 4, 5, 6)]
+    rows = [row_of(number, result_of(number, given.results)) for number in given.walls]
     headings = ("wall", "free blocks", "associated", "Coulomb", "interval", "published", "Coulomb, inset", "YADE", "verdict")
     lines = [f"| {' | '.join(cells)} |" for cells in (headings, ("---",) * len(headings), *rows)]
     given.o.write_text(PAGE.format(table="\n".join(lines)), encoding="utf-8")
