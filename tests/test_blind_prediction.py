@@ -21,9 +21,8 @@ from la_core.limit import Solution
 ROOT = Path(__file__).parent.parent
 # Modules that call limit analysis themselves. Another one belongs here only if YADE's result cannot reach what it calls.
 CALLERS = {
-    "comparison.cli.scene_verbs.export", "comparison.cli.scene_verbs.solve", "comparison.cli.study_verbs.cost",
-    "comparison.cli.study_verbs.sensitivity", "comparison.studies.cost_limit_analysis", "comparison.studies.cost_yade",
-    "comparison.limit_analysis", "comparison.workflow.restored_effects",
+    "comparison.cli.scene_verbs.export", "comparison.cli.scene_verbs.solve", "comparison.studies.cost_limit_analysis",
+    "comparison.studies.cost_yade", "comparison.studies.whole_studies", "comparison.limit_analysis", "comparison.workflow.restored_effects",
 }  # fmt: skip
 OF_YADE = ("run.h5", "result/", "record/", "poses/", "extra_contacts/")  # its file, and what its fields begin with
 KINDS = (LimitAnalysis, Answers, CoulombSolution, EquilibriumPath, Solution)
