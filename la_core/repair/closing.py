@@ -95,9 +95,14 @@ def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
         faces = np.flatnonzero(owner[parts.face_block] == block)
         normal, offset = parts.face_normal[faces], parts.face_offset[faces]
         size = float(np.ptp(parts.vertices[parts.face_vertex[parts.face_start[faces[0]] : parts.face_start[faces[-1] + 1]]], axis=0).max())
-        level = (normal @ normal.T > 1.0 - PLANE) & (np.abs(offset[:, None] - offset[None, :]) < PLANE * size)
-        found += [(int(faces[i]), int(faces[j])) for i, j in np.argwhere(np.triu(level, 1))]
+        found += [(int(faces[i]), int(faces[j])) for i, j in np.argwhere(_on_one_plane(normal, offset, size))]
     return np.array(found, dtype=int).reshape(-1, 2)
+
+
+def _on_one_plane(normal: np.ndarray, offset: np.ndarray, size: float) -> np.ndarray:
+    """Whether face i and a later face j of a body as large as `size` (m) lie on one plane, (F, F)."""
+    level = (normal @ normal.T > 1.0 - PLANE) & (np.abs(offset[:, None] - offset[None, :]) < PLANE * size)
+    return np.asarray(np.triu(level, 1))
 
 
 def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -131,7 +136,9 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
 
 
 def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> tuple[list[Shape], np.ndarray]:
-    """The parts with moved vertices, and the block of each; a part that would be folded keeps only those planes that still bound it.
+    """The parts with moved vertices, and the block of each; a part that would be folded, or with two faces on one plane, is made anew.
+
+    It is then the body behind its planes, with those faces alone that still bound it, and without a corner on a straight edge.
 
     Parts of which nothing is left are dropped; raises SceneError for a block without another part.
     """
@@ -145,12 +152,14 @@ def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndar
         first, last = parts.vertex_start[part], parts.vertex_start[part + 1]
         low, high = parts.part_face_start[part], parts.part_face_start[part + 1]
         beyond = moved[first:last] @ normal[low:high].T - offset[low:high]
-        if beyond.max() <= PLANE * size[part] < shortest[part]:
+        again = _on_one_plane(normal[low:high], offset[low:high], size[part]).any(axis=0)
+        if beyond.max() <= PLANE * size[part] < shortest[part] and not again.any():
             bounds = parts.face_start[low : high + 1].tolist()
             loops = tuple(tuple((parts.face_vertex[i:j] - first).tolist()) for i, j in pairwise(bounds))
             shapes.append(Shape(moved[first:last], loops))
         else:
-            shapes.append(_between(normal[low:high], offset[low:high], moved[first:last].mean(axis=0), PLANE * size[part]))
+            planes = normal[low:high][~again], offset[low:high][~again]
+            shapes.append(_between(*planes, moved[first:last].mean(axis=0), PLANE * size[part]))
     left = np.array([shape is not None for shape in shapes])
     gone = np.setdiff1d(owner, owner[left])
     if len(gone):

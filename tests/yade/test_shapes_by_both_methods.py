@@ -15,6 +15,7 @@ from la_core.scene import Scene, build
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
 FLOOR = 5e-3  # of the reaction: difference that the judge allows beside both stated uncertainties
+RUBBLE = (4, 6, 8)  # seeds of walls in which no stone hangs on a short joint, and limit analysis is sure of its value
 FOOTING = {"height": 0.2, "settling": (0.9, 1.8)}
 WIDER = {"height": 0.2, "settling": (1.2, 2.4)}
 ARCHED = {"from": (0.9, 0.3), "to": (1.5, 0.6), "head": "arch", "rise": 0.3, "voussoirs": 5}
@@ -126,17 +127,21 @@ def test_both_methods_say_the_same_of_a_shape(name: str, tmp_path: Path) -> None
     by_both(SHAPES[name](tmp_path), tmp_path / "results")
 
 
-def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(tmp_path: Path) -> None:
-    """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or are not there."""
-    profiles = rubble.profiles(6)
+@pytest.mark.parametrize("seed", RUBBLE)
+def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(seed: int, tmp_path: Path) -> None:
+    """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or are not there.
+
+    A stone that hangs on a short joint falls without it, and that is another structure. Such walls are left out, by limit analysis alone.
+    """
+    profiles = rubble.profiles(seed)
     walls = {
         "kept": rubble.wall(rubble.shrunk(profiles, 0.005), model="auto"),
         "dropped": rubble.wall(rubble.shrunk(profiles, 0.005), tolerance=0.003, model="auto"),
         "one point": rubble.wall(rubble.shrunk(profiles, rubble.DROPPED), model="auto"),
     }
     results = {name: by_both(scene, tmp_path / name) for name, scene in walls.items()}
-    dropped = {name: (result.summary["geometry"] or {"joints_dropped": 0})["joints_dropped"] for name, result in results.items()}
-    assert dropped == {"kept": 0, "dropped": rubble.SHRUNK, "one point": rubble.SHRUNK}
+    joints = {name: len(result.answer.analysis.assembly.interfaces) for name, result in results.items()}
+    assert joints["kept"] - rubble.SHRUNK == joints["dropped"] == joints["one point"]
     assert len({result.verdict for result in results.values()}) == 1
     values = [result.yade.reaction / result.scene.weight for result in results.values()]
     assert max(values) - min(values) <= 0.01 * max(values)  # what the judge, too, allows two values that state half a per cent
