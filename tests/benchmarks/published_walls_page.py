@@ -2,7 +2,7 @@
 
     python tests/benchmarks/published_walls_page.py --results DIR -o comparison/gallery/published_walls.md
 
-Runs every wall whose result does not lie in DIR yet, about two minutes each, and writes the page.
+Runs every wall whose result does not lie in DIR yet, half a minute to ten minutes each, and writes the page.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
@@ -35,6 +35,7 @@ page. Walls 1 and 2 are the scenes `ferris_tin_loi_1` and `ferris_tin_loi_2`, to
   weaker. The verdict is that of every check, on multiplier, mechanism, curve and forces.
 - **Walls 3 to 6.** The published values are not at hand, and no value stands here from memory. Their layouts are those of the examples of
   HybriDFEM (folder "F&TL Walls (WCEE 2024)" of github.com/thlgrs/HybriDFEM), and not of the paper itself.
+{reasons}
 - A published value without dilatancy belongs to rigid joints, whose forces are not unique. The prediction follows friction's history from
   rest, as YADE does. In *interval* are all values that the mechanism of the prediction allows.
 """
@@ -46,10 +47,12 @@ def main() -> None:
     options.add_argument("-o", type=Path, required=True)
     options.add_argument("--walls", type=int, nargs="*", default=(1, 2, 3, 4, 5, 6))
     given = options.parse_args()
-    rows = [row_of(number, result_of(number, given.results)) for number in given.walls]
+    results = {number: result_of(number, given.results) for number in given.walls}
+    rows = [row_of(number, result) for number, result in results.items()]
+    reasons = [f"- **Wall {number}** is {result['verdict']}: {result['reason']}" for number, result in results.items() if result["reason"]]
     headings = ("wall", "free blocks", "associated", "Coulomb", "interval", "published", "Coulomb, inset", "YADE", "verdict")
     lines = [f"| {' | '.join(cells)} |" for cells in (headings, ("---",) * len(headings), *rows)]
-    given.o.write_text(PAGE.format(table="\n".join(lines)), encoding="utf-8")
+    given.o.write_text(PAGE.format(table="\n".join(lines), reasons="\n".join(reasons) or "- Every wall agrees."), encoding="utf-8")
 
 
 def result_of(number: int, folder: Path) -> dict[str, Any]:
