@@ -209,7 +209,10 @@ def test_sharp_arrises_are_told_at_the_inset_that_yade_is_judged_by(tmp_path: Pa
 
 def test_a_live_load_is_a_multiplier(tmp_path: Path, plain_figures: None) -> None:
     (row,) = run(sweep("", "ferris_tin_loi_1"), tmp_path / "out").rows
-    assert row["unit"] == "" and row["least"] == pytest.approx(0.64286, abs=1e-5) and row["greatest"] is None
+    analysis = analyse(expand(load_campaign(tmp_path / "campaign.toml"))[0].run.scene())
+    assert row["unit"] == "" and row["greatest"] is None
+    assert row["least"] == analysis.bounds[analysis.main].value < 0.64286  # drawn in from the edges, the points hold less
+    assert row["coulomb_sharp"] == pytest.approx(0.63982, rel=3e-3)  # as published
 
 
 def test_the_classic_iteration_s_answer_is_that_of_the_sensitivity_study_and_its_scene_runs_once(

@@ -157,7 +157,7 @@ def test_a_range_check_is_shown_as_a_range_and_its_difference_is_the_distance_be
     ranged = [check for name, check in shown.items() if "range" in name or "interval" in name or "bounds" in name]
     assert len(ranged) >= 3
     for check in ranged:
-        assert " to " in check["range"] and check["difference"] == 0.0
+        assert " to " in check["range"] and check["difference"] == "0"
         assert check["tolerance"] is None or abs(check["difference"]) <= check["tolerance"]
 
 
