@@ -81,10 +81,10 @@ class Model:
     watch: PyRunner
 
 
-def build(case: Case, settings: Settings, watch_command: str, pull_command: str) -> Model:
+def build(case: Case, settings: Settings, watch_command: str, pull_command: str = "pass") -> Model:
     """Build the case in YADE's scene.
 
-    watch_command: Python statement that YADE repeats at every recorded row; pull_command: the same of every step of a live load.
+    watch_command: Python statement that YADE repeats at every recorded row; pull_command: the same of every step of a live load only.
 
     Raises YadeError when a clump does not have the mass and inertia of its block.
     """

@@ -46,7 +46,7 @@ def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.
     """Yield names and unit vectors (3,) of the directions across the reaction; all axes where it is a moment, or shares of forces."""
     assert scene.support_twist is not None  # a live load has no support
     motion = scene.support_twist[:3]
-    across = np.eye(3) if scene.is_rotation or not scene.moves_alike else np.concatenate(plane_axes(motion[None, :]))
+    across = np.eye(3) if scene.is_rotation or scene.own_twists is not None else np.concatenate(plane_axes(motion[None, :]))
     for direction in across:
         if plane and abs(direction[1]) > ALONG:
             continue

@@ -44,7 +44,7 @@ def structure_facts(results: Results) -> dict[str, Any]:
         "ties": ties_as_dicts(scene.ties, blocks.names),
         "motion": scene.support_twist.tolist() if scene.support_twist is not None else None,
         "live": scene.live.tolist() if scene.live is not None else None,
-        "motions": [] if scene.moves_alike else motions_as_dicts(scene.support_twists, blocks),
+        "motions": [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks),
         "tilt": scene.tilt.tolist() if scene.tilt is not None else None,
         "support": _support(blocks),
         "accuracy": scene.accuracy,

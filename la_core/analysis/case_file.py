@@ -97,8 +97,8 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
         values |= dict(zip(exchange.PART_FIELDS, (blocks.part_block, blocks.part_vertex_start, blocks.part_face_start), strict=True))
     if (assembly.points.inset != assembly.inset).any():
         values[exchange.JOINT_INSET] = assembly.points.inset
-    if scene.support_twists is not None and not scene.moves_alike:
-        values[exchange.SUPPORT_TWISTS] = scene.support_twists
+    if scene.own_twists is not None:
+        values[exchange.SUPPORT_TWISTS] = scene.own_twists
     if scene.live is not None:
         values[exchange.LIVE_DIRECTION] = scene.live
     if assembly.applied_load.any():

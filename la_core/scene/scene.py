@@ -19,7 +19,7 @@ from la_core.scene.line_numbers import KeyPath, with_lines
 from la_core.scene.loads.dead_loads import Ties, faults_of_loads, load_forces, ties_of
 from la_core.scene.loads.plausibility import implausible_loads
 from la_core.scene.loads.point_forces import PointForces
-from la_core.scene.loads.support_motion import faults_of_settlement, support_twists
+from la_core.scene.loads.support_motion import faults_of_settlement, own_twists, support_twists
 from la_core.scene.loads.tilt import tilt_push
 from la_core.scene.plausibility import implausible
 from la_core.scene.scene_blocks import Tables, densities, faults_of_sense, repaired
@@ -60,8 +60,8 @@ class Scene(Tabled):
         Geometry, mass and role of every block.
     support_twist : ndarray, shape (6,), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
-    support_twists : ndarray, shape (B, 6), or None
-        The same for each block: supports by their shares of the settlement, others 0.
+    own_twists : ndarray, shape (B, 6), or None
+        The same for each support by its share of the settlement, 0 for other blocks. None where all supports move by `support_twist`.
     live : ndarray, shape (3,), or None
         Unit direction of a load proportional to weight, also of the one that a tilt is. None for a settlement.
     effects : RequestedEffects
@@ -114,7 +114,7 @@ class Scene(Tabled):
     inset: float
     blocks: Blocks
     support_twist: np.ndarray | None
-    support_twists: np.ndarray | None
+    own_twists: np.ndarray | None
     live: np.ndarray | None
     effects: scene_file.RequestedEffects
     path_asked: scene_file.RequestedPath | None
@@ -169,10 +169,11 @@ class Scene(Tabled):
         return 0.0 if self.repairs is None else self.repairs.shortest_joint
 
     @property
-    def moves_alike(self) -> bool:
-        """Whether all supports move as one rigid body; also without a support."""
-        support = self.blocks.role == ROLES["support"]
-        return self.support_twists is None or bool(np.all(self.support_twists[support] == self.support_twist))
+    def support_twists(self) -> np.ndarray | None:
+        """Unit motion (B, 6) of every support, 0 for other blocks; None for a live load."""
+        if self.own_twists is not None or self.support_twist is None:
+            return self.own_twists
+        return np.where((self.blocks.role == ROLES["support"])[:, None], self.support_twist, 0.0)
 
     @property
     def is_rotation(self) -> bool:
@@ -259,7 +260,6 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
     tilt = unit_vector(file.tilt.axis) if file.tilt else None
     if faults := [*faults_of_loads(file, blocks), *faults_of_settlement(file, blocks)]:
         raise joined(faults, counted)
-    twists = support_twists(file.settlement, blocks)
     loads, ties = load_forces(file.load, blocks, gravity), ties_of(file.tie, blocks) if file.tie else None
     names_of_loads = tuple(load.name for load in file.load)
     return Scene(
@@ -273,7 +273,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         inset=file.joint.inset,
         blocks=blocks,
         support_twist=support_twist(file.settlement),
-        support_twists=twists,
+        own_twists=own_twists(file.settlement, blocks),
         live=unit_vector(file.live.direction) if file.live else None if tilt is None else tilt_push(tilt, gravity),
         effects=file.effects,
         path_asked=file.path,
@@ -288,7 +288,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         drawn=tuple(tables.drawn),
         repairs=repairs,
         warnings=(
-            *implausible(blocks, stones, file.joint.friction, gravity, twists),
+            *implausible(blocks, stones, file.joint.friction, gravity, support_twists(file.settlement, blocks)),
             *implausible_loads(loads, names_of_loads, ties, file.friction, blocks, gravity),
         ),
         places=tuple(tables.places),

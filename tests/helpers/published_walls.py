@@ -1,56 +1,68 @@
-"""The six walls of Ferris and Tin-Loi (2001), pushed sideways, as tables of a scene: blocks of 0.4 x 0.175 m, friction 0.65.
+"""The six walls of Ferris and Tin-Loi (2001), pushed sideways by a load in proportion to weight: geometry, and values from elsewhere.
 
-Walls 1 and 2 are shipped scenes, too. The layouts of walls 3 to 6 are those that the examples of HybriDFEM use (folder "F&TL Walls (WCEE
-2024)" of github.com/thlgrs/HybriDFEM).
+Geometry: the authors' GAMS models (MPECLib, frictionalblock); the examples of HybriDFEM (github.com/thlgrs/HybriDFEM) have the same.
+Associated multipliers: an independent linear programme. Published multipliers without dilatancy: walls 1 and 2. The least ones: an
+independent programme with complementarity constraints, the lowest stationary value it found; it searches all states of rigid blocks,
+friction's history apart, so a state that low exists, but elastic joints need not reach it.
 """
 
-from itertools import pairwise
 from typing import Any
 
-LENGTH, HEIGHT, DEPTH = 0.4, 0.175, 0.3  # m; any depth
-# Courses as lengths over that of a block; a negative one is a gap.
-HALF, FULL = [0.5, 1, 1, 1, 1, 0.5], [1, 1, 1, 1, 1]
-WINDOW_OF = {
-    3: ([0.5, 1, -1, 1, 0.5], [1, 0.5, -1, 0.5, 1]),
-    4: ([1, -1, 1, -1, 1], [0.5, 0.5, -1, 0.5, 0.5, -1, 0.5, 0.5]),
-    5: ([1, -1, 1], [0.5, 0.5, -1, 0.5, 0.5]),
-    6: ([0.5, 1, -1, 1, 1, -1, 1, 0.5], [1, 0.5, -1, 0.5, 1, 0.5, -1, 0.5, 1]),
+import numpy as np
+
+LENGTH, HEIGHT, DEPTH = 0.4, 0.175, 0.3  # m, of a whole block; any depth
+ASSOCIATED = {1: 0.64286, 2: 0.58000, 3: 0.40369, 4: 0.33195, 5: 0.23964, 6: 0.347825}
+COULOMB = {1: 0.63982, 2: 0.56260}
+LEAST_FOUND = {1: 0.63898, 2: 0.55741, 3: 0.35582, 4: 0.26374, 5: 0.20863}
+BLOCKS = {1: 33, 2: 55, 3: 46, 4: 55, 5: 61, 6: 146}
+
+# Courses, bottom first, in lengths of a block; negative is a gap. E even, U uneven; W with windows.
+Course = tuple[float, ...]
+WIDE: dict[str, Course] = {"E": (0.5, 1, 1, 1, 1, 0.5), "U": (1,) * 5}
+KINDS: dict[int, dict[str, Course]] = {
+    1: WIDE,
+    2: WIDE,
+    3: {"E": (1,) * 4, "U": (0.5, 1, 1, 1, 0.5), "WE": (1, 0.5, -1, 0.5, 1), "WU": (0.5, 1, -1, 1, 0.5)},
+    4: WIDE | {"WE": (0.5, 0.5, -1, 0.5, 0.5, -1, 0.5, 0.5), "WU": (1, -1, 1, -1, 1)},
+    5: {"E": (0.5, 1, 1, 0.5), "U": (1,) * 3, "WE": (0.5, 0.5, -1, 0.5, 0.5), "WU": (1, -1, 1)},
+    6: {
+        "E": (0.5, 1, 1, 1, 1, 1, 1, 0.5),
+        "U": (1,) * 7,
+        "WE": (1, 0.5, -1, 0.5, 1, 0.5, -1, 0.5, 1),
+        "WU": (0.5, 1, -1, 1, 1, -1, 1, 0.5),
+    },
+}
+WINDOWS = "WU WE WU WE WU"
+STACKS = {
+    1: "E U E U E U",
+    2: "E U E U E U E U E U",
+    3: f"E U E {WINDOWS} E U E",
+    4: f"E U E {WINDOWS} E U E",
+    5: f"E U E {WINDOWS} E U E {WINDOWS} E U E",
+    6: f"E U E U {WINDOWS} U E U {WINDOWS} U E U E",
 }
 
 
-def courses(number: int) -> list[list[float]]:
-    """The courses of a wall, from below."""
-    if number in (1, 2):
-        return [HALF, FULL] * (3 if number == 1 else 5)
-    window = [WINDOW_OF[number][k % 2] for k in range(5)]
-    if number == 3:
-        even, odd = [1, 1, 1, 1], [0.5, 1, 1, 1, 0.5]
-        return [even, odd, even, *window, even, odd, even]
-    if number == 4:
-        return [HALF, FULL, HALF, *window, HALF, FULL, HALF]
-    if number == 5:
-        even, odd = [0.5, 1, 1, 0.5], [1, 1, 1]
-        return [even, odd, even, *window, even, odd, even, *window, even, odd, even]
-    even, odd = [0.5, 1, 1, 1, 1, 1, 1, 0.5], [1] * 7
-    return [even, odd, even, odd, *window, odd, even, odd, *window, odd, even, odd, even]
+def courses(number: int) -> list[Course]:
+    """The courses of a wall, bottom first."""
+    return [KINDS[number][kind] for kind in STACKS[number].split()]
 
 
-def tables(number: int, inset: float = 0.0) -> dict[str, Any]:
-    """The tables of the scene of a wall. inset: m; 0 as published."""
+def tables(number: int, inset: float = 0.0, **effects: Any) -> dict[str, Any]:
+    """The tables of the scene of a wall. inset: m, 0 as published. effects: keys of [effects]."""
     blocks: list[dict[str, Any]] = []
     breadth = LENGTH * sum(map(abs, courses(number)[0]))
     for row, course in enumerate(courses(number)):
-        ends = [LENGTH * sum(map(abs, course[:k])) for k in range(len(course) + 1)]
-        assert abs(ends[-1] - breadth) < 1e-9
-        for k, (start, end) in enumerate(pairwise(ends)):
-            if course[k] > 0.0:
-                low, high = [start, 0.0, row * HEIGHT], [end, DEPTH, (row + 1) * HEIGHT]
-                blocks.append({"name": f"course {row + 1}, {k + 1}", "box": {"from": rounded(low), "to": rounded(high)}})
-    blocks.append({"name": "base", "role": "fixed", "box": {"from": [0.0, 0.0, -0.2], "to": rounded([breadth, DEPTH, 0.0])}})
-    push = {"live": {"direction": [1.0, 0.0, 0.0]}}
+        ends = LENGTH * np.cumsum(np.abs(course))
+        for place, (end, length) in enumerate(zip(ends, course, strict=True)):
+            if length > 0.0:
+                low, high = (end - LENGTH * length, 0.0, row * HEIGHT), (end, DEPTH, (row + 1) * HEIGHT)
+                blocks.append({"name": f"course {row + 1}, {place + 1}", "box": {"from": rounded(low), "to": rounded(high)}})
+    blocks.append({"name": "base", "role": "fixed", "box": {"from": [0.0, 0.0, -0.2], "to": rounded((breadth, DEPTH, 0.0))}})
+    push = {"live": {"direction": [1.0, 0.0, 0.0]}} | ({"effects": effects} if effects else {})
     return {"stone": {"density": 2000.0}, "joint": {"friction": 0.65, "inset": inset}, "block": blocks} | push
 
 
-def rounded(point: list[float]) -> list[float]:
+def rounded(point: tuple[float, ...]) -> list[float]:
     """Coordinates without the round-off of their sums, so that blocks touch."""
-    return [round(value, 9) for value in point]
+    return [round(float(value), 9) for value in point]

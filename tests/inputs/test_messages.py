@@ -92,9 +92,9 @@ def test_a_scene_made_in_code_has_no_lines() -> None:
 
 def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(write_scene: WriteScene, two_pads: str) -> None:
     told = message(write_scene(two_pads.replace("direction = [0.0", "qqq = 1\ndirection = [0.0")))
-    assert "settlement.qqq: unknown key; valid keys: direction, axis, point\n" in told
+    assert "settlement.qqq: unknown key; valid keys: direction, axis, point, zone, profile, along\n" in told
     assert "\n  direction  direction of a translation, of any length; down is [0, 0, -1]\n" in told
-    assert told.endswith("\n  point      a point on that axis (m)")
+    assert "\n  point      a point on that axis (m)\n" in told
 
 
 @pytest.mark.parametrize(

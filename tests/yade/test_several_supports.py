@@ -144,5 +144,5 @@ def test_what_moves_no_support_or_has_no_one_meaning_is_refused(settlement: dict
 def test_supports_that_move_alike_are_one_motion() -> None:
     """Equal shares written out are the settlement itself: the same assembly, and no more fields in the file."""
     plain, spelt = columns(), columns(zone=[{"blocks": ["*"], "ratio": 1.0}])
-    assert spelt.moves_alike and not columns(zone=[{"blocks": ["*"], "ratio": 0.5}]).moves_alike
+    assert spelt.own_twists is None and columns(zone=[{"blocks": ["*"], "ratio": 0.5}]).own_twists is not None
     np.testing.assert_array_equal(assemble(plain).support_twist, assemble(spelt).support_twist)

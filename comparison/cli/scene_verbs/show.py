@@ -60,7 +60,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
     facts["joint_classes"] = classes_as_dicts(scene.joint_classes)
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
-    facts["motions"] = [] if scene.moves_alike else motions_as_dicts(scene.support_twists, blocks)
+    facts["motions"] = [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks)
     facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
     times = estimated_times(len(assembly.points))
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}

@@ -31,6 +31,12 @@ def support_twists(settlement: Settlement | None, blocks: Blocks) -> np.ndarray 
     return ratio[:, None] * twist
 
 
+def own_twists(settlement: Settlement | None, blocks: Blocks) -> np.ndarray | None:
+    """Twists (B, 6) of the supports for the unit settlement; None where all of them move as one rigid body."""
+    twists, alike = support_twists(settlement, blocks), support_twist(settlement)
+    return None if twists is None or np.all(twists[blocks.role == ROLES["support"]] == alike) else twists
+
+
 def _in_zone(patterns: tuple[str, ...], blocks: Blocks) -> np.ndarray:
     """Mask (B,) of the blocks that patterns name."""
     return np.any([chosen_by(blocks.names, pattern) for pattern in patterns], axis=0)
