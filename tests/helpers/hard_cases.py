@@ -60,9 +60,10 @@ def pads(
     )
 
 
-def columns(friction: float) -> str:
+def columns(friction: float, *parts: str) -> str:
     """Two columns side by side, the right one on the support."""
     return scenes.text(
+        *parts,
         scenes.box("left", (0.0, 0.0, 0.0), (0.5, 0.2, 1.0)),
         scenes.box("right", (0.5, 0.0, 0.0), (1.0, 0.2, 1.0)),
         scenes.box("ground", (0.0, 0.0, -0.1), (0.5, 0.2, 0.0), "fixed"),
@@ -148,6 +149,7 @@ QUICK = (  # a case of each kind whose run in YADE takes a second or two
     "pads in mm, 0.001 kg/m3", "pads in km, 1e+06 kg/m3", "pads, friction 0", "pads, friction 1000", "columns, friction 0",
     "columns, friction 0.9", "columns, friction 1000", "blunt knife of 2 mm", "gap of 1e-07 m", "overlap of 1e-07 m", "pad tilted by 1e-06",
     "lintel balanced on an edge", "lintel that overhangs", "support under a standing block", "support that slides away", "rubble 0",
+    "load that lifts 0.999 of the weight", "rod that pulls down with 1000 weights", "footings of glue, head joints of ice",
 )  # fmt: skip
 
 
@@ -160,6 +162,7 @@ def catalogue() -> Iterator[HardCase]:
     yield from _many_of_a_kind()
     yield from _at_the_limit()
     yield from _rubble()
+    yield from _loaded()
 
 
 def _units() -> Iterator[HardCase]:
@@ -233,3 +236,21 @@ def _at_the_limit() -> Iterator[HardCase]:
 def _rubble() -> Iterator[HardCase]:
     for seed in range(8):
         yield HardCase(f"rubble {seed}", "stones of any shape, slivers of joints", rubble(seed), None)
+
+
+def _loaded() -> Iterator[HardCase]:
+    """Dead loads, ties and classes of joints. The weight of the block on the pads is 2000 x 9.81 x 0.1 N."""
+    weight, middle = 2000.0 * 9.81 * 0.1, (0.5, 0.1, 0.5)
+    for ratio in (1e-3, 1e3, 1e6):
+        floor = scenes.table("[load]", name="floor", blocks=["block"], mass=ratio * weight / 9.81, at=middle)
+        yield HardCase(f"floor {ratio:g} times as heavy as its block", "a load that outweighs the block, or hardly acts", pads(floor), SIXTH)
+    lift = scenes.table("[load]", name="lift", blocks=["block"], force=(0.0, 0.0, 0.999 * weight), at=middle)
+    yield HardCase("load that lifts 0.999 of the weight", "almost nothing is left", pads(lift), 1e-3 * SIXTH)
+    flies = scenes.table("[load]", name="lift", blocks=["block"], force=(0.0, 0.0, 1.001 * weight), at=middle)
+    yield HardCase("load that lifts more than the weight", "cannot stand", pads(flies), FALLS)
+    for ratio in (1.0, 1e3):
+        down = {"from": middle, "to": (0.5, 0.1, -1.0)}
+        rod = scenes.table("[tie]", blocks=["block"], force=ratio * weight, **down)
+        yield HardCase(f"rod that pulls down with {ratio:g} weights", "a force that is no weight", pads(rod), (1.0 + ratio) * SIXTH)
+    apart = (scenes.table("[friction]", joints="footing", friction=1e3), scenes.table("[friction]", joints="head", friction=0.0))
+    yield HardCase("footings of glue, head joints of ice", "friction of 0 and 1000 in one structure", columns(0.6, *apart), HALF)
