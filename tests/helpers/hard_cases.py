@@ -243,7 +243,9 @@ def _loaded() -> Iterator[HardCase]:
     weight, middle = 2000.0 * 9.81 * 0.1, (0.5, 0.1, 0.5)
     for ratio in (1e-3, 1e3, 1e6):
         floor = scenes.table("[load]", name="floor", blocks=["block"], mass=ratio * weight / 9.81, at=middle)
-        yield HardCase(f"floor {ratio:g} times as heavy as its block", "a load that outweighs the block, or hardly acts", pads(floor), SIXTH)
+        yield HardCase(
+            f"floor {ratio:g} times as heavy as its block", "a load that outweighs the block, or hardly acts", pads(floor), SIXTH
+        )
     lift = scenes.table("[load]", name="lift", blocks=["block"], force=(0.0, 0.0, 0.999 * weight), at=middle)
     yield HardCase("load that lifts 0.999 of the weight", "almost nothing is left", pads(lift), 1e-3 * SIXTH)
     flies = scenes.table("[load]", name="lift", blocks=["block"], force=(0.0, 0.0, 1.001 * weight), at=middle)
