@@ -420,6 +420,7 @@ def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
         and label("block[0].box.to[0]", {"block[0].box.to[0]": "end"}) == "end (m)"
     )
     assert label(INSET, {INSET: "e (mm)"}) == "e (mm)"
+    assert label("tie[0].force") == "tie[0]: force (N)" and label("load[1].mass") == "load[1]: mass (kg, kg/m or kg/m2)"
     counted = {"record_rows", "poses"}
     assert {name for name in SETTINGS if not label(f"yade.{name}").endswith(")")} == counted
     assert label(MU, {MU: "tan phi"}) == "tan phi (-)" and label("wall[0].block[2]", {"wall[0].block[2]": "height"}) == "height (m)"
