@@ -146,7 +146,7 @@ class Record:
     def settlement(self) -> float:
         """Return the motion of the supports (m, or rad) along their unit twist, from the pose of the one that leads.
 
-        Under a live load: the mean displacement along it since `start_load`, weighted by mass, m.
+        Under a live load: the mean displacement along it since `start_load`, weighted by the load on each block, m.
         """
         if self.case.live is not None:
             return 0.0 if self._rest_along is None else self._mean_place() - self._rest_along
@@ -179,7 +179,8 @@ class Record:
         return along
 
     def _mean_place(self) -> float:
-        return float(self._mass @ self.along("pos") / self._mass.sum())
+        pushed = self._mass * float(np.linalg.norm(self.case.gravity)) + self.case.live_load[self.case.free, :3] @ self.case.live
+        return float(pushed @ self.along("pos") / pushed.sum())
 
     def rotation(self, block: int) -> np.ndarray:
         """Return the rotation vector (3,), rad, of a block relative to the case's geometry."""

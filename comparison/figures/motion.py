@@ -108,10 +108,11 @@ def motions(results: Results) -> Motions:
     """
     analysis, run = results.analysis, results.run
     label, answer = shown_answer(analysis)
-    mechanisms = {label: answer.twists} | ({"YADE": run.mechanism()} if run is not None else {})
+    twists = results.per_motion(answer.twists)
+    mechanisms = {label: twists} | ({"YADE": run.mechanism()} if run is not None else {})
     large = drawn_motion(analysis.assembly, mechanisms)
     end = max(float(run.poses.settlement[-1]), 0.0) if run is not None else 0.0
-    methods = [_of_limit_analysis(analysis, label, answer, end or large)]
+    methods = [_of_limit_analysis(analysis, label, twists, answer.forces, end or large)]
     if run is not None:
         methods.append(_of_run(analysis.assembly, run))
     start = min(float(method.settlement[0]) for method in methods)
@@ -125,15 +126,15 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
     return max(min(wanted, most), 1.0)
 
 
-def _of_limit_analysis(analysis: LimitAnalysis, label: str, answer: Solution | CoulombSolution, end: float) -> Motion:
-    """Return limit analysis' motion up to the settlement `end`; displacements grow linearly."""
-    twists, main = answer.twists, analysis.bounds[analysis.main]
+def _of_limit_analysis(analysis: LimitAnalysis, label: str, twists: np.ndarray, forces: np.ndarray, end: float) -> Motion:
+    """Return limit analysis' motion with these twists (B, 6) and forces (C, 3) up to the settlement `end`; displacements grow linearly."""
+    main = analysis.bounds[analysis.main]
     known = bool(np.isfinite(twists).all())
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
-    joints = shown_joints(analysis.assembly, twists, answer.forces)
+    joints = shown_joints(analysis.assembly, twists, forces)
     falling = tuple(main.falling) if main.status is Status.INFEASIBLE else ()
     reason = "" if known else "cannot stand under its own weight" if falling else str(main.status)
-    return Motion(label, np.array([0.0, end]), displacement, answer.forces[None], twists, joints, falling, reason)
+    return Motion(label, np.array([0.0, end]), displacement, forces[None], twists, joints, falling, reason)
 
 
 def _of_run(assembly: Assembly, run: Run) -> Motion:

@@ -37,7 +37,7 @@ def _drawings(results: Results, title: str) -> dict[str, Callable[[], Any]]:
     scene, analysis, run = results.scene, results.analysis, results.run
     main, assembly = analysis.bounds[analysis.main], analysis.assembly
     method, best = shown_answer(analysis)
-    mechanisms, forces = {method: best.twists}, {method: best.forces}
+    mechanisms, forces = {method: results.per_motion(best.twists)}, {method: best.forces}
     reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
     if run is not None:
         mechanisms["YADE"], forces["YADE"] = run.mechanism(), run.plateau_forces()

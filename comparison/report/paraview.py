@@ -74,9 +74,9 @@ def _export_states(assembly: Assembly, run: Run, folder: Path, field: dict[str, 
 def _mechanisms(results: Results) -> dict[str, np.ndarray]:
     """Return twists (B, 6) by method, for the methods that found a mechanism."""
     analysis, run = results.analysis, results.run
-    twists = {"associated": analysis.bounds[analysis.main].twists}
+    twists = {"associated": results.per_motion(analysis.bounds[analysis.main].twists)}
     if analysis.coulomb is not None:
-        twists["coulomb"] = analysis.coulomb.twists
+        twists["coulomb"] = results.per_motion(analysis.coulomb.twists)
     if run is not None:
         twists["yade"] = run.mechanism()
     return {name: values for name, values in twists.items() if np.isfinite(values).all()}

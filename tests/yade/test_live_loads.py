@@ -12,6 +12,7 @@ import scenes
 from conftest import CrossChecked, Silent
 from runs import TRAVEL, made_up_run, perfect_run, with_answers
 
+from comparison.figures.motion import motions
 from comparison.judge import check_run
 from comparison.verdict import Check, Verdict
 from comparison.workflow import run_scene
@@ -212,6 +213,13 @@ def test_a_run_that_follows_limit_analysis_agrees(pushed: LimitAnalysis) -> None
         "speed along the load", "balance along the mechanism", "multiplier below its upper bound", "multiplier against prediction",
         "mechanism similarity", "moving blocks", "force sums over sections", "equilibrium of the YADE state", "plane answer in space",
     } <= {check.name for check in found}  # fmt: skip
+
+
+def test_both_mechanisms_are_drawn_to_one_scale(pushed: LimitAnalysis) -> None:
+    drawn = motions(Results(pushed, followed(pushed)))
+    ours, theirs = (method.displacement[-1] for method in drawn.methods)
+    assert np.abs(theirs).max() > 0.0
+    np.testing.assert_allclose(ours, theirs, atol=1e-6 * np.abs(theirs).max())
 
 
 def test_a_multiplier_above_the_upper_bound_disagrees(pushed: LimitAnalysis) -> None:
