@@ -17,7 +17,7 @@ from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
 FIGURES = {  # in the order of the page: what happens first, then how much and why
-    "mechanisms": ("Mechanism", "What moves when the support moves, by both methods; marks show joints that open or slide. {motion}"),
+    "mechanisms": ("Mechanism", "What moves when {drive}, by both methods; marks show joints that open or slide. {motion}"),
     "reaction": (
         "Reaction",
         "{reaction} YADE: the record, and its plateau extrapolated to the undeformed geometry. Limit analysis: the bounds, and the "
@@ -184,6 +184,7 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
     live = "multiplier" in associated
     words = {
         "motion": "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free.",
+        "drive": "the load reaches what the structure bears" if live else "the support moves",
         "reaction": "Load multiplier against displacement." if live else "Force on the support against its motion, from rest.",
         "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
     }
