@@ -95,10 +95,10 @@ def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
     return compound([_extruded(part.tolist(), y) for part in convex_parts(points)])
 
 
-def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:
+def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATNESS) -> Shape:
     """Convex hull of vertices (n, 3) in m, coplanar triangles merged into faces.
 
-    Raises ValueError when the hull has no volume.
+    flatness: largest distance of a face's corner from its plane, over the size of the hull. Raises ValueError when the hull has no volume.
     """
     points = np.array(vertices, dtype=float)
     centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
@@ -114,7 +114,7 @@ def polyhedron(vertices: Sequence[Sequence[float]]) -> Shape:
     while remaining:
         plane = hull.equations[remaining[0]]
         distance = np.abs(hull.points[hull.vertices] @ plane[:3] + plane[3])
-        corners = hull.vertices[distance <= FACE_FLATNESS]
+        corners = hull.vertices[distance <= flatness]
         faces.append(_ordered(hull.points, corners, plane[:3]))
         members = set(corners.tolist())
         remaining = [k for k in remaining if not members.issuperset(hull.simplices[k].tolist())]

@@ -175,7 +175,8 @@ def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: fl
         return None
     try:
         found = scipy.spatial.HalfspaceIntersection(np.column_stack([normal, -offset]), near + ball.x[:3])
-        return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist())
+        # The planes are exact: a cut that takes little off a corner must not tilt the face beside it.
+        return polyhedron(np.unique(np.round(found.intersections, 12), axis=0).tolist(), flatness=PLANE)
     except (scipy.spatial.QhullError, ValueError):
         return None
 

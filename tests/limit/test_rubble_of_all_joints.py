@@ -5,12 +5,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rubble_walls import DROPPED, SHRUNK, SIZE, STONES, inner_joints, profiles, shrunk, wall
+from rubble_walls import DEPTH, DROPPED, SHRUNK, SIZE, STONES, inner_joints, profiles, shrunk, wall
 
 from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import LimitAnalysis, analyse
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
+from la_core.model import assemble
+from la_core.scene import Scene
 
 STONE = (SIZE[0] * SIZE[1] / STONES) ** 0.5  # m: side of a square as large as a stone
 LENGTHS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.003, 0.001, 0.00052)  # m
@@ -53,6 +55,22 @@ def test_a_dropped_joint_is_on_the_safe_side(seed: int) -> None:
     shortest, dropped = least_reaction(seed, LENGTHS[-1]), least_reaction(seed, DROPPED)
     assert analysed(seed, DROPPED).assembly.slivers == SHRUNK and analysed(seed, LENGTHS[-1]).assembly.slivers == 0
     assert dropped >= shortest * (1.0 - (LENGTHS[-1] - DROPPED) / STONE)
+
+
+@pytest.mark.parametrize("seed", range(1, 21))
+def test_a_tolerance_drops_short_joints_and_no_other(seed: int) -> None:
+    """A corner that is cut by less than the tolerance must not tilt the long face beside it: its joint would be lost."""
+    stones = shrunk(profiles(seed), 0.005)
+    drawn, repaired = (joints_of(wall(stones, tolerance)) for tolerance in (0.0, 0.003))
+    lost = [length for blocks, length in drawn.items() if blocks not in repaired]
+    assert lost == pytest.approx([0.005] * SHRUNK, rel=1e-3) and repaired.keys() < drawn.keys()
+
+
+def joints_of(scene: Scene) -> dict[tuple[str, str], float]:
+    """Length of every joint, m, by the names of its blocks."""
+    interfaces, names = assemble(scene).interfaces, scene.blocks.names
+    pairs = zip(interfaces.block_a, interfaces.block_b, interfaces.area, strict=True)
+    return {(names[a], names[b]): float(area) / DEPTH for a, b, area in pairs}
 
 
 @pytest.mark.slow
