@@ -146,7 +146,7 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False) -> C
     scene : Scene, Path or str
         Scene, path of a scene file, or name of a shipped scene.
     yade : bool
-        Whether to include YADE, where the scene has no live load.
+        Whether to include YADE.
     quiet : bool
         Whether to write no progress to stderr.
 

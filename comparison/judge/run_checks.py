@@ -29,7 +29,7 @@ LONGER = (
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
 )
 BELOW = "multiplier below its upper bound"
-SPEED = 0.05  # of the speed along a live load: what is left is the slow stretch of the servo while the multiplier still changes
+SPEED = 0.05  # of the speed along a live load: the servo still stretches a little while the multiplier changes
 SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only round-off may separate the two
 
 

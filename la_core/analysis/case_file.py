@@ -108,12 +108,12 @@ def _own_values(scene: Scene, assembly: Assembly) -> dict[exchange.Field, np.nda
 
 
 def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
-    """Return the live load (B, 6) of multiplier 1 beside that of the blocks' own masses, N and N m."""
-    live_load = np.where(np.any(assembly.applied_load, axis=1, keepdims=True), assembly.live_load, 0.0)
-    if scene.live is not None:
-        own_weight = np.linalg.norm((assembly.dead_load - assembly.applied_load)[:, :3], axis=1)
-        live_load[live_load.any(axis=1), :3] -= own_weight[live_load.any(axis=1), None] * scene.live
-    return live_load
+    """Return the live load (B, 6) of multiplier 1 that dead loads given as masses add, N and N m; 0 for a settlement and held blocks."""
+    blocks = assembly.blocks
+    if scene.live is None:
+        return np.zeros((len(blocks), 6))
+    pushed = scene.loads.wrenches(blocks.centroid, per_mass=float(np.linalg.norm(scene.gravity)) * scene.live)
+    return np.where(blocks.free[:, None], pushed, 0.0)
 
 
 def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:

@@ -95,7 +95,7 @@ class Scene(Tabled):
     loads : PointForces
         Dead loads beside the weight of the blocks, as forces on blocks.
     ties : Ties or None
-        Rods of given tension. None where there are none.
+        Rods of given tension; None without a [[tie]] table.
     joint_classes : tuple of JointFriction
         Classes of joints with a friction of their own.
     load_names : tuple of str

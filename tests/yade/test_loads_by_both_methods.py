@@ -12,7 +12,7 @@ from la_core.scene.scene import load_scene
 
 INSET = 1e-3  # m
 SAME = 1e-3  # of the weight: what both methods must agree within, where statics gives the answer
-WEDGED = 5e-3  # relative: what is left of the thrust that the arch was wedged in with
+WEDGED = 5e-3  # relative: the wedging leaves a little of its thrust in the arch
 BEAM = (
     scenes.box("left", (0.0, 0.0, -0.2), (0.2, 1.0, 0.0), "fixed"),
     scenes.box("right", (0.8, 0.0, -0.2), (1.0, 1.0, 0.0), "support"),

@@ -15,6 +15,7 @@ from la_core.scene import Scene, build
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
 FLOOR = 5e-3  # of the reaction: difference that the judge allows beside both stated uncertainties
+# The page on drawings names two other walls, seeds 1 and 7: in one YADE sticks and slips, in the other the methods disagree.
 RUBBLE = (4, 6, 8)  # seeds of walls in which no stone hangs on a short joint, and limit analysis is sure of its value
 FOOTING = {"height": 0.2, "settling": (0.9, 1.8)}
 WIDER = {"height": 0.2, "settling": (1.2, 2.4)}
@@ -131,7 +132,7 @@ def test_both_methods_say_the_same_of_a_shape(name: str, tmp_path: Path) -> None
 def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(seed: int, tmp_path: Path) -> None:
     """Joints from 5 mm to 1 m: the short ones are kept with points of their own, are dropped by a tolerance, or are not there.
 
-    A stone that hangs on a short joint falls without it, and that is another structure. Such walls are left out, by limit analysis alone.
+    A stone that hangs on a short joint falls without it, and that is another structure. Such walls are left out.
     """
     profiles = rubble.profiles(seed)
     walls = {
