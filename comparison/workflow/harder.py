@@ -59,7 +59,7 @@ def try_harder(
         listener.stage(scene.name, "comparison", words)
         return None
     listener.stage(scene.name, "comparison", f"{first['verdict']}; both methods run again with finer settings")
-    harder = same_structure(scene, finer_settings(scene, yade.get("settings") or {}), f"{scene.name}{SUFFIX}")
+    harder = same_structure(scene, finer_settings(scene, first["settings"] or {}), f"{scene.name}{SUFFIX}")
     of_yade = seconds - DEARER_PATHS * _prediction_seconds(first)
     return run_scene(harder, results / harder.name, listener, with_yade, of_yade, first_verdict=_first_verdict(first))
 

@@ -45,7 +45,7 @@ def measured(number: int, folder: Path, harder: bool) -> dict[str, Any]:
         first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
         entry = {"number": number, "kind": scene_drawn.kind, "motion": scene_drawn.motion, "friction": scene.friction} | values(first)
         if first["verdict"] == "agree":
-            changes = {"yade.stiffening": STIFFER * first["yade"]["settings"]["stiffening"]} if first["yade"] else {}
+            changes = {"yade.stiffening": STIFFER * first["settings"]["stiffening"]} if first["yade"] else {}
             changes["yade.travel_periods"] = SLOWER * TRAVEL_PERIODS
             again = same_structure(scene, changes, f"{scene.name}_again")
             entry["again"] = values(run_scene(again, folder / again.name, narration, with_yade=True, figures=_no_figures))
@@ -171,6 +171,8 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers) as pool:
         jobs = {pool.submit(measured, number, options.folder, options.try_harder): number for number in todo}
         for done, job in enumerate(as_completed(jobs), 1):
+            if job.exception() is not None:
+                pool.shutdown(wait=False, cancel_futures=True)  # else a fault would show only after all other scenes
             entry = job.result()
             record["scenes"][str(entry["number"])] = entry
             record["versions"] = {name: versions[name] for name in ("crosscheck", "python", "numpy", "machine")}

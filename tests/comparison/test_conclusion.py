@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import json
 import math
 import re
 from pathlib import Path
@@ -199,10 +200,10 @@ def test_a_varied_structure_loses_source_and_expected_value_that_spoke_of_anothe
 
 def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
     """What is used of a first comparison.json."""
-    settings = {"stiffening": 4.0, "normal_stiffness": 2e6}
-    values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau", "settings": settings} | yade
+    values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau"} | yade
     return {
-        "scene": "wall_third", "verdict": verdict, "reason": "why", "yade": values,
+        "scene": "wall_third", "verdict": verdict, "reason": "why",
+        "yade": values, "settings": {"stiffening": 4.0, "normal_stiffness": 2e6},
         "limit_analysis": {"coulomb": {"reaction": 1.2, "uncertainty": 0.2, "seconds": 1.0}},
     }  # fmt: skip
 
@@ -215,6 +216,15 @@ class Told(Silent):
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         self.lines.append(state)
+
+
+def test_what_a_second_attempt_reads_stands_in_the_file_of_the_first() -> None:
+    contract = json.loads((Path(__file__).parents[1] / "helpers" / "contract.json").read_text(encoding="utf-8"))
+    known = {*contract["comparison.json"], "limit_analysis.coulomb.uncertainty"}  # which came later
+    content = first("inconclusive")
+    assert set(content) <= known
+    assert {f"yade.{name}" for name in content["yade"]} <= known
+    assert {f"limit_analysis.coulomb.{name}" for name in content["limit_analysis"]["coulomb"]} <= known
 
 
 @pytest.fixture
