@@ -54,11 +54,11 @@ class Plan:
     damping: float | None = None
 
 
-def make(case: Case, run: Callable[[Case, Settings], Protocol]) -> Attempts:
-    """Make the attempts of a case. run: makes one attempt with given settings."""
-    plan, before, steps, history = Plan(derive(case).quick_speed or 1.0), None, 0, ""
+def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
+    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings."""
+    plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
-        attempt = run(case, settings_of(case, plan))
+        attempt = run(case, settings_of(case, derived, plan))
         steps += attempt.steps
         outcome = _with_rate(attempt, before)
         again = _next(attempt, outcome, plan, steps)
@@ -71,11 +71,12 @@ def make(case: Case, run: Callable[[Case, Settings], Protocol]) -> Attempts:
         plan = again
 
 
-def settings_of(case: Case, plan: Plan) -> Settings:
-    """Return the settings of an attempt."""
+def settings_of(case: Case, derived: Settings, plan: Plan) -> Settings:
+    """Return the settings of an attempt. derived: those of the case, which a plan with its own speed alone keeps."""
     given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping}
-    overrides = case.overrides | {name: value for name, value in given.items() if value is not None}
-    settings, pace = derive(replace(case, overrides=overrides)), plan.pace
+    changed = {name: value for name, value in given.items() if value is not None}
+    settings = derive(replace(case, overrides=case.overrides | changed)) if changed else derived
+    pace = plan.pace
     ramp, periods = settings.ramp_time / pace, settings.travel_periods / pace
     return replace(settings, speed=pace * settings.speed, ramp_time=ramp, travel_periods=periods)
 

@@ -28,7 +28,8 @@ from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
 from yade_scripts.faces import YadeError, faces_of
-from yade_scripts.settings import Settings, contact_damping
+from yade_scripts.settings import Settings, contact_damping, inertia_of
+from yade_scripts.vibration import Inertia
 
 try:
     from yade.minieigenHP import Matrix3, Quaternion, Vector3
@@ -67,6 +68,10 @@ class Model:
         Position (B, 3) of every clump as built, m.
     rotation : tuple of Quaternion
         Orientation (B,) of every clump as built.
+    inertia : Inertia
+        Inertia of the blocks in this run.
+    loaded : tuple of int
+        Blocks on which permanent forces act.
     integrator, drive, watch : NewtonIntegrator, list of KinematicEngine or PyRunner, PyRunner
         Engines that move the free blocks, move the supports (or set the live load, at rest until it is started), and record rows.
     """
@@ -76,6 +81,8 @@ class Model:
     face: tuple[int, ...]
     position: np.ndarray
     rotation: tuple[Quaternion, ...]
+    inertia: Inertia
+    loaded: tuple[int, ...]
     integrator: NewtonIntegrator
     drive: list[KinematicEngine] | PyRunner
     watch: PyRunner
@@ -85,14 +92,14 @@ def build(case: Case, settings: Settings, watch_command: str, pull_command: str 
     """Build the case in YADE's scene.
 
     watch_command: Python statement that YADE repeats at every recorded row; pull_command: the same of every step of a live load only.
-
     Raises YadeError when a clump does not have the mass and inertia of its block.
     """
     omega = Omega()
     omega.reset()
     spheres, faces = np.zeros(len(case.host), dtype=int), np.zeros(len(case.host), dtype=int)
     carriers, clumps = [], []
-    viscosity = contact_damping(case, settings.normal_damping, settings.shear_damping)
+    inertia = inertia_of(case, settings.normal_stiffness, settings.shear_stiffness, settings.added_mass)
+    viscosity = contact_damping(case, inertia, settings.normal_damping, settings.shear_damping)
     face = 2.0 * viscosity.max(axis=0)
     material = _material(settings, face, _NO_FRICTION_LIMIT)
     own = face * viscosity / np.maximum(face - viscosity, np.finfo(float).tiny)  # in series with the face it gives the contact's
@@ -111,28 +118,27 @@ def build(case: Case, settings: Settings, watch_command: str, pull_command: str 
             members.append(omega.bodies.append(sphere))
             spheres[contact] = members[-1]
         clumps.append(omega.bodies.clump(members))
-    _set_inertia(case, carriers, clumps)
+    _turn_carriers(case, carriers, clumps)
+    _set_inertia(case, inertia, clumps)
     for block, clump in enumerate(clumps):
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
     if case.displacement == "small":
         _pair(spheres.tolist(), faces.tolist())
     integrator, drive, watch = _engines(case, settings, clumps, (watch_command, pull_command))
-    apply_loads(case, clumps)
     position = np.array([omega.bodies[clump].state.pos for clump in clumps])
     rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
-    return Model(tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist()), position, rotation, integrator, drive, watch)
+    loaded = np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1) | (inertia.mass != case.mass)).tolist()
+    bodies = tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist())
+    model = Model(*bodies, position, rotation, inertia, tuple(loaded), integrator, drive, watch)
+    set_loads(case, model)
+    return model
 
 
 def _material(settings: Settings, viscosity: np.ndarray, friction_angle: float) -> ViscElMat:
     """Return a new material; sphere and face act in series, so each gets twice the contact's stiffness. viscosity: (2,), N s/m."""
-    material = ViscElMat(
-        kn=2.0 * settings.normal_stiffness,
-        ks=2.0 * settings.shear_stiffness,
-        cn=float(viscosity[0]),
-        cs=float(viscosity[1]),
-        frictionAngle=friction_angle,
-        density=_MASSLESS,
-    )
+    stiffness = {"kn": 2.0 * settings.normal_stiffness, "ks": 2.0 * settings.shear_stiffness}
+    dashpots = {"cn": float(viscosity[0]), "cs": float(viscosity[1])}
+    material = ViscElMat(**stiffness, **dashpots, frictionAngle=friction_angle, density=_MASSLESS)
     Omega().materials.append(material)
     return material
 
@@ -159,20 +165,15 @@ def _carrier(case: Case, block: int, material: ViscElMat) -> Body:
     body.mask = 0
     body.bounded = False
     principal, axes = np.linalg.eigh(case.inertia[block])
-    body.state.pos, body.state.ori = case.centroid[block], _quaternion(axes)
+    right_handed = axes * np.array([1.0, 1.0, np.sign(np.linalg.det(axes))])
+    body.state.pos, body.state.ori = case.centroid[block], Quaternion(Matrix3(*right_handed.ravel()))
+    body.state.ori.normalize()
     body.state.mass, body.state.inertia = case.mass[block], principal
     return body
 
 
-def _quaternion(axes: np.ndarray) -> Quaternion:
-    right_handed = axes * np.array([1.0, 1.0, np.sign(np.linalg.det(axes))])
-    rotation = Quaternion(Matrix3(*right_handed.ravel()))
-    rotation.normalize()
-    return rotation
-
-
-def _set_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
-    """Make every clump's inertia that of its block.
+def _turn_carriers(case: Case, carriers: list[int], clumps: list[int]) -> None:
+    """Make every clump's mass and inertia those of its block.
 
     YADE 2023.02a turns a clump member's inertia by the inverse of its orientation. Where a clump's inertia is wrong, its carrier is
     turned the other way and YADE computes the clump again; a YADE without that error needs no turn.
@@ -185,10 +186,16 @@ def _set_inertia(case: Case, carriers: list[int], clumps: list[int]) -> None:
         bodies.updateClumpProperties(discretization=0)
         if any(_wrong_inertias(case, clumps)):
             raise YadeError("the inertia of YADE's clumps is not that of their blocks; this version of YADE cannot be used")
-    if case.plane:
+
+
+def _set_inertia(case: Case, inertia: Inertia, clumps: list[int]) -> None:
+    """Give every clump the inertia of the run; `set_loads` keeps its weight."""
+    factor = np.einsum("bii->b", inertia.tensor) / np.einsum("bii->b", case.inertia)  # the same about every axis
+    for block, clump in enumerate(clumps):
+        state = Omega().bodies[clump].state
+        state.mass = inertia.mass[block]
         # With freedoms blocked YADE divides global torques by the sorted principal inertias; make their order irrelevant.
-        for block, clump in enumerate(clumps):
-            bodies[clump].state.inertia = Vector3.Ones * case.inertia[block, 1, 1]
+        state.inertia = Vector3.Ones * inertia.tensor[block, 1, 1] if case.plane else state.inertia * float(factor[block])
 
 
 def _wrong_inertias(case: Case, clumps: list[int]) -> list[bool]:
@@ -210,24 +217,22 @@ def _blocked(case: Case, block: int) -> str:
     return _PLANE_BLOCKED if case.plane else ""
 
 
-def apply_loads(case: Case, clumps: Sequence[int], share: float = 1.0, multiplier: float = 0.0) -> None:
-    """Let `share` of the dead loads and ties, and their live load by its multiplier, act on the clumps from the next step on.
+def set_loads(case: Case, model: Model, share: float = 1.0, multiplier: float = 0.0) -> None:
+    """Let `share` of weights, dead loads and ties, and the live load by its multiplier, act from the next step on.
 
-    They keep direction and moment as the blocks move, as in limit analysis.
+    Gravity pulls at the inertia of a block: a permanent force takes away what this is more than its mass weighs. Dead loads and ties
+    keep direction and moment as the blocks move, as in limit analysis.
     """
-    forces = Omega().forces
-    for block in np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1)).tolist():
-        load = share * case.applied_load[block] + multiplier * case.live_load[block]
-        forces.setPermF(clumps[block], Vector3(*load[:3].tolist()))
-        forces.setPermT(clumps[block], Vector3(*load[3:].tolist()))
-
-
-def apply_live_load(case: Case, model: Model, multiplier: float) -> None:
-    """Let the live load act by its multiplier from the next step on: as an acceleration of the blocks, and by the dead loads on them."""
+    gravity = share * case.gravity
     if case.live is not None:
-        model.integrator.gravity = case.gravity + multiplier * np.linalg.norm(case.gravity) * case.live
-    if case.live_load.any():
-        apply_loads(case, model.clump, multiplier=multiplier)
+        gravity = gravity + multiplier * np.linalg.norm(case.gravity) * case.live
+    model.integrator.gravity = gravity
+    load = share * case.applied_load + multiplier * case.live_load
+    load[:, :3] += (case.mass - model.inertia.mass)[:, None] * gravity
+    forces = Omega().forces
+    for block in model.loaded:
+        forces.setPermF(model.clump[block], Vector3(*load[block, :3].tolist()))
+        forces.setPermT(model.clump[block], Vector3(*load[block, 3:].tolist()))
 
 
 def _pair(spheres: list[int], faces: list[int]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model, apply_live_load, apply_loads, set_speed
+from yade_scripts.bodies import Model, set_loads, set_speed
 from yade_scripts.case import Case
 from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slope
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
@@ -119,13 +119,11 @@ class Protocol:
         """
         settings = self.settings
         steps = math.ceil(settings.wedging / settings.speed / settings.time_step)
-        self.model.integrator.gravity = (0.0, 0.0, 0.0)
-        apply_loads(self.case, self.model.clump, 0.0)
+        set_loads(self.case, self.model, 0.0)
         set_speed(self.case, self.model.drive, -settings.speed)
         self._advance(steps, steps + 1)
         set_speed(self.case, self.model.drive, 0.0)
-        self.model.integrator.gravity = self.case.gravity
-        apply_loads(self.case, self.model.clump)
+        set_loads(self.case, self.model)
         self.asked_settlement = -settings.speed * steps * settings.time_step
 
     def _settle(self) -> None:
@@ -154,7 +152,7 @@ class Protocol:
         if self._servo is None or self.error is not None:
             return
         try:
-            apply_live_load(self.case, self.model, self._servo.measured(Omega().time - self._start_time, self.record))
+            set_loads(self.case, self.model, multiplier=self._servo.measured(Omega().time - self._start_time, self.record))
         except BaseException as error:
             self.error = error
             self._pause()

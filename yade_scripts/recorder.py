@@ -31,7 +31,7 @@ class Row:
     support_wrench : np.ndarray
         Force and moment about the origin (6,) of the supports on the structure, N and N m.
     kinetic_energy : float
-        Kinetic energy of the free blocks, J.
+        Kinetic energy of the free blocks with their inertia of this run, J.
     unbalanced : float
         Largest unbalanced force over the mean block weight.
     speed : float
@@ -90,7 +90,8 @@ class Record:
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
-        self._rest, self._mass, self._inertia = self.model.position[case.free], case.mass[case.free], case.inertia[case.free]
+        self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
+        self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
         if case.live is None:
             twist = case.support_twists[case.leader]
@@ -103,7 +104,7 @@ class Record:
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
         vectors = _array(chain(*read)).reshape(len(read), -1, 3)
         vectors[2] -= self._rest
-        vectors[3] += self._mass[:, None] * _array([self.model.integrator.gravity])
+        vectors[3] += self._inert_mass[:, None] * _array([self.model.integrator.gravity])
         _, spin, moved, _ = vectors
         squares = (vectors**2).sum(axis=2)
         speed, _, displacement, unbalanced = np.sqrt(squares.max(axis=1)).tolist()
@@ -115,7 +116,7 @@ class Record:
             settlement=self.settlement(),
             reaction=-float(np.sum(case.support_twists[case.supports] * wrenches)) if case.live is None else self.multiplier(),
             support_wrench=wrenches.sum(axis=0),
-            kinetic_energy=0.5 * float(self._mass @ squares[0] + rotational),
+            kinetic_energy=0.5 * float(self._inert_mass @ squares[0] + rotational),
             unbalanced=unbalanced / case.block_weight,
             speed=speed,
             weight_work=float(self._mass @ (moved @ case.gravity)) + self._work_of_loads(moved),

@@ -87,7 +87,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     optional = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, *exchange.LOAD_FIELDS)
     own = tuple(field for field in optional if exchange.holds(options.case, field.path))
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
-    limit = settings.derive(problem).time_limit if options.time_limit is None else options.time_limit
+    derived = settings.derive(problem)
+    limit = derived.time_limit if options.time_limit is None else options.time_limit
     sys.path.append(find_yade())
     from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
 
@@ -100,7 +101,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
         made.settings = dataclasses.replace(chosen, time_limit=limit)
         return made
 
-    values = run_fields.fields(attempts.make(problem, attempt), time.monotonic() - began)
+    values = run_fields.fields(attempts.make(problem, derived, attempt), time.monotonic() - began)
     exchange.write(options.run, exchange.RUN_FIELDS, values, options.inputs)
     reporter.done(values["result/status"])
 

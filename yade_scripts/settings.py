@@ -1,7 +1,6 @@
 """Every setting of a run: derived from the case so that blocks of any size and weight run alike, or set by the scene.
 
-The stable time step follows from the highest frequency and the fastest decay of the assembly, with springs and dashpots at its contact
-points. No matrix is built. A vector holds one twist per block, (B, 6), about the centroids; held blocks stay at 0.
+The stable time step follows from the highest frequency and the fastest decay of the assembly, see `yade_scripts.vibration`.
 """
 
 import dataclasses
@@ -14,6 +13,7 @@ import numpy as np
 
 from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
 from yade_scripts.case import FREE, Case, CaseError
+from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
 # Ratios that hold for every case; README.md says where they come from.
 GRAVITY_PERIODS = 500.0  # longest gravity stage
@@ -22,14 +22,13 @@ STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
+ADDED_MASS = 0.05  # of the free blocks' mass
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
-_PLANE_FREEDOMS = np.array([1.0, 0.0, 1.0, 0.0, 1.0, 0.0])
-_POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highest eigenvalue, below it
-
 _MAY_VANISH = frozenset(
-    ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed")
-)
+    ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed",
+     "added_mass")
+)  # fmt: skip
 _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 
 
@@ -69,6 +68,7 @@ class Settings:
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
     servo_frequency: float  # of the servo of a live load, over the frequency of the structure as it sags under its weights
     servo_damping: float  # damping ratio of that servo
+    added_mass: float  # share of the free blocks' mass that the inertia of the fastest blocks gains; 0 for their true inertia
 
 
 def derive(case: Case) -> Settings:
@@ -98,7 +98,7 @@ def derive(case: Case) -> Settings:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
     set_default(**{"stiffening": stiffening, "max_travel": case.travel})
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0)
+    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=ADDED_MASS)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
@@ -153,114 +153,29 @@ def _damping(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
     }
 
 
-def contact_damping(case: Case, normal: float, shear: float) -> np.ndarray:
+def inertia_of(case: Case, normal: float, shear: float, added_mass: float) -> Inertia:
+    """Return the inertia that the blocks have in a run with this stiffness of the contact points (N/m) and this `added_mass`."""
+    return slowed(case, springs_of(case, normal, shear), added_mass)
+
+
+def contact_damping(case: Case, inertia: Inertia, normal: float, shear: float) -> np.ndarray:
     """Return the viscosity (C, 2), N s/m, of every contact point along its normal and across it.
 
     `normal` and `shear` are those of a contact whose lighter block has the mean mass. Elsewhere they follow the root
     of the mass of the lighter of the two blocks: a light block would else be overdamped by its heavy neighbour's dashpots, and the
-    time step is as short as the largest damping ratio is high. A held block counts as heavy.
+    time step is as short as the largest damping ratio is high. A held block counts as heavy. Masses are those of the inertia.
     """
-    mass = np.where(case.role == FREE, case.mass, np.inf)
+    mass = np.where(case.role == FREE, inertia.mass, np.inf)
     lighter = np.minimum(mass[case.block_a], mass[case.block_b])
     factor = np.sqrt(np.where(np.isfinite(lighter), lighter, 0.0) / np.mean(case.mass[case.free]))
     return factor[:, None] * np.array([normal, shear])
 
 
 def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
-    springs = springs_of(case, chosen["normal_stiffness"], chosen["shear_stiffness"])
+    stiffness = chosen["normal_stiffness"], chosen["shear_stiffness"]
+    inertia = inertia_of(case, *stiffness, chosen["added_mass"])
     # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
-    frequency = math.sqrt((1.0 + chosen["gravity_damping"]) * highest_eigenvalue(springs))
-    dashpots = springs_of(case, *contact_damping(case, chosen["normal_damping"], chosen["shear_damping"]).T)
-    decay = (1.0 + chosen["gravity_damping"]) * highest_eigenvalue(dashpots)
+    frequency = math.sqrt((1.0 + chosen["gravity_damping"]) * highest_eigenvalue(springs_of(case, *stiffness), inertia))
+    dashpots = springs_of(case, *contact_damping(case, inertia, chosen["normal_damping"], chosen["shear_damping"]).T)
+    decay = (1.0 + chosen["gravity_damping"]) * highest_eigenvalue(dashpots, inertia)
     return stable_time_step(frequency, decay)
-
-
-@dataclass(frozen=True)
-class Springs:
-    """Bilateral springs, or dashpots, at every contact point, as operator K and block-diagonal mass matrix M.
-
-    Attributes
-    ----------
-    case : Case
-        B blocks and C contact points.
-    normal, shear : np.ndarray
-        Stiffness (C,) of every contact point along its normal and across it, N/m; of dashpots the viscosity, N s/m.
-    arm_a, arm_b : np.ndarray
-        Arms (C, 3) from the centroids of blocks a and b to the contact points, m.
-    freedoms : np.ndarray
-        1.0 for each free component of the twists (B, 6), else 0.0.
-    inverse_inertia : np.ndarray
-        Inverse of the inertia (B, 3, 3), 1/(kg m2).
-    """
-
-    case: Case
-    normal: np.ndarray
-    shear: np.ndarray
-    arm_a: np.ndarray
-    arm_b: np.ndarray
-    freedoms: np.ndarray
-    inverse_inertia: np.ndarray
-
-    def contact_forces(self, twists: np.ndarray) -> np.ndarray:
-        """Return the spring forces (C, 3), N, as stiffness times the displacement of b relative to a; twists (B, 6), m and rad."""
-        case = self.case
-        of_a, of_b = twists[case.block_a], twists[case.block_b]
-        relative = of_b[:, :3] + np.cross(of_b[:, 3:], self.arm_b) - of_a[:, :3] - np.cross(of_a[:, 3:], self.arm_a)
-        along = np.einsum("ci,ci->c", relative, case.normal)[:, None] * case.normal
-        return self.shear[:, None] * relative + (self.normal - self.shear)[:, None] * along
-
-    def stiffness(self, twists: np.ndarray) -> np.ndarray:
-        """Return K times twists (B, 6): generalised forces (B, 6), N and N m."""
-        force = self.contact_forces(twists)
-        case = self.case
-        on_b = np.hstack([force, np.cross(self.arm_b, force)])
-        on_a = -np.hstack([force, np.cross(self.arm_a, force)])
-        blocks = np.concatenate([case.block_a, case.block_b])
-        weights = np.vstack([on_a, on_b])
-        total = np.column_stack([np.bincount(blocks, weights[:, i], len(case.mass)) for i in range(6)])
-        return total * self.freedoms
-
-    def compliance_of_mass(self, wrenches: np.ndarray) -> np.ndarray:
-        """Return M^-1 times wrenches (B, 6), N and N m: accelerations (B, 6), m/s2 and rad/s2."""
-        linear = wrenches[:, :3] / self.case.mass[:, None]
-        angular = np.einsum("bij,bj->bi", self.inverse_inertia, wrenches[:, 3:])
-        return np.hstack([linear, angular]) * self.freedoms
-
-
-def springs_of(case: Case, normal: np.ndarray | float, shear: np.ndarray | float) -> Springs:
-    """Return springs of `normal` and `shear` stiffness (N/m), alike or one (C,) for each contact point of the case."""
-    freedoms = np.outer(np.isin(np.arange(len(case.mass)), case.free), _PLANE_FREEDOMS if case.plane else np.ones(6))
-    inertia = case.inertia
-    if case.plane:
-        inertia = inertia[:, 1, 1, None, None] * np.eye(3)
-    arm_a, arm_b = case.position - case.centroid[case.block_a], case.position - case.centroid[case.block_b]
-    normal, shear = (np.broadcast_to(stiffness, len(case.position)) for stiffness in (normal, shear))
-    return Springs(case, normal, shear, arm_a, arm_b, freedoms.astype(float), np.linalg.inv(inertia))
-
-
-def highest_eigenvalue(system: Springs) -> float:
-    """Return the highest eigenvalue of M^-1 K, by power iteration from a fixed starting vector.
-
-    Of springs it is the square of the highest natural frequency (rad2/s2), of dashpots the fastest rate of decay (1/s).
-    """
-    twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
-    twists[:, 3:] /= np.median(np.linalg.norm(np.concatenate([system.arm_a, system.arm_b]), axis=1))
-    twists *= system.freedoms
-    eigenvalue = 0.0
-    for _ in range(_POWER_ITERATIONS):
-        forces = system.stiffness(twists)
-        following = system.compliance_of_mass(forces)
-        # |K x| in the metric of M^-1 over (x, K x): a Rayleigh quotient of the current vector, one product ahead.
-        eigenvalue = float(np.vdot(forces, following) / np.vdot(twists, forces))
-        twists = following / np.abs(following).max()
-    return eigenvalue
-
-
-def stable_time_step(frequency: float, decay: float) -> float:
-    """Return the largest stable step (s) of the leapfrog scheme with viscous forces that lag half a step: 2/w (sqrt(1 + x^2) - x).
-
-    frequency: highest natural frequency w, rad/s. decay: highest eigenvalue of the viscosities over the masses, 1/s; x = decay / (2 w) is
-    at least the damping ratio of the fastest mode, and no mode is unstable, whichever shape it has.
-    """
-    ratio = 0.5 * decay / frequency
-    return float(2.0 / frequency * (np.hypot(1.0, ratio) - ratio))

@@ -17,13 +17,13 @@ for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
 sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
-from yade_scripts import attempts, bodies, case, protocol, recorder  # noqa: E402
+from yade_scripts import attempts, bodies, case, protocol, recorder, settings  # noqa: E402
 
 
 def main() -> None:
     one = case.from_fields(exchange.read(Path(sys.argv[1]), exchange.CASE_FIELDS))
     one = dataclasses.replace(one, overrides=one.overrides | json.loads(sys.argv[3]))
-    chosen = attempts.settings_of(one, attempts.Plan(float(sys.argv[2])))
+    chosen = attempts.settings_of(one, settings.derive(one), attempts.Plan(float(sys.argv[2])))
     model = bodies.build(one, chosen, "watch()")
     run = protocol.Protocol(one, chosen, model, recorder.Record(one, model), lambda *report: None)
     sys.modules["__main__"].__dict__["watch"] = run.watch
