@@ -12,7 +12,7 @@ from yade_scripts import sphere_placement
 
 FREE, FIXED, SUPPORT = 0, 1, 2
 _UNIT = 1e-9  # of a unit vector's length: round-off
-_JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag")
+_JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag", "sway")
 
 
 class CaseError(Exception):
@@ -79,6 +79,8 @@ class Case:
         Largest settlement, m or rad.
     sag : float
         Largest displacement of a centroid under the weights with joints glued at the normal stiffness, m.
+    sway : float
+        The same under weights that act sideways, m; 0 where it is unknown.
     boxes : tuple
         Low and high corner (3,) of each axis-aligned box, m; None for other blocks.
     host : np.ndarray
@@ -118,6 +120,7 @@ class Case:
     shear_stiffness: float
     travel: float
     sag: float
+    sway: float
     boxes: tuple[tuple[np.ndarray, np.ndarray] | None, ...]
     host: np.ndarray
     index: np.ndarray
@@ -218,7 +221,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         normal=data["interfaces/normal"][interface],
         position=data["contacts/position"],
         friction=data["contacts/friction"],
-        **{name: float(data[f"joints/{name}"]) for name in _JOINT_NUMBERS},
+        **{name: float(data.get(f"joints/{name}", 0.0)) for name in _JOINT_NUMBERS},
         boxes=boxes,
         host=place[_hosts(data, index[[box is not None for box in boxes]])],
         index=index,
@@ -292,6 +295,6 @@ def _refuse_unrunnable(case: Case) -> None:
         if not np.all(np.isfinite(load)) or np.any(load[case.role != FREE]):
             raise CaseError(f"blocks/{name}: every entry must be finite, and 0 for a block that is not free")
     for name in _JOINT_NUMBERS:
-        value, may_vanish = getattr(case, name), name == "shear_stiffness"
+        value, may_vanish = getattr(case, name), name in ("shear_stiffness", "sway")
         if not np.isfinite(value) or value < 0.0 or (value == 0.0 and not may_vanish):
             raise CaseError(f"joints/{name} is {value}; it must be a finite number {'at least' if may_vanish else 'greater than'} 0")

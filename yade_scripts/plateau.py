@@ -47,7 +47,7 @@ class Plateau:
     scatter : float
         Standard deviation of the residuals, N or N m.
     drift : float
-        Change of the line over the fitted part, N or N m.
+        Change of the line over the fitted part, N or N m, at least 0; less what turning blocks explain.
     from_scatter, from_fit, from_strain : float
         Parts of the uncertainty, N or N m: noise of the record; line or level; joints that may still strain.
     creeps : bool
@@ -77,14 +77,17 @@ class Geometry:
     Attributes
     ----------
     turning : float
-        Slope that turning blocks give, N/m or N m/rad.
+        Largest slope that turning blocks can give, N/m or N m/rad.
     lever : float
         Settlement over which lever arms change by as much as they are long, m or rad: sliding blocks shift the points where
         they touch. inf where nothing slides.
+    slope : float
+        Slope that turning blocks give where no joint slides, N/m or N m/rad.
     """
 
     turning: float
     lever: float
+    slope: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -120,16 +123,17 @@ class Outcome:
 NO_OUTCOME = Outcome(*[float("nan")] * 4)
 
 
-def turning_slope(case: Case, first: State, last: State) -> float:
-    """Return the largest change of the reaction over the settlement that turning blocks give, N/m (N m/rad for a rotation).
+def turning_slopes(case: Case, first: State, last: State) -> tuple[float, float]:
+    """Return the change of the reaction over the settlement that turning blocks give where no joint slides, and its bound where some do.
 
-    Where no joint slides, the reaction changes with the settlement by the sum over the contact points of force times the second
-    derivative of the contact's motion, as seen from the face it lies on: turning blocks move on arcs. The absolute values are summed,
-    because sliding joints give these parts other weights. Zero where the two states are of the same settlement.
+    Both are in N/m (N m/rad for a rotation). Where no joint slides, the reaction changes with the settlement by the sum over the contact
+    points of force times the second derivative of the contact's motion, as seen from the face it lies on: turning blocks move on arcs.
+    Sliding joints give these parts other weights: the bound is the sum of the absolute values. Zeros where the two states are of the
+    same settlement.
     """
     travelled = last[0] - first[0]
     if travelled <= 0.0:
-        return 0.0
+        return 0.0, 0.0
     velocity, spin = (last[1] - first[1]) / travelled, (last[2] - first[2]) / travelled
     host, target = case.host, case.target
     arm_host, arm_target = case.position - case.centroid[host], case.position - case.centroid[target]
@@ -137,7 +141,9 @@ def turning_slope(case: Case, first: State, last: State) -> float:
     slip = velocity[host] + np.cross(spin_host, arm_host) - velocity[target] - np.cross(spin_target, arm_target)
     on_arcs = np.cross(spin_host, np.cross(spin_host, arm_host)) - np.cross(spin_target, np.cross(spin_target, arm_target))
     turned = on_arcs - 2.0 * np.cross(spin_target, slip)
-    return float(np.abs(np.einsum("ci,ci->c", 0.5 * (first[3] + last[3]), turned)).sum())
+    on_host = np.where(host == case.block_b, 1.0, -1.0)[:, None] * 0.5 * (first[3] + last[3])
+    parts = np.einsum("ci,ci->c", on_host, turned)
+    return float(parts.sum()), float(np.abs(parts).sum())
 
 
 def largest_speed(first: State, last: State) -> float:
@@ -172,13 +178,15 @@ def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geomet
     scatter = float(np.sqrt(np.mean(residuals**2) * rows / (rows - 2.0)))
     error = float(scatter * np.sqrt(len(s) / (spread * rows)))  # of the slope
     from_scatter = float(student(rows - 2.0) * scatter * np.sqrt((1.0 + centre**2 * len(s) / spread) / rows))
-    from_fit = COVERAGE * _RECTANGULAR * abs(slope) * centre
+    # A slope that turning explains is no doubt: the line leads back to the undeformed geometry. Sliding joints may have another one.
+    unexplained = min(abs(slope), abs(slope - geometry.slope))
+    from_fit = COVERAGE * _RECTANGULAR * unexplained * centre
     # Where strain is left and falls as 1/s, as much is still to come from the level as the line was drawn back, by the slope that no
     # turning explains times the settlement of the level.
     from_strain = 2.0 * max(0.0, abs(slope) - geometry.turning) * centre
     creeps = abs(slope) - _CERTAIN * error > geometry.turning + abs(level) / geometry.lever
     uncertainty = float(np.sqrt(from_scatter**2 + from_fit**2 + from_strain**2))
-    drift = slope * float(np.ptp(s))
+    drift = unexplained * float(np.ptp(s))
     return Plateau(intercept, uncertainty, slope, float(s[0]), scatter, drift, from_scatter, from_fit, from_strain, creeps)
 
 

@@ -12,7 +12,7 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads, set_speed
 from yade_scripts.case import Case
-from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slope
+from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slopes
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
 from yade_scripts.servo import Servo, servo_of
 from yade_scripts.settings import CRITICAL, Settings
@@ -257,11 +257,12 @@ class Protocol:
         settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
         middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
         before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
-        turning = turning_slope(self.case, before, self.record.pose())
+        now = self.record.pose()
+        slope, turning = turning_slopes(self.case, before, now)
         if self.case.live is None:
-            return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed))
-        fastest = largest_speed(before, self.record.pose())
-        return plateau.fit(settlement, reaction, Geometry(turning / self.case.weight, self.case.block_size / fastest))
+            return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed, slope))
+        lever = self.case.block_size / largest_speed(before, now)
+        return plateau.fit(settlement, reaction, Geometry(turning / self.case.weight, lever, slope / self.case.weight))
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
         at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0

@@ -84,7 +84,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    optional = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, *exchange.LOAD_FIELDS)
+    alone = (exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, exchange.SWAY)
+    optional = (*exchange.PART_FIELDS, *alone, *exchange.LOAD_FIELDS)
     own = tuple(field for field in optional if exchange.holds(options.case, field.path))
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
     derived = settings.derive(problem)

@@ -17,11 +17,13 @@ from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_
 
 # Ratios that hold for every case; README.md says where they come from.
 GRAVITY_PERIODS = 500.0  # longest gravity stage
+REST_UNBALANCED = 1e-3  # of the mean block weight: unbalanced force at rest
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
+SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 ADDED_MASS = 0.05  # of the free blocks' mass
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
@@ -45,7 +47,7 @@ class Settings:
     time_step: float  # s, time step of the integration
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
     max_travel: float  # m or rad, largest motion of the support
-    travel_periods: float  # duration of the full travel in periods of the structure as it sags under its weights
+    travel_periods: float  # duration of the full travel in periods of the structure as it sags under its weights, or of its slow sway
     speed: float  # m/s or rad/s, of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
@@ -85,7 +87,6 @@ def derive(case: Case) -> Settings:
         time_step_share=0.9,
         wedging=0.0,
         gravity_damping=0.3,
-        rest_unbalanced=1e-3,
         record_rows=1200,
         poses=POSES,
     )
@@ -109,8 +110,10 @@ def derive(case: Case) -> Settings:
         rule = f"it must be at most {stable:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
         raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
-    # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g).
-    period = 2.0 * math.pi * math.sqrt(sag / gravity)
+    # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g), and sideways in the same way.
+    slow = max(1.0, SWAY_SHARE * math.sqrt(case.sway / case.sag))  # of the sideways swing; more than 1 for slender structures
+    period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
+    set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
     set_default(travel_periods=TRAVEL_PERIODS)
     set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides

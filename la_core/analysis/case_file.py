@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from dataclasses import asdict, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -73,14 +74,14 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
         **{f"interfaces/{name}": getattr(interfaces, name) for name in ("block_a", "block_b", "normal", "area")},
         **{f"contacts/{name}": getattr(points, name) for name in ("interface", "position", "friction")},
-        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items()},
+        **{field: getattr(analysis.stiffness, name) for name, field in _JOINT_FIELDS.items() if field != exchange.SWAY.path},
     }
     for suffix, answers in (("", analysis.at_inset), ("_sharp", analysis.sharp)):
         for drive, solution in answers.bounds.items():
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    own = _own_values(scene, assembly)
+    own = _own_values(scene, assembly) | ({exchange.SWAY: analysis.stiffness.sway} if math.isfinite(analysis.stiffness.sway) else {})
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -141,7 +142,9 @@ def _below(group: str, solution: Any) -> dict[str, Any]:
 
 
 _BLOCK_ARRAYS = ("role", "mass", "centroid", "inertia", "vertices", "vertex_start", "face_vertex", "face_start", "face_block")
-_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness", "travel": "joints/travel", "sag": "joints/sag"}
+_JOINT_FIELDS = {"normal": "joints/normal_stiffness", "shear": "joints/shear_stiffness"} | {
+    name: f"joints/{name}" for name in ("travel", "sag", "sway")
+}
 
 
 def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) -> LimitAnalysis:
@@ -168,7 +171,8 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     """
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")))
+    own = (exchange.SWAY,) if exchange.holds(path, exchange.SWAY.path) else ()
+    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):
         return _analysis(path, scene, whole, data, predictions)
@@ -195,7 +199,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], p
         whole,
         at_inset,
         sharp=answers(whole.with_inset(scene, 0.0), "_sharp") if whole.inset else at_inset,
-        stiffness=JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items()}),
+        stiffness=JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items() if field in data}),
         least_gap=float(data["scene/least_gap"]),
         path=EquilibriumPath(**_values(data, "path", EquilibriumPath)) if "path/value" in data else None,
         accuracy=from_text(data["scene/accuracy"]),

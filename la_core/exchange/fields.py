@@ -84,6 +84,8 @@ PART_FIELDS = (
     Field("parts/face_start", "i8", ("Q1",), "", "part i owns the faces start[i] to start[i+1]-1; Q+1 entries"),
 )
 JOINT_INSET = Field("contacts/inset", "f8", ("C",), "m", "inset of each contact point: that of the scene, but less in a short joint")
+# Optional: files of version 0.2.0 do not have it.
+SWAY = Field("joints/sway", "f8", (), "m", "what joints/sag would be if the weights acted sideways, in the worse of the two directions")
 # Optional: only where a live load drives the structure; no support moves then.
 LIVE_DIRECTION = Field("scene/live", "f8", (3,), "-", "unit direction of a load in proportion to the weights of the free blocks")
 # Optional: only where supports move by different shares of the settlement.

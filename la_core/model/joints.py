@@ -41,12 +41,15 @@ class JointStiffness:
     sag : float
         Largest displacement of a centroid under the weights, m, with glued joints that have the normal stiffness in
         all directions; NaN where nothing holds the structure.
+    sway : float
+        The same with weights that act sideways, in the worst horizontal direction of the axes; NaN where it is unknown.
     """
 
     normal: float
     shear: float
     travel: float
     sag: float
+    sway: float = math.nan
 
 
 def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any]) -> JointStiffness:
@@ -76,12 +79,12 @@ def joint_stiffness(assembly: Assembly, inset: float, settings: Mapping[str, Any
     if has_spheres:
         longest = min(longest, TRAVEL_OVER_INSET * inset)
     travel = requested.get("max_travel", longest / speed)
-    sag, force = _glued(assembly)
+    sag, force, sway = _glued(assembly)
     least = sag / (ELASTIC_SHARE * travel * speed)
     if has_spheres:
         least = max(least, force / (PENETRATION_OVER_RADIUS * requested.get("sphere_radius", RADIUS_OVER_INSET * inset)))
     normal = requested.get("normal_stiffness", least)
-    return JointStiffness(normal, requested.get("shear_stiffness", normal), travel, sag / normal)
+    return JointStiffness(normal, requested.get("shear_stiffness", normal), travel, sag / normal, sway / normal)
 
 
 def _refuse_impossible(settings: Mapping[str, Any], inset: float) -> None:
@@ -107,21 +110,33 @@ def _block_size(assembly: Assembly) -> float:
     return float(np.median(extent[:, [0, 2] if assembly.effects.plane else [0, 1, 2]].max(axis=1)))
 
 
-def _glued(assembly: Assembly) -> tuple[float, float]:
+def _glued(assembly: Assembly) -> tuple[float, float, float]:
     """Largest displacement of a centroid (m) and contact force (N) under the weights, joints glued by springs of 1 N/m.
 
-    Glued joints are stiffer than open ones: a scale, not a prediction. NaN where nothing holds the structure.
+    The last number is the displacement (m) under weights that act sideways. Glued joints are stiffer than open ones: a scale, not a
+    prediction. NaN where nothing holds the structure.
     """
     plane, standing = assembly.effects.plane, _standing(assembly)
     if not standing.any():
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     freedoms, width = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
     gaps = assembly.kinematic_matrix(assembly.length)[:, np.repeat(standing, freedoms)]
     stiffness = gaps.T @ gaps
-    load = per_length(assembly.dead_load[standing], assembly.length)[:, PLANE_FREEDOMS if plane else slice(None)]
-    motion, _ = cg(stiffness, load.ravel(), rtol=SOLVER_TOLERANCE, M=sparse.diags(1.0 / stiffness.diagonal()))
-    displacement, force = motion.reshape(-1, freedoms)[:, :width], (gaps @ motion).reshape(-1, width)
-    return float(np.linalg.norm(displacement, axis=1).max()), float(np.linalg.norm(force, axis=1).max())
+    inverse = sparse.diags(1.0 / stiffness.diagonal())
+
+    def moved(load: np.ndarray) -> np.ndarray:
+        """Motion under a load (n, 6) of the standing blocks."""
+        ruling = per_length(load, assembly.length)[:, PLANE_FREEDOMS if plane else slice(None)]
+        return np.asarray(cg(stiffness, ruling.ravel(), rtol=SOLVER_TOLERANCE, M=inverse)[0])
+
+    def largest(motion: np.ndarray) -> float:
+        return float(np.linalg.norm(motion.reshape(-1, freedoms)[:, :width], axis=1).max())
+
+    load = assembly.dead_load[standing]
+    down = moved(load)
+    sideways = [np.linalg.norm(load[:, :3], axis=1)[:, None] * axis for axis in (np.eye(6)[:1] if plane else np.eye(6)[:2])]
+    force = float(np.linalg.norm((gaps @ down).reshape(-1, width), axis=1).max())
+    return largest(down), force, max(largest(moved(pushed)) for pushed in sideways)
 
 
 def _standing(assembly: Assembly) -> np.ndarray:

@@ -47,17 +47,25 @@ def test_a_block_on_two_pads_sags_by_its_weight_over_its_springs(plane, points) 
     assert found.sag == pytest.approx(found.travel / 300.0, rel=1e-9) and found.shear == found.normal
 
 
+@pytest.mark.parametrize(("plane", "arms"), [(True, (0.49, 0.11)), (False, (0.09,))])
+def test_a_block_on_two_pads_sways_about_the_shorter_axis_of_its_base(plane, arms) -> None:
+    """Its weight acts sideways at half its height: it shifts by weight over all springs, and turns by moment over springs times arms^2."""
+    found, points, height = stiffness(slab(inset=0.01, plane=plane)), 4 if plane else 8, 0.25
+    turning = points * np.mean(np.square(arms))
+    assert found.sway == pytest.approx(MASS * 9.81 / found.normal * (1.0 / points + height**2 / turning), rel=2e-3)
+
+
 @pytest.mark.parametrize("plane", [True, False])
 @pytest.mark.parametrize("build", [slab, wall])
 def test_twice_the_density_is_twice_the_stiffness(build, plane) -> None:
     one = build(inset=0.001, plane=plane)
-    assert ratios(stiffness(one), stiffness(scenes.moved(one, density=2.0, plane=plane))) == pytest.approx((2.0, 2.0, 1.0, 1.0), rel=1e-6)
+    assert ratios(stiffness(one), stiffness(scenes.moved(one, density=2.0, plane=plane))) == pytest.approx((2.0, 2.0, 1.0, 1.0, 1.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_lengths_scale_travel_and_sag_and_weights_over_lengths_the_stiffness(scale) -> None:
     one = wall()
-    expected = (scale**2, scale**2, scale, scale)
+    expected = (scale**2, scale**2, scale, scale, scale)
     assert ratios(stiffness(one), stiffness(scenes.moved(one, scale=scale))) == pytest.approx(expected, rel=1e-6)
 
 
@@ -126,11 +134,11 @@ def test_where_nothing_is_held_there_is_no_stiffness_but_an_answer(tmp_path: Pat
 def test_what_a_scene_asks_for_is_what_it_gets() -> None:
     derived = stiffness(wall())
     found = stiffness(wall(), normal_stiffness=2.0 * derived.normal)
-    assert ratios(derived, found) == pytest.approx((2.0, 2.0, 1.0, 0.5))
+    assert ratios(derived, found) == pytest.approx((2.0, 2.0, 1.0, 0.5, 0.5))
     found = stiffness(wall(), shear_stiffness=0, normal_stiffness=1e6)
     assert (found.normal, found.shear) == (1e6, 0.0)
     found = stiffness(wall(), max_travel=0.5 * derived.travel)
-    assert ratios(derived, found) == pytest.approx((2.0, 2.0, 0.5, 0.5))
+    assert ratios(derived, found) == pytest.approx((2.0, 2.0, 0.5, 0.5, 0.5))
     assert stiffness(wall(), speed=1.0, time_limit=5.0) == derived
 
 
@@ -173,10 +181,10 @@ def test_yade_runs_with_the_case_s_numbers(asked: str, tmp_path: Path) -> None:
     analysis = analyse(scene)
     write_case(tmp_path / "case.h5", analysis, "")
     assert read_case(tmp_path / "case.h5", scene).stiffness == analysis.stiffness
-    one = case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
     chosen = settings.derive(one)
     normal, shear = (stiffness / chosen.stiffening for stiffness in (chosen.normal_stiffness, chosen.shear_stiffness))
-    found = JointStiffness(normal, shear, chosen.max_travel, one.sag)
+    found = JointStiffness(normal, shear, chosen.max_travel, one.sag, one.sway)
     assert chosen.stiffening == (1.0 if asked else 4.0)  # a run must come to its plateau in one travel, a path may go on
     assert found == analysis.stiffness
 

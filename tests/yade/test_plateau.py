@@ -30,6 +30,18 @@ def autocorrelated(rng: np.random.Generator, memory: float, deviation: float) ->
     return noise
 
 
+def test_a_slope_that_turning_explains_is_no_doubt_and_any_other_is() -> None:
+    s = settlement()
+    r = REACTION + SLOPE * s
+
+    def doubt(explained: float) -> float:
+        return fitted(s, r, plateau.Geometry(2.0 * SLOPE, np.inf, explained)).from_fit
+
+    assert doubt(SLOPE) < 1e-9 * REACTION and doubt(0.0) > 1e-2 * REACTION
+    assert doubt(0.5 * SLOPE) == pytest.approx(0.5 * doubt(0.0), rel=1e-6)
+    assert doubt(-SLOPE) == doubt(2.5 * SLOPE) == doubt(0.0)  # an explanation that misses by more than the slope explains nothing
+
+
 def test_exact_line_is_recovered() -> None:
     s = settlement()
     fit = fitted(s, REACTION + SLOPE * s)
