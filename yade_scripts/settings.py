@@ -24,7 +24,6 @@ STIFFENING = (
 )
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
-ADDED_MASS = 0.05  # of the free blocks' mass
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
@@ -99,7 +98,7 @@ def derive(case: Case) -> Settings:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
     set_default(**{"stiffening": stiffening, "max_travel": case.travel})
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=ADDED_MASS)
+    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
