@@ -78,7 +78,9 @@ system) of whole processes, each the least of several, with the sources compiled
 processes: `crosscheck run` starts YADE twice, once to ask for its version and once to run. The second table has the stages of
 `crosscheck solve` on walls in running bond whose right third settles: *loading* is the start of Python and of the program, *solver* is
 set-up and solution of cone programmes and the steps of the paths, *reports* is what a path tells of its progress, *evidence* is the
-certificate of an answer, *rest* is everything else."""
+certificate of an answer, *rest* is everything else.
+
+A busy machine takes more seconds than a quiet one. Two versions are therefore timed in turn, and their ratio is what counts."""
 STAGES = ("loading", "reading", "contacts", "model", SOLVER, "evidence", "reports", "writing", "tables", "rest")
 
 
