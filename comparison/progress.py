@@ -41,9 +41,14 @@ class _Bars:
 
     def _say_now_and_then(self, line: str) -> None:
         """Print a line unless the last one was printed less than LINE_EVERY seconds ago."""
-        if time.monotonic() - self._spoke >= LINE_EVERY:
+        if self._is_heard:
             self._spoke = time.monotonic()
             self._say(line)
+
+    @property
+    def _is_heard(self) -> bool:
+        """Whether words said now would be shown: always as a bar, else LINE_EVERY seconds after the last ones."""
+        return self._has_bars or time.monotonic() - self._spoke >= LINE_EVERY
 
 
 class Narration(_Bars):
@@ -78,8 +83,9 @@ class Narration(_Bars):
         scene, share = self._analysed, report.share
         assert scene is not None  # bounds come first
         which = f"path {report.path} of {report.paths}" if report.paths > 1 else "path"
-        words = f"{which}: {100.0 * share:.0f} %, {value_words(scene, report.value)}{self._pace.time_left(share)}"
-        self.fraction(scene.name, share, words)
+        left = self._pace.time_left(share)
+        if self._is_heard:  # a path has thousands of points
+            self.fraction(scene.name, share, f"{which}: {100.0 * share:.0f} %, {value_words(scene, report.value)}{left}")
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Show the progress of a running YADE case; its blocks come to rest again where an attempt with other settings begins.

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from comparison.figures import canvas
 from comparison.report.vtk_xml import POLYGON, VERTEX, Grid, write_collection, write_grid
@@ -112,7 +112,7 @@ def _displacements(blocks: Blocks, displacement: np.ndarray, rotation: np.ndarra
     The blocks move by displacements (B, 3), m, and rotation vectors (B, 3), rad, of any size.
     """
     block, arm = _arms(blocks)
-    return displacement[block] + Rotation.from_rotvec(rotation[block]).apply(arm) - arm
+    return displacement[block] + scipy.spatial.transform.Rotation.from_rotvec(rotation[block]).apply(arm) - arm
 
 
 def _field_data(results: Results) -> dict[str, Any]:

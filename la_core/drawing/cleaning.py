@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import shapely
-from scipy.spatial import cKDTree
 
 from la_core.drawing.outlines import Drawn, Outline, enclosed
 
@@ -103,7 +103,7 @@ def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
     """Mask of the polygons that share most of their area with an earlier one."""
     double = np.zeros(len(polygons), dtype=bool)
     centre, size = shapely.get_coordinates(shapely.centroid(polygons)), np.sqrt(shapely.area(polygons))
-    near = cKDTree(centre).query_pairs(float(size.max()) * (1.0 - DOUBLE), output_type="ndarray")
+    near = scipy.spatial.cKDTree(centre).query_pairs(float(size.max()) * (1.0 - DOUBLE), output_type="ndarray")
     near = near[~left_out[near].any(axis=1)]
     near = near[np.hypot(*(centre[near[:, 0]] - centre[near[:, 1]]).T) <= (1.0 - DOUBLE) * size[near].min(axis=1)]
     shared = shapely.area(shapely.intersection(polygons[near[:, 0]], polygons[near[:, 1]]))

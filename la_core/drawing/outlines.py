@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy
 import shapely
-from scipy.spatial import cKDTree
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
@@ -107,7 +107,7 @@ def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], in
 
 def _merged(points: np.ndarray, snap: float) -> np.ndarray:
     """Points (n, 2), each group of points closer than `snap` replaced by its first one."""
-    pairs = cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
+    pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
     first = np.arange(len(points))
     for a, b in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
         first[b] = min(first[b], first[a])

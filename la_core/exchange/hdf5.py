@@ -12,6 +12,8 @@ import numpy as np
 from la_core.exchange.checksummed_file import SEAL_BYTES, VERSION, ExchangeError, read_sealed, write_sealed
 from la_core.exchange.fields import Field
 
+_TEXT, _SCALAR = h5py.h5t.py_create(h5py.string_dtype(), logical=True), h5py.h5s.create(h5py.h5s.SCALAR)  # of labels
+
 
 def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inputs: str) -> None:
     """Write a file; a crash leaves the previous one.
@@ -39,11 +41,21 @@ def write(path: Path, fields: tuple[Field, ...], values: Mapping[str, Any], inpu
     with h5py.File(content, "w", userblock_size=SEAL_BYTES) as file:
         file.attrs["version"] = VERSION
         file.attrs["inputs"] = np.bytes_(inputs.encode())
+        groups: dict[str, Any] = {}
         for field in fields:
-            dataset = file.create_dataset(field.path, data=_stored(field, values[field.path]))
-            dataset.attrs["unit"] = field.unit
-            dataset.attrs["meaning"] = field.meaning
+            place, _, name = field.path.rpartition("/")
+            if place not in groups:
+                groups[place] = file.require_group(place or "/")
+            dataset = groups[place].create_dataset(name, data=_stored(field, values[field.path]))
+            _label(dataset, b"unit", field.unit)
+            _label(dataset, b"meaning", field.meaning)
     write_sealed(path, content.getvalue())
+
+
+def _label(dataset: Any, name: bytes, text: str) -> None:
+    """Give a new dataset an attribute; `dataset.attrs` looks for one to replace first, which took a third of the time of a small file."""
+    attribute = h5py.h5a.create(dataset.id, name, _TEXT, _SCALAR)
+    attribute.write(np.array(text, dtype=h5py.string_dtype()))
 
 
 def _stored(field: Field, value: Any) -> np.ndarray:

@@ -4,14 +4,12 @@ Two blocks share an interface where two of their faces are opposite and coplanar
 most one, and so do the convex parts of two compound blocks.
 """
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import shapely
-from scipy.optimize import linprog
-from scipy.spatial import cKDTree
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
@@ -136,23 +134,16 @@ def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> n
 def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
     """Pairs (P, 2) of blocks, a < b, whose bounding boxes touch when each is enlarged by its block's margin (B,), m.
 
-    Blocks are sorted into classes of size, each a factor of two wide, and each class has its own tree of centres. A
-    few large blocks, such as a foundation, then do not make every small block a neighbour, and the search grows as N
-    log N.
+    A tree of rectangles finds the boxes that touch in two directions; the third, along which the fewest blocks follow each
+    other, is compared for these alone. A wall has one or two leaves in its thickness, so that the search grows as N log N.
     """
     low, high = blocks.low - margin[:, None], blocks.high + margin[:, None]
-    centre, radius = (low + high) / 2.0, np.linalg.norm(high - low, axis=1) / 2.0
-    octave = np.floor(np.log2(radius))
-    classes = [np.flatnonzero(octave == size) for size in np.unique(octave)]
-    trees = [cKDTree(centre[members]) for members in classes]
-    pairs_by_class = []
-    for i, j in itertools.combinations_with_replacement(range(len(classes)), 2):
-        distance = radius[classes[i]].max() + radius[classes[j]].max()
-        near = trees[i].sparse_distance_matrix(trees[j], distance, output_type="ndarray")
-        a, b = classes[i][near["i"]], classes[j][near["j"]]
-        meet = np.all((low[a] <= high[b]) & (low[b] <= high[a]), axis=1) & ((i != j) | (a < b))
-        pairs_by_class.append(np.sort(np.stack([a[meet], b[meet]], axis=1), axis=1))
-    pairs = np.concatenate(pairs_by_class)
+    follow = (high.max(axis=0) - low.min(axis=0)) / np.median(high - low, axis=0)
+    third, *seen = np.argsort(follow, kind="stable").tolist()
+    boxes = shapely.box(low[:, seen[0]], low[:, seen[1]], high[:, seen[0]], high[:, seen[1]])
+    a, b = shapely.STRtree(boxes).query(boxes)
+    meet = (a < b) & (low[a, third] <= high[b, third]) & (low[b, third] <= high[a, third])
+    pairs = np.stack([a[meet], b[meet]], axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
@@ -189,7 +180,9 @@ def overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> Iterat
         normal, offset = blocks.face_normal[faces], blocks.face_offset[faces]
         centre = (blocks.centroid[a] + blocks.centroid[b]) / 2.0
         rows = np.column_stack([normal, np.ones(len(normal))])
-        ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=offset - normal @ centre, bounds=[(None, None)] * 3 + [(0.0, None)])
+        ball = scipy.optimize.linprog(
+            [0.0, 0.0, 0.0, -1.0], A_ub=rows, b_ub=offset - normal @ centre, bounds=[(None, None)] * 3 + [(0.0, None)]
+        )
         if ball.success and ball.x[3] > limit:
             x, y, z = (centre + ball.x[:3]).tolist()
             yield a, b, 2.0 * float(ball.x[3]), (x, y, z)

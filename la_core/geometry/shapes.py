@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.spatial
+import scipy
 import shapely
 
 from la_core.errors import SceneError

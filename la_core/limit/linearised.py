@@ -22,8 +22,8 @@ import time
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from scipy import sparse
-from scipy.optimize import OptimizeResult, linprog
 
 from la_core.limit.associated import Solution, Status, falling_blocks, solution_of, without_value
 from la_core.limit.conic import TOLERANCE, Cones, ProgrammeAnswer, ProgrammeOutcome
@@ -135,11 +135,11 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answe
     return without_value(assembly, Status.INFEASIBLE, total, names)
 
 
-def _linprog(method: str, **programme: object) -> tuple[OptimizeResult, float]:
+def _linprog(method: str, **programme: object) -> "tuple[scipy.optimize.OptimizeResult, float]":
     """Result of HiGHS and its time in seconds."""
     options = {"primal_feasibility_tolerance": TOLERANCE, "dual_feasibility_tolerance": TOLERANCE}
     start = time.perf_counter()
-    result = linprog(method=method, options=options, **programme)
+    result = scipy.optimize.linprog(method=method, options=options, **programme)
     return result, time.perf_counter() - start
 
 

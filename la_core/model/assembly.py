@@ -1,6 +1,7 @@
 """The mechanical model: weights, support motion and the matrix from block twists to relative velocities at contact points."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -88,13 +89,13 @@ class Assembly:
         """Number of joints whose contact points have a smaller inset than others, because they are short."""
         return len(np.unique(self.points.interface[self.points.inset < self.inset]))
 
-    @property
+    @cached_property
     def block_weight(self) -> np.ndarray:
         """Weight (B,) of each free block with the dead loads on it, N; 0 for a held block."""
         own = np.linalg.norm((self.dead_load - self.applied_load)[:, :3], axis=1)
         return np.where(self.blocks.free, own + self.carried, 0.0)
 
-    @property
+    @cached_property
     def weight(self) -> float:
         """Weight of the free blocks and of the dead loads on them, N: the unit of forces in programmes and tolerances."""
         return float(self.block_weight[self.blocks.free].sum())
@@ -114,7 +115,7 @@ class Assembly:
         """Mass of all free blocks of the scene, also those set aside, kg; shares of the mass are relative to it."""
         return float(self.blocks.mass[self.blocks.free | self.aside].sum())
 
-    @property
+    @cached_property
     def has_live_load(self) -> bool:
         """Whether a live load drives the assembly instead of a support."""
         return bool(np.any(self.live_load))
@@ -135,7 +136,7 @@ class Assembly:
         """Blocks a and b (C,) of each contact point."""
         return self.interfaces.block_a[self.points.interface], self.interfaces.block_b[self.points.interface]
 
-    @property
+    @cached_property
     def support_speed(self) -> float:
         """Largest speed of a support's contact point per unit motion; 1 for a translation or a live load, m for a rotation."""
         if self.has_live_load:

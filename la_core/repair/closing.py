@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
-import scipy.spatial
-from scipy.optimize import linprog
+import scipy
 
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, overlaps, polyhedron
@@ -170,7 +169,9 @@ def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndar
 def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:
     """The convex body behind all these planes; None where no ball of the radius `least` (m) fits in it. near: a point (3,) beside it."""
     height = offset - normal @ near
-    ball = linprog([0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4)
+    ball = scipy.optimize.linprog(
+        [0.0, 0.0, 0.0, -1.0], A_ub=np.column_stack([normal, np.ones(len(normal))]), b_ub=height, bounds=[(None, None)] * 4
+    )
     if not ball.success or ball.x[3] <= least:
         return None
     try:

@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/benchmarks/conclusions.py
 
-The pages growth.md, peers.md and accuracy.md are written whole; in cost.md, friction.md and seed_paper.md the marked parts are.
+The pages growth.md, peers.md, accuracy.md and startup.md are written whole; in cost.md, friction.md and seed_paper.md the marked parts are.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
@@ -16,6 +16,7 @@ import benchmark_accuracy
 import benchmark_friction
 import benchmark_growth
 import benchmark_peers
+import benchmark_startup
 from marked_text import listed, sentences, span, with_part
 
 from comparison.campaign.cases import expand
@@ -37,6 +38,7 @@ def pages(folder: Path = GALLERY) -> dict[str, str]:
         "growth.md": benchmark_growth.stored_page(folder),
         "peers.md": benchmark_peers.stored_page(folder / "peers.md"),
         "accuracy.md": benchmark_accuracy.stored_page(folder / "accuracy.md"),
+        "startup.md": benchmark_startup.stored_page(folder),
     }
     accuracy = benchmark_accuracy.stored_rows(written["accuracy.md"])
     parts = {

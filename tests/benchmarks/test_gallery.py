@@ -44,7 +44,7 @@ def test_a_page_of_results_is_what_the_record_says(name: str) -> None:
     assert written[name] == (GALLERY / name).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["growth.md", "peers.md", "accuracy.md", "cost.md", "friction.md", "seed_paper.md"])
+@pytest.mark.parametrize("name", ["growth.md", "peers.md", "accuracy.md", "startup.md", "cost.md", "friction.md", "seed_paper.md"])
 def test_a_page_with_conclusions_is_what_the_records_say(name: str) -> None:
     assert conclusions.pages()[name] == (GALLERY / name).read_text(encoding="utf-8")
 

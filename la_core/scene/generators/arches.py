@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from scipy.optimize import brentq
-from scipy.special import ellipeinc
+import scipy
 
 from la_core.geometry import Shape, prism
 from la_core.scene.generators.placing import Corner, turned
@@ -180,11 +179,13 @@ def _along(arcs: list[_Arc]) -> tuple[Callable[[float], Station], float]:
 def _along_ellipse(a: float, b: float) -> tuple[Callable[[float], Station], float]:
     """Joints along a quarter of an ellipse with the half span `a` and the rise `b`, m."""
     flatness = 1.0 - (b / a) ** 2  # below 0 for an ellipse higher than wide
-    half = a * float(ellipeinc(math.pi / 2.0, flatness))
+    half = a * float(scipy.special.ellipeinc(math.pi / 2.0, flatness))
+
+    def turn_at(place: float) -> float:
+        return float(scipy.optimize.brentq(lambda t: a * scipy.special.ellipeinc(t, flatness) - place, 0.0, math.pi / 2.0, xtol=1e-14))
 
     def at(length: float) -> Station:
-        place = min(length, half)
-        turn = math.pi / 2.0 if place >= half else brentq(lambda t: a * ellipeinc(t, flatness) - place, 0.0, math.pi / 2.0, xtol=1e-14)
+        turn = math.pi / 2.0 if length >= half else turn_at(length)
         return Station((a * math.sin(turn), b * math.cos(turn)), math.atan2(b * math.sin(turn), a * math.cos(turn)), 0.0)
 
     return at, half

@@ -7,7 +7,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from la_core.errors import SceneError, nearest
 from la_core.scene.generators.mesh_formats import surfaces
@@ -114,7 +114,7 @@ def _shapes(mesh: Mesh, bodies: list[tuple[MeshFile, Surface]], roles: list[str]
 def _rotation(mesh: Mesh) -> np.ndarray:
     assert mesh.turn is not None  # the caller checks it
     axis = np.array(mesh.turn.axis) / np.abs(mesh.turn.axis).max()
-    return Rotation.from_rotvec(mesh.turn.degrees * axis / np.linalg.norm(axis), degrees=True).as_matrix()
+    return scipy.spatial.transform.Rotation.from_rotvec(mesh.turn.degrees * axis / np.linalg.norm(axis), degrees=True).as_matrix()
 
 
 def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:

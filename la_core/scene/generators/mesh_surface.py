@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import scipy.spatial
+import scipy
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import Voronoi
+import scipy
 
 from la_core.errors import SceneError
 from la_core.geometry import prism
@@ -32,7 +32,7 @@ class _Diagram:
         Sides of the stretched rectangle, m.
     """
 
-    voronoi: Voronoi
+    voronoi: "scipy.spatial.Voronoi"
     points: np.ndarray
     size: np.ndarray
 
@@ -44,7 +44,7 @@ class _Diagram:
                 image = points.copy()
                 image[:, axis] = 2.0 * side - image[:, axis]
                 images.append(image)
-        return cls(Voronoi(np.concatenate(images)), points, size)
+        return cls(scipy.spatial.Voronoi(np.concatenate(images)), points, size)
 
     def cells(self) -> list[np.ndarray]:
         """Corners (n, 2) of each point's cell, counter-clockwise, m; those on a side of the rectangle exactly so."""

@@ -70,7 +70,7 @@ def described(meaning: str, unit: str = "", **options: Any) -> Any:
 class Table(BaseModel):
     """A table that refuses keys it does not know and does not change once read."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 class Box(Table):

@@ -1,0 +1,93 @@
+"""What a command loads, and how often it computes what stays the same; seconds are in comparison/gallery/startup.md."""
+
+import gc
+import io
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+from rich.console import Console
+
+from comparison import __main__ as entry
+from comparison import cli, progress
+from comparison.progress import Narration
+from la_core.analysis import analyse
+from la_core.geometry import Blocks, near_pairs, shapes
+from la_core.model import Assembly
+from la_core.scene import starter_text
+
+ROOT = Path(__file__).parents[2]
+EXTRAS = {"ezdxf", "trimesh", "pandas", "pyarrow", "distributed", "jsonschema", "hypothesis"}
+DRAWS = {"matplotlib", "PIL", "jinja2", "vtk"}
+OF_SCIPY = {"scipy.optimize", "scipy.spatial", "scipy.special", "scipy.interpolate", "scipy.integrate", "scipy.stats", "scipy.ndimage"}
+OWN = {"comparison.report", "comparison.figures", "comparison.workflow", "comparison.studies", "comparison.campaign"}
+
+
+def loaded_by(statement: str, folder: Path) -> set[str]:
+    """Names of all modules that a process has loaded after a statement."""
+    program = f"import sys\n{statement}\nprint('loaded', *sys.modules)"
+    environment = {"PYTHONPATH": str(ROOT), "PATH": "/usr/bin:/bin"}
+    ended = subprocess.run([sys.executable, "-c", program], cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    (line,) = [line for line in ended.stdout.splitlines() if line.startswith("loaded")]
+    return set(line.split()[1:])
+
+
+@pytest.mark.parametrize("package", ["la_core", "comparison"])
+def test_a_package_loads_no_library_before_a_name_is_asked_for(package: str, tmp_path: Path) -> None:
+    assert not loaded_by(f"import {package}", tmp_path) & {"numpy", "scipy", "pydantic", "h5py", "rich"}
+
+
+def test_solving_a_small_scene_loads_only_what_it_uses(tmp_path: Path) -> None:
+    loaded = loaded_by("from comparison.cli import main\nassert main(['solve', 'two_pads', '-q']) == 0", tmp_path)
+    assert (tmp_path / "crosscheck-results" / "two_pads" / "case.h5").is_file()  # all of the command ran
+    assert "scipy.sparse.linalg" in loaded
+    assert not loaded & (EXTRAS | DRAWS | OF_SCIPY | OWN)
+
+
+def test_a_run_loads_no_extra_and_no_window(tmp_path: Path) -> None:
+    loaded = loaded_by("import comparison.cli.scene_verbs.run", tmp_path)
+    assert "matplotlib.figure" in loaded
+    assert not loaded & (EXTRAS | {"matplotlib.pyplot", "scipy.optimize", "scipy.stats"})
+
+
+def test_the_collector_rests_while_the_program_loads_and_works_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
+    worked = []
+    monkeypatch.setattr(cli, "main", lambda: worked.append(gc.isenabled()) or 0)
+    frozen = gc.get_freeze_count()
+    try:
+        assert entry.main() == 0
+        assert worked == [True] and gc.get_freeze_count() > frozen
+    finally:
+        gc.unfreeze()
+
+
+def test_reports_of_a_path_compute_nothing_anew_and_make_no_words_that_nobody_hears(monkeypatch: pytest.MonkeyPatch) -> None:
+    speeds, words, reports = [], [], []
+    relative_velocity, value_words, path = Assembly.relative_velocity, progress.value_words, Narration.path
+    monkeypatch.setattr(Assembly, "relative_velocity", lambda self, twists: speeds.append(1) or relative_velocity(self, twists))
+    monkeypatch.setattr(progress, "value_words", lambda *values: words.append(1) or value_words(*values))
+    monkeypatch.setattr(Narration, "path", lambda self, report: reports.append(1) or path(self, report))
+    monkeypatch.setattr(progress, "LINE_EVERY", np.inf)
+    with Narration(Console(file=io.StringIO())) as narration:
+        analysis = analyse(scenes.load(starter_text("wall")), listener=narration)
+    assert analysis.coulomb is not None and len(reports) > 100
+    assert len(speeds) < len(reports) / 2 and not words
+
+
+@pytest.mark.parametrize("sizes", [(9.0, 1.0, 4.0), (1.0, 9.0, 4.0), (4.0, 4.0, 4.0)])
+def test_pairs_of_near_blocks_are_those_of_a_comparison_of_all_with_all(sizes: tuple[float, float, float]) -> None:
+    draw = np.random.default_rng(21)
+    low = draw.uniform(0.0, sizes, (150, 3))
+    high = low + draw.uniform(0.05, 1.0, (150, 3)) * np.where(np.arange(150) < 3, 5.0, 0.6)[:, None]
+    low[10:20, 2] = high[0:10, 2]  # some meet exactly
+    high[10:20, 2] = low[10:20, 2] + 0.5
+    bodies = [shapes.box(a, b) for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+    blocks = Blocks.gather([f"b{k}" for k in range(150)], ["free"] * 150, [1.0] * 150, bodies)
+    margin = draw.uniform(0.0, 0.05, 150)
+    below, above = blocks.low - margin[:, None], blocks.high + margin[:, None]
+    meet = np.all((below[:, None] <= above[None]) & (below[None] <= above[:, None]), axis=2)
+    expected = np.argwhere(np.triu(meet, 1))
+    assert len(expected) > 50 and np.array_equal(near_pairs(blocks, margin), expected)
