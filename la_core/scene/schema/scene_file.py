@@ -13,6 +13,7 @@ from la_core.scene.schema.mesh import Mesh, Pattern
 from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
+    NO_BOND,
     Box,
     Count,
     DateText,
@@ -54,6 +55,8 @@ class Stone(Table):
 
 class Joint(Table):
     """The dry joint: no mortar, no cohesion, no tension. [[friction]] changes the friction of some joints."""
+
+    refuses = NO_BOND
 
     friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
     inset: NotNegative = described(
@@ -102,7 +105,9 @@ class Block(Table):
 class Zone(Table):
     """Supports that move by a share of the settlement of their own."""
 
-    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described("names of supports; `*`, `?` and `[...]` as in a shell")
+    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described(
+        "names of supports, or layers of a drawing such as `layer:PAD`; `*`, `?` and `[...]` as in a shell"
+    )
     ratio: Real = described("their motion over the settlement: 0 holds them, a negative one moves them the other way")
 
 
