@@ -170,8 +170,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     """
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    own = tuple(field for field in OWN_FIELDS if exchange.holds(path, field.path))
-    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
+    data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + exchange.present(path, OWN_FIELDS))
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):
         return _analysis(path, scene, whole, data, predictions)
