@@ -43,15 +43,19 @@ def _in_zone(patterns: tuple[str, ...], blocks: Blocks) -> np.ndarray:
 
 
 def _along_profile(settlement: Settlement, direction: np.ndarray, blocks: Blocks) -> np.ndarray:
-    """Twists (B, 6) with the velocities of a profile at both ends of every block."""
+    """Twists (B, 6) with the velocities of a profile at both ends of every block.
+
+    A block turns about its face against `direction`, its top where it sinks, so that this face moves along `direction` alone.
+    """
     axis = "xy".index(settlement.along)
     place, ratio = np.array(settlement.profile).T
     low, high = blocks.low[:, axis], blocks.high[:, axis]
     at_low, at_high = np.interp(low, place, ratio), np.interp(high, place, ratio)
     change = np.where(np.abs(at_high - at_low) > NO_TURN, at_high - at_low, 0.0)
-    spin = (change / (high - low))[:, None] * np.cross(np.eye(3)[axis], direction)
-    at_origin = at_low - change / (high - low) * low
-    return np.concatenate([at_origin[:, None] * direction, spin], axis=1)
+    along, slope = np.eye(3)[axis], (change / (high - low))[:, None]
+    top = np.minimum.reduceat(blocks.vertices @ direction, blocks.vertex_start[:-1])[:, None]
+    at_origin = at_low[:, None] - slope * low[:, None]
+    return np.concatenate([at_origin * direction + slope * top * along, slope * np.cross(along, direction)], axis=1)
 
 
 def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:

@@ -114,8 +114,9 @@ class Zone(Table):
 class Settlement(Table):
     """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of it.
 
-    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too. The reaction is the force that
-    does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half that of the second.
+    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too, each about its top. The
+    reaction is the force that does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half
+    that of the second.
     """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
