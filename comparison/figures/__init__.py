@@ -7,7 +7,7 @@ from comparison.figures.motion import Motion, Motions, motions
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import report_figures, scene_figures
 from comparison.figures.save import rendered, save
-from comparison.figures.structure import ROLE_NAME, assembly_figure
+from comparison.figures.structure import ROLE_NAME, assembly_figure, push_arrow, push_name
 
 __all__ = [
     "FAINT",
@@ -23,6 +23,8 @@ __all__ = [
     "canvas",
     "method_colour",
     "motions",
+    "push_arrow",
+    "push_name",
     "reaction_figure",
     "rendered",
     "report_figures",

@@ -58,6 +58,17 @@ def structure_size(blocks: Blocks) -> float:
     return float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
 
 
+def load_arrows(blocks: Blocks, point: np.ndarray, force: np.ndarray, most: int = MOST_LOADS) -> tuple[np.ndarray, np.ndarray]:
+    """Return which forces (N, 3) are drawn, of many some that lie evenly among them, and where their arrows start (M, 3), m.
+
+    The arrows end at the points (N, 3) of the forces. A greater force has a longer one.
+    """
+    size = np.linalg.norm(force, axis=1)
+    shown = np.unique(np.linspace(0, len(size) - 1, most).astype(int)) if len(size) else np.zeros(0, dtype=int)
+    length = LOAD_LENGTH * structure_size(blocks) * (0.4 + 0.6 * size[shown] / size.max(initial=0.0))
+    return shown, point[shown] - (length / size[shown])[:, None] * force[shown]
+
+
 def loops(points: np.ndarray, start: np.ndarray) -> list[np.ndarray]:
     """Split concatenated points into polygons, each (n, 3); `start` has the first row of each polygon, and the end."""
     return np.split(points, start[1:-1])
@@ -169,10 +180,9 @@ class Canvas:
 
     def loads(self, point: np.ndarray, force: np.ndarray) -> None:
         """Draw forces (N, 3) as arrows that end at their points (N, 3), m; of many, some that lie evenly among them."""
-        size = np.linalg.norm(force, axis=1)
-        for k in np.unique(np.linspace(0, len(size) - 1, MOST_LOADS).astype(int)) if len(size) else ():
-            length = LOAD_LENGTH * structure_size(self.blocks) * (0.4 + 0.6 * size[k] / size.max())
-            self.arrow(point[k] - length * force[k] / size[k], point[k], LOAD_COLOUR, 1.2)
+        shown, start = load_arrows(self.blocks, point, force)
+        for first, last in zip(start, point[shown], strict=True):
+            self.arrow(first, last, LOAD_COLOUR, 1.2)
 
     def rods(self, ends: np.ndarray) -> None:
         """Draw ties between their ends (T, 2, 3), m."""

@@ -32,7 +32,9 @@ STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size 
 }
 
 
-def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: MechanismMeasures, title: str = "") -> Figure:
+def dissipation_figure(
+    assembly: Assembly, twists: np.ndarray, measures: MechanismMeasures, title: str = "", push: str = "live load"
+) -> Figure:
     """Draw the structure displaced by its mechanism: interfaces by dissipated power, contact points by state.
 
     Parameters
@@ -46,6 +48,8 @@ def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: Mechani
         Measures of the same mechanism.
     title : str
         Shown above the figure.
+    push : str
+        Name of the live load, if one drives the structure.
     """
     known = bool(np.isfinite(twists).all())
     motion = twists if known else np.zeros_like(twists)
@@ -53,11 +57,11 @@ def dissipation_figure(assembly: Assembly, twists: np.ndarray, measures: Mechani
     displacement = motion * (DRAWN * structure_size(assembly.blocks) / fastest if fastest > 0.0 else 0.0)
     figure = _figure(assembly, has_scale=measures.dissipated_power > 0.0)
     (canvas,) = canvases(figure, assembly, 1)
-    _headings(canvas, title, _summary(assembly, measures) if known else "no mechanism is known")
+    _headings(canvas, title, _summary(assembly, measures, push) if known else "no mechanism is known")
     _draw_blocks(canvas, assembly, displacement)
     _draw_interfaces(canvas, assembly, displacement, measures.dissipation_per_interface)
     _draw_points(canvas, assembly, displacement, measures.states)
-    _power_scale(figure, canvas, assembly, measures)
+    _power_scale(figure, canvas, assembly, measures, push)
     figure.legend(handles=_handles(measures), loc="outside lower center", ncols=6, columnspacing=1.4, fontsize=8, frameon=False)
     return figure
 
@@ -70,13 +74,13 @@ def _headings(canvas: Canvas, title: str, summary: str) -> None:
     canvas.axes.set_title(wrapped, fontsize=11, pad=13.0 + 12.0 * len(summary.splitlines()), parse_math=False)
 
 
-def _summary(assembly: Assembly, measures: MechanismMeasures) -> str:
+def _summary(assembly: Assembly, measures: MechanismMeasures, push: str) -> str:
     """Return the power, its share of the settling weight's work, participation index and moving mass as text."""
     moving = f"{100.0 * measures.moving_mass_share:.3g} % of the mass moves"
     if not measures.dissipated_power > 0.0:
         return f"friction dissipates nothing  ·  {moving}"
     divisor, unit = _unit(assembly)
-    power = f"friction dissipates {measures.dissipated_power / divisor:.4g} {unit or 'per unit power of the live load'}"
+    power = f"friction dissipates {measures.dissipated_power / divisor:.4g} {unit or f'per unit power of the {push}'}"
     share = f" = {100.0 * measures.dissipated_share:.3g} % of the settling weight's work" if np.isfinite(measures.dissipated_share) else ""
     count = len(assembly.interfaces)
     equal = f"as if shared equally by {measures.participation_index * count:.3g} of the {count} interfaces"
@@ -135,13 +139,13 @@ def _halfway(assembly: Assembly, displacement: np.ndarray, position: np.ndarray,
     return position + sum(mechanism.point_velocity(assembly.blocks, displacement, position, side) for side in sides) / 2.0
 
 
-def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: MechanismMeasures) -> None:
+def _power_scale(figure: Figure, canvas: Canvas, assembly: Assembly, measures: MechanismMeasures, push: str) -> None:
     """Add a colour bar in the unit of the power, where anything dissipates."""
     if not measures.dissipated_power > 0.0:
         return
     divisor, unit = _unit(assembly)
     scale = ScalarMappable(Normalize(0.0, float(measures.dissipation_per_interface.max()) / divisor), POWER)
-    per = "unit power of the live load" if assembly.has_live_load else "unit motion of the support"
+    per = f"unit power of the {push}" if assembly.has_live_load else "unit motion of the support"
     bar = figure.colorbar(scale, ax=canvas.axes, shrink=0.85, pad=0.02, aspect=28)
     bar.set_label(f"power dissipated in an interface{f' ({unit})' if unit else ''},\nper {per}", fontsize=8)
     bar.ax.tick_params(labelsize=8)

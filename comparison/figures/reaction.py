@@ -2,7 +2,8 @@
 
 YADE has its record and plateau; limit analysis has its bounds, its prediction with curve and interval, and a path.
 
-Under a live load the figure shows the load's multiplier against the displacement along the load.
+Under a live load the figure shows the load's multiplier against the displacement along the load. Of a tilt the multiplier is the
+tangent of the angle, and a second axis gives the angle.
 """
 
 from collections.abc import Iterator
@@ -272,6 +273,7 @@ def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[f
     """Set limits, labels with units, and the second scale R/W."""
     live = scene.live is not None
     motion = "mean displacement along the load" if live else f"{'rotation' if scene.is_rotation else 'settlement'} of the support"
+    motion = motion if scene.tilt is None else "mean displacement down the slope"
     axes.set_ylim(*np.array(limits) / scales.reaction)
     if end > 0.0:
         axes.set_xlim(-0.03 * end / scales.settlement, 1.03 * end / scales.settlement)
@@ -279,9 +281,14 @@ def _finish(axes: Any, scene: Scene, scales: Scales, end: float, limits: tuple[f
     else:
         axes.set_xticks([])
         axes.set_xlabel(f"{motion}: none recorded")
-    axes.set_ylabel("multiplier of the live load" if live else f"reaction R ({scales.reaction_unit})")
+    quantity = "multiplier of the live load" if scene.tilt is None else "tangent of the tilt angle"
+    axes.set_ylabel(quantity if live else f"reaction R ({scales.reaction_unit})")
     axes.tick_params(labelsize=8)
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.5)
+    if scene.tilt is not None:
+        angle = axes.secondary_yaxis("right", functions=(lambda t: np.degrees(np.arctan(t)), lambda a: np.tan(np.radians(a))))
+        angle.set_ylabel("tilt angle (degrees)")
+        angle.tick_params(labelsize=8)
     if live:
         return
     ratio = scales.reaction / scene.weight

@@ -7,7 +7,7 @@ from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.forces import forces_figure
 from comparison.figures.motion import shown_answer, shown_joints
 from comparison.figures.reaction import reaction_figure
-from comparison.figures.structure import assembly_figure, mechanism_figure
+from comparison.figures.structure import assembly_figure, mechanism_figure, push_name
 from comparison.yade import Results
 from la_core.limit import Status
 from la_core.measures import measure
@@ -54,5 +54,7 @@ def _drawings(results: Results, title: str) -> dict[str, Callable[[], Any]]:
         "mechanisms": mechanism_drawing,
         "reaction": lambda: reaction_figure(results),
         "forces": lambda: forces_figure(assembly, forces, title),
-        "dissipation": lambda: dissipation_figure(assembly, best.twists, measures, f"{title}: {method}" if title else method),
+        "dissipation": lambda: dissipation_figure(
+            assembly, best.twists, measures, f"{title}: {method}" if title else method, push_name(scene)
+        ),
     }

@@ -76,7 +76,7 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     if scene.ties is not None:
         canvas.rods(scene.ties.ends)
         load_keys.append(Line2D([], [], color=LOAD_COLOUR, linewidth=1.6, label="tie"))
-    driven = _draw_drive(canvas, assembly)
+    driven = _draw_drive(canvas, assembly, push_name(scene))
     canvas.gravity(assembly.down)
     present = [role for role in ROLE_NAME if role in drawn_roles(assembly)]
     handles = [_area(ROLE_NAME[role], ROLE_FACE[role], ROLE_HATCH[role]) for role in present]
@@ -202,15 +202,26 @@ def _owner(blocks: Blocks) -> np.ndarray:
     return np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
 
 
-def _draw_drive(canvas: Canvas, assembly: Assembly) -> str:
-    """Draw arrows of the support's motion or of the live load; return their label for the legend."""
+def push_name(scene: Scene) -> str:
+    """Return the name of what pushes a structure without a settlement."""
+    return "live load" if scene.tilt is None else "push of the tilt"
+
+
+def push_arrow(assembly: Assembly) -> tuple[np.ndarray, np.ndarray]:
+    """Return start and end (3,) of the arrow of a live load, m, through the centroid of what it pushes."""
+    blocks = assembly.blocks
+    step = ARROW * structure_size(blocks) * _unit(assembly.live_load[:, :3].sum(axis=0))
+    middle = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
+    return middle - step, middle + step
+
+
+def _draw_drive(canvas: Canvas, assembly: Assembly, push: str) -> str:
+    """Draw arrows of the support's motion or of the live load, which is named `push`; return their label for the legend."""
     blocks = assembly.blocks
     length = ARROW * structure_size(blocks)
     if assembly.has_live_load:
-        direction = _unit(assembly.live_load[:, :3].sum(axis=0))
-        start = np.average(blocks.centroid[blocks.free], axis=0, weights=blocks.mass[blocks.free])
-        canvas.arrow(start - length * direction, start + length * direction)
-        return "live load, proportional to weight"
+        canvas.arrow(*push_arrow(assembly))
+        return f"{push}, proportional to weight"
     owner = _owner(blocks)
     driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))
     velocity = mechanism.point_velocity(blocks, assembly.support_twist, blocks.vertices[driven], owner[driven])

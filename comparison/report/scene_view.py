@@ -180,12 +180,11 @@ def _range_words(low: float | None, high: float | None) -> str:
 
 
 def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
-    associated = associated_of(comparison)
-    live = "multiplier" in associated
+    live, tilts = "multiplier" in associated_of(comparison), bool((comparison.get("structure") or {}).get("tilt"))
     words = {
         "motion": "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free.",
-        "drive": "the load reaches what the structure bears" if live else "the support moves",
-        "reaction": "Load multiplier against displacement." if live else "Force on the support against its motion, from rest.",
+        "drive": _drive(live, tilts),
+        "reaction": _curve(live, tilts),
         "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
     }
     for name, (heading, caption) in FIGURES.items():
@@ -195,6 +194,20 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
             data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
             caption_text = caption.format(**words)
             yield {"name": name, "heading": heading, "caption": caption_text, "path": f"{quote(scene)}/{path.name}", "data": data}
+
+
+def _drive(live: bool, tilts: bool) -> str:
+    """Return when the mechanism shows."""
+    if tilts:
+        return "the ground is tilted as far as the structure bears"
+    return "the load reaches what the structure bears" if live else "the support moves"
+
+
+def _curve(live: bool, tilts: bool) -> str:
+    """Return what the curve shows."""
+    if tilts:
+        return "Tangent of the tilt angle, and the angle, against displacement."
+    return "Load multiplier against displacement." if live else "Force on the support against its motion, from rest."
 
 
 def _is_arch(comparison: dict[str, Any]) -> bool:

@@ -1,30 +1,32 @@
 """The interactive 3D view of a scene in the report: its data as JSON, and the page's scripts with their digests.
 
 Data are little-endian arrays in base64, read by `web/viewer.js`. Lengths are in m, from the middle of the structure. Forces are the
-resultants of the joints, N, each at its centre of pressure.
+resultants of the joints, N, each at its centre of pressure. Loads are arrows and rods in their place at rest, each end with its block.
 """
 
 import base64
 import hashlib
 import json
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions
-from comparison.numbers import force_unit
+from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions, push_arrow, push_name
+from comparison.numbers import force_unit, format_number
 from comparison.yade import Results
 from la_core.geometry import Blocks
 from la_core.measures import joint_centres, joint_forces, mechanism, thrust_line
 from la_core.model import Assembly
-from la_core.scene import Scene
+from la_core.scene import GROUND, Scene, loads_as_dicts
 
 FILE = "viewer.json"
 WEB = Path(__file__).parent / "web"
 LARGEST = 600_000  # bytes of the states of one method; fewer states are kept where each is large
 MOST_STATES = 24
+MOST_ARROWS = 400  # of dead loads
 SCRIPTS = {"library": ("three.min.js",), "viewer": ("method.js", "viewer.js")}
 
 
@@ -52,6 +54,7 @@ def viewer_text(results: Results) -> str:
         "names": list(assembly.blocks.names),
         "weights": _array(np.nan_to_num(assembly.blocks.mass) * float(np.linalg.norm(scene.gravity)), "<f4"),
         "friction": _array(_friction(assembly), "<f4"),
+        "loads": list(_loads(scene, assembly, divisor, unit)),
     }
     return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
 
@@ -89,7 +92,7 @@ def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
         quantity, unit, factor = "growth of the mechanism", "%", 100.0 / (moving.end or 1.0)
     elif scene.is_rotation:
         quantity, unit = "rotation of the support", "mrad"
-    magnification = None if scene.live is not None else moving.magnification
+    magnification = None if scene.live is not None and moving.magnification == 1.0 else moving.magnification
     return {
         "quantity": quantity,
         "unit": unit,
@@ -152,6 +155,34 @@ def _method(assembly: Assembly, motion: Motion, colour: int) -> tuple[dict[str, 
         "forces": _array(forces, "<f4"),
         "centres": _array(centres - middle, "<f4"),
     }, float(np.linalg.norm(forces, axis=-1).max(initial=0.0))
+
+
+def _loads(scene: Scene, assembly: Assembly, divisor: float, unit: str) -> Iterator[dict[str, Any]]:
+    """Yield dead loads, ties and the push with their words: starts and ends (N, 3), and the block of each end, GROUND for none.
+
+    `divisor` and `unit` are those of forces in words.
+    """
+    middle = _middle(assembly.blocks)
+
+    def item(kind: str, words: str, start: np.ndarray, end: np.ndarray, of_start: Any, of_end: Any) -> dict[str, Any]:
+        places = {"start": _array(start - middle, "<f4"), "end": _array(end - middle, "<f4")}
+        return {"kind": kind, "words": words, **places, "of_start": _array(of_start, "<i4"), "of_end": _array(of_end, "<i4")}
+
+    shown, start = canvas.load_arrows(assembly.blocks, scene.loads.point, scene.loads.force, MOST_ARROWS)
+    for number, load in enumerate(loads_as_dicts(scene.loads, scene.load_names)):
+        own = scene.loads.table[shown] == number
+        if own.any():
+            of, size = scene.loads.block[shown][own], float(np.linalg.norm(load["force"])) / divisor
+            words = f"{load['name']}: {format_number(size, 3)} {unit}"
+            yield item("dead", words, start[own], scene.loads.point[shown][own], of, of)
+    for number, name in enumerate(scene.ties.names if scene.ties is not None else ()):
+        assert scene.ties is not None
+        ends, of = scene.ties.ends[number], scene.ties.block[number]
+        words = f"{name}: {format_number(float(scene.ties.tension[number]) / divisor, 3)} {unit}"
+        yield item("tie", words, ends[:1], ends[1:], of[:1], of[1:])
+    if scene.live is not None:
+        first, last = push_arrow(assembly)
+        yield item("push", push_name(scene), first, last, [GROUND], [GROUND])
 
 
 def _middle(blocks: Blocks) -> np.ndarray:

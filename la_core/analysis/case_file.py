@@ -24,6 +24,8 @@ from la_core.scene import Scene
 
 PACKAGE = Path(__file__).parents[1]
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
+# What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
+OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
 
 
@@ -171,7 +173,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     """
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    own = (exchange.SWAY,) if exchange.holds(path, exchange.SWAY.path) else ()
+    own = exchange.present(path, (*OWN_FIELDS, exchange.SWAY))
     data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):
@@ -216,9 +218,14 @@ def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str
         "blocks/centroid": assembly.blocks.centroid,
         "scene/gravity": scene.gravity,
         "scene/support_twist": _motion(scene),
-    }
+    } | {field.path: None for field in OWN_FIELDS}
+    expected |= {field.path: value for field, value in _own_values(scene, assembly).items()}
+    if exchange.LIVE_DIRECTION.path not in data:  # version 0.2.0 did not store it
+        del expected[exchange.LIVE_DIRECTION.path]
     for name, value in expected.items():
-        if not np.array_equal(value, data[name], equal_nan=True):
+        found = data.get(name)
+        alike = value is found if value is None or found is None else np.array_equal(value, found, equal_nan=True)
+        if not alike:
             raise exchange.ExchangeError(f"{path}: {name} differs from that of {scene.path}; run it again")
 
 

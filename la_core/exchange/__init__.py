@@ -22,7 +22,7 @@ from la_core.exchange.fields import (
     schema_table,
     solution_fields,
 )
-from la_core.exchange.hdf5 import holds, inputs_digest, read, values_of, write
+from la_core.exchange.hdf5 import holds, inputs_digest, present, read, values_of, write
 
 __all__ = [
     "CASE_FIELDS",
@@ -50,6 +50,7 @@ __all__ = [
     "coulomb_fields",
     "holds",
     "inputs_digest",
+    "present",
     "read",
     "schema_table",
     "solution_fields",

@@ -84,6 +84,15 @@ def holds(path: Path, group: str) -> bool:
         return False
 
 
+def present(path: Path, fields: tuple[Field, ...]) -> tuple[Field, ...]:
+    """Those of the fields that the file has, none where it cannot be read."""
+    try:
+        with _opened(path) as file:
+            return tuple(field for field in fields if field.path in file)
+    except ExchangeError:
+        return ()
+
+
 def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
     """Read and check every field; return the values by path, texts as `str` and arrays as numpy.
 

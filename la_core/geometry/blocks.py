@@ -48,6 +48,8 @@ class Blocks:
         Block of each convex part. A convex block has one part; the parts of another block move as one.
     part_vertex_start, part_face_start : (P + 1,) arrays of int
         Part i has vertices[part_vertex_start[i]:part_vertex_start[i + 1]], and likewise its faces.
+    groups : tuple of tuples of str
+        Groups of each block, such as "layer:BRICK" for its layer in a drawing; () where no block has one.
     """
 
     names: tuple[str, ...]
@@ -66,9 +68,17 @@ class Blocks:
     part_block: np.ndarray
     part_vertex_start: np.ndarray
     part_face_start: np.ndarray
+    groups: tuple[tuple[str, ...], ...] = ()
 
     @classmethod
-    def gather(cls, names: Sequence[str], roles: Sequence[str], densities: Sequence[float], shapes: Sequence[Shape]) -> "Blocks":
+    def gather(
+        cls,
+        names: Sequence[str],
+        roles: Sequence[str],
+        densities: Sequence[float],
+        shapes: Sequence[Shape],
+        groups: Sequence[tuple[str, ...]] = (),
+    ) -> "Blocks":
         """Gather single shapes into flat arrays, with their face planes and mass properties.
 
         Parameters
@@ -81,6 +91,8 @@ class Blocks:
             Density of each block, kg/m3; NaN for a held block without one.
         shapes : sequence of Shape
             Shape of each block.
+        groups : sequence of tuples of str, optional
+            Groups of each block.
         """
         vertices = np.concatenate([shape.vertices for shape in shapes])
         vertex_start = np.concatenate([[0], np.cumsum([len(shape.vertices) for shape in shapes])])
@@ -98,6 +110,7 @@ class Blocks:
         return cls(
             tuple(names), role, density, vertices, vertex_start, face_vertex, face_start, face_block,
             normal, offset, volume, centroid, inertia * density[:, None, None], part_block, part_start[:, 0], part_start[:, 1],
+            tuple(groups),
         )  # fmt: skip
 
     def __len__(self) -> int:

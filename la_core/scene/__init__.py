@@ -4,6 +4,7 @@ from la_core.scene import key_paths, shipped
 from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
+from la_core.scene.loads.dead_loads import GROUND
 from la_core.scene.loads.friction import friction_of_joints, refuse_idle_classes
 from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 from la_core.scene.loads.tilt import tilt_angles
@@ -19,6 +20,7 @@ from la_core.scene.variants import build, full_model, override, same_structure, 
 
 __all__ = [
     "FOLDER_FORMATS",
+    "GROUND",
     "LARGEST_FILE",
     "LEAST_ACCURACY",
     "MOST_ACCURACY",

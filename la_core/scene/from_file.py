@@ -77,6 +77,8 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
     rows += [f"{key:9} = {_array(names)}" for key, names in lists.items() if names]
+    if len(layers) > 1:
+        rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in layers[:2]])}")
     held = lists["ground"] + lists["support"]
     low, high = points.min(axis=0), points.max(axis=0)
     if np.abs(points).max() > FARTHEST:  # as in the grid of a country

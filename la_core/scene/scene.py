@@ -255,7 +255,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         raise with_lines(error, counted, names, tables.places) from error
     stones = densities(named, file)
     loaded = [np.nan if stone is None else stone + one.added_density for one, stone in zip(named, stones, strict=True)]
-    blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named])
+    blocks = Blocks.gather(names, [one.role for one in named], loaded, [one.shape for one in named], [one.groups for one in named])
     gravity = np.array(file.gravity)
     tilt = unit_vector(file.tilt.axis) if file.tilt else None
     if faults := [*faults_of_loads(file, blocks), *faults_of_settlement(file, blocks)]:

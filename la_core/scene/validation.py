@@ -27,8 +27,8 @@ _RULES = {  # instead of pydantic's messages, which speak of Python
     "tuple_type": "must be an array",
 }
 _NOT_IN_A_SCENE = {  # words that users try, and what holds instead
-    "cohesion": "joints have none: they open without force; use the friction alone",
-    "tension": "joints have none: they open without force; use the friction alone",
+    "cohesion": "joints have none: they are dry and open without force",
+    "tension": "joints have none: they are dry and open without force; the tension of a rod stands in [[tie]]",
     "load": "dead loads stand in [[load]] tables of their own, ties in [[tie]]; [live] pushes in proportion to weight",
     "sweep": "this is a campaign, not a scene: `crosscheck campaign` runs it",
     "unit": "all numbers are in SI units: m, kg, N",
@@ -86,7 +86,10 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     path, value = _key_path(error["loc"], data), error["input"]
     if error["type"] == "extra_forbidden":
         *parents, key = error["loc"]
-        return SceneError(path, "unknown key", hint=_valid_keys(str(key), _table_at(table, parents), told))
+        own = _table_at(table, parents)
+        if refused := getattr(own, "refuses", {}).get(key):
+            return SceneError(path, refused)
+        return SceneError(path, "unknown key", hint=_valid_keys(str(key), own, told))
     if error["type"] == "missing" and isinstance(error["loc"][-1], int):
         return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
     if error["type"] == "missing":

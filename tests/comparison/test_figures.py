@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.text import Text
 from runs import made_up_run
 from scenes import shipped
 
@@ -19,6 +20,7 @@ from comparison.figures import canvas as drawing
 from comparison.figures import reaction as plot_reaction
 from comparison.figures import reaction_figure, report_figures, save, scene_figures, structure
 from comparison.figures.animation import Story
+from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.drawing_order import back_to_front
 from comparison.figures.forces import forces_figure
 from comparison.figures.line_labels import ROW, Word, write_words
@@ -29,7 +31,7 @@ from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.equilibrium_path import EquilibriumPath
 from la_core.limit.problem import Drive
-from la_core.measures import ContactState, joint_forces, thrust_line
+from la_core.measures import ContactState, joint_forces, measure, thrust_line
 from la_core.model.assembly import assemble
 from la_core.scene.scene import Scene, load_scene
 from la_core.scene.variants import variant
@@ -353,6 +355,38 @@ def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[
     if "path" in known:
         assert figure.axes[0].get_xlabel().endswith("(mm)")
         assert figure.axes[0].get_ylim()[0] < 0.0 < analysis.path.value.max() < 1e3 * figure.axes[0].get_ylim()[1]  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("kind", ["live", "tilt"])
+def test_a_tilt_has_its_own_words(kind: str, tmp_path: Path) -> None:
+    """The figures of a tilt speak of its angle, those of a live load of that load."""
+    text = SCENES["live"]
+    assert LIVE in text
+    scene = scene_of(tmp_path, text.replace(LIVE, "[tilt]\naxis = [0.0, 1.0, 0.0]\n") if kind == "tilt" else text)
+    figures = {name: draw() for name, draw in scene_figures(Results(analyse(scene))).items()}
+    words = {name: " ".join(text.get_text() for text in figure.findobj(Text)) for name, figure in figures.items()}
+    assert all(("live load" in words[name]) == (kind == "live") for name in ("assembly", "reaction"))
+    axes = figures["reaction"].axes[0]
+    assert axes.get_ylabel() == ("tangent of the tilt angle" if kind == "tilt" else "multiplier of the live load")
+    second = [axis.get_ylabel() for axis in axes.child_axes]
+    assert second == (["tilt angle (degrees)"] if kind == "tilt" else [])
+    if kind == "tilt":
+        figures["reaction"].draw_without_rendering()
+        low, high = axes.child_axes[0].get_ylim()
+        assert np.tan(np.radians([low, high])) == pytest.approx(axes.get_ylim())
+
+
+@pytest.mark.parametrize(
+    ("push", "expected"), [("live load", "unit power of the live load"), ("push of the tilt", "unit power of the push of the tilt")]
+)
+def test_the_power_of_friction_is_told_per_power_of_what_pushes(push: str, expected: str, tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["live"].replace("friction = 0.6", "friction = 0.2")))
+    bound = analysis.bounds[Drive.LIVE]
+    measures = measure(analysis.assembly, bound.twists, bound.forces)
+    assert measures.dissipated_power > 0.0
+    figure = dissipation_figure(analysis.assembly, bound.twists, measures, push=push)
+    figure.draw_without_rendering()
+    assert sum(expected in text.get_text() for text in figure.findobj(Text)) == 2
 
 
 def followed(analysis: LimitAnalysis) -> LimitAnalysis:

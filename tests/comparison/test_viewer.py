@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import CrossChecked
-from scenes import load, shipped
+from runs import TRAVEL, perfect_run, with_answers
+from scenes import box, build, load, shipped, table
 
 from comparison.figures.canvas import structure_size
 from comparison.figures.motion import DRAWN, motions
@@ -20,7 +21,9 @@ from comparison.report import viewer
 from comparison.report.report import write_report
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
+from la_core.limit import Drive
 from la_core.measures import joint_forces
+from la_core.scene import GROUND
 
 SINGLE = 1e-6  # relative round-off of the page's numbers of 32 bits
 HOSTILE = "</script><script>alert(1)</script><!-- <b> ]]> {{ 7 * 7 }} \u2028"
@@ -118,6 +121,53 @@ def test_what_cannot_stand_is_shown_at_rest_with_its_reason(two_pads: str) -> No
     assert not np.any(array(method["displacement"], "<f4", -1)) and not np.any(array(method["forces"], "<f4", -1))
     assert data["palette"][array(method["looks"], "u1", -1)[2]]["name"].startswith("falls")
     assert np.all(array(method["joints"], "i1", -1) == -1)
+
+
+LOADED = (
+    box("ground", (0.0, 0.0, -0.2), (2.0, 0.5, 0.0), "fixed"),
+    box("stone", (0.5, 0.0, 0.0), (1.5, 0.5, 1.0)),
+    table("[load]", name="floor", blocks=["stone"], per="m2", mass=200.0),
+    table("[load]", name=HOSTILE, blocks=["stone"], force=(500.0, 0.0, 0.0), at=(0.5, 0.25, 0.5)),
+    table("[tie]", name="rod", blocks=["stone"], **{"from": (0.5, 0.25, 0.8), "to": (0.0, 0.25, 0.0), "force": 300.0}),
+)
+
+
+@pytest.mark.parametrize(("drive", "push"), [({"live": (-1.0, 0.0, 0.0)}, "live load"), ({"tilt": (0.0, -1.0, 0.0)}, "push of the tilt")])
+def test_loads_stand_where_they_act_and_go_with_their_blocks(drive: dict[str, Any], push: str) -> None:
+    parts = LOADED if "live" in drive else LOADED[:3]
+    scene = build(*parts, **drive)
+    data = json.loads(viewer.viewer_text(Results(analyse(scene))))
+    middle, stone = np.array([1.0, 0.25, 0.4]), scene.blocks.names.index("stone")
+    loads = {load["kind"] + load["words"].partition(":")[0]: load for load in data["loads"]}
+    ends = {name: [array(load[k], "<f4", -1, 3) + middle for k in ("start", "end")] for name, load in loads.items()}
+    of = {name: [array(load[k], "<i4", -1).tolist() for k in ("of_start", "of_end")] for name, load in loads.items()}
+    assert loads["deadfloor"]["words"] == "floor: 0.981 kN"
+    assert ends["deadfloor"][1] == pytest.approx(np.array([[1.0, 0.25, 1.0]]), abs=1e-6)
+    assert np.diff(ends["deadfloor"], axis=0)[0, 0] / structure_size(scene.blocks) == pytest.approx([0.0, 0.0, -0.08], abs=1e-6)
+    assert of["deadfloor"] == [[stone], [stone]]
+    start, end = ends[f"push{push}"]
+    assert (end - start)[0] == pytest.approx([-0.2 * structure_size(scene.blocks), 0.0, 0.0], abs=1e-6)
+    assert of[f"push{push}"] == [[GROUND], [GROUND]]
+    if "live" not in drive:
+        assert set(loads) == {"deadfloor", f"push{push}"}
+        return
+    assert ends["tierod"][0] == pytest.approx(np.array([[0.5, 0.25, 0.8]]), abs=1e-6) and of["tierod"] == [[stone], [GROUND]]
+    assert loads["tierod"]["words"] == "rod: 0.300 kN" and len(data["loads"]) == 4
+
+
+def test_a_scene_without_loads_shows_none_and_a_settlement_is_no_push(two_pads: str) -> None:
+    assert json.loads(viewer.viewer_text(Results(analyse(load(two_pads)))))["loads"] == []
+
+
+def test_the_motion_of_a_pushed_structure_is_enlarged_where_a_run_gives_it_a_size() -> None:
+    analysis = analyse(build(*LOADED, live=(1.0, 0.0, 0.0)))
+    run = perfect_run(with_answers(analysis, bounds={**analysis.bounds, Drive.YIELDING: analysis.bounds[Drive.LIVE]}))
+    for results, end in ((Results(analysis), None), (Results(analysis, run), TRAVEL)):
+        data, shown = json.loads(viewer.viewer_text(results)), motions(results)
+        assert (data["quantity"], data["unit"]) == ("growth of the mechanism", "%")
+        assert data["end"] * data["unit_per_si"] == pytest.approx(100.0)
+        assert data["magnification"] == (None if end is None else shown.magnification)
+        assert end is None or (data["end"] == end and data["magnification"] > 10.0)
 
 
 def page_of(folder: Path, *texts: str) -> str:

@@ -32,7 +32,9 @@ def report(tmp_path_factory: pytest.TempPathFactory, cross_checked: Callable[[st
     found = cross_checked("two_pads")
     shutil.copytree(found.folder, folder / "two_pads")
     scene = folder / "hostile.toml"
-    text = two_pads.split("[expected]", maxsplit=1)[0].replace('title   = "', f'title   = "{HOSTILE}', 1)
+    load = f'[[load]]\nname = "{HOSTILE}"\nblocks = ["*"]\nmass = 100.0\n'
+    tie = '[[tie]]\nname = "rod"\nblocks = ["*"]\nfrom = [1.0, 0.1, 0.4]\nto = [0.0, 0.1, -0.1]\nforce = 100.0\n'.replace("*", HOSTILE)
+    text = (two_pads.split("[expected]", maxsplit=1)[0] + load + tie).replace('title   = "', f'title   = "{HOSTILE}', 1)
     scene.write_text(text.replace('name    = "block"', f'name    = "{HOSTILE}"'), encoding="utf-8")
     assert main(["run", str(scene), "-o", str(folder), "--no-yade", "-q"]) == 0
     hostile = json.loads((folder / "hostile" / "comparison.json").read_text(encoding="utf-8"))
@@ -189,6 +191,27 @@ def test_names_are_shown_and_not_obeyed(view: Browser) -> None:
     label = view.value(f"document.querySelectorAll('{CANVAS}')[1].getAttribute('aria-label')")
     assert "</script><script>document.title" in label and "{{ 7 * 7 }}" in label
     assert view.value(f"document.querySelectorAll('{VIEW} img').length") == 0
+
+
+def test_loads_are_drawn_with_their_words_until_they_are_switched_off(view: Browser) -> None:
+    second = "document.querySelectorAll('details.viewer')[1]"
+    view.value(f"{second}.open = true; {second}.id = 'loaded'")
+    view.wait(f"{second}.querySelector('.stage > canvas')")
+    labels = "[...document.querySelectorAll('#loaded .labels span')].filter((one) => one.style.visibility === 'visible')"
+    with_loads = view.picture("#loaded .stage > canvas")
+    words = view.value(f"{labels}.map((one) => one.textContent)")
+    assert words == [f"{HOSTILE.replace(chr(92), '')}: 0.981 kN", "rod: 0.100 kN"]
+    tops = view.value(f"{labels}.map((one) => one.offsetTop)")
+    assert abs(tops[0] - tops[1]) > 5
+    legend = view.value("[...document.querySelectorAll('#loaded .legend > span')].map((key) => key.textContent)")
+    assert legend[-2:] == ["dead load", "tie"]
+    view.click("#loaded .loads")
+    without = view.picture("#loaded .stage > canvas")
+    assert not np.array_equal(with_loads, without)
+    assert view.value(f"{labels}.length") == 0
+    assert view.value("document.querySelectorAll('details.viewer')[0].querySelector('.loads')") is None
+    view.click("#loaded .loads")
+    assert np.array_equal(view.picture("#loaded .stage > canvas"), with_loads)
 
 
 def test_without_webgl_a_sentence_says_so(browser: Browser, report: Path) -> None:

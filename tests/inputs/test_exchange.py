@@ -244,6 +244,47 @@ def test_case_of_another_scene(case, change, named) -> None:
         read_case(path, other)
 
 
+PADS = [scenes.box(f"pad {k}", (x, 0.0, -0.2), (x + 0.5, 0.5, 0.0), "support") for k, x in enumerate((0.0, 1.5))]
+LYING = scenes.box("beam", (0.0, 0.0, 0.0), (2.0, 0.5, 0.5))
+HELD = [pad.replace('"support"', '"fixed"') for pad in PADS]
+
+
+def sinking(*ratios: float) -> Scene:
+    """A beam on two pads, each of which has a share of the settlement of its own."""
+    zones = [{"blocks": [f"pad {k}"], "ratio": ratio} for k, ratio in enumerate(ratios)]
+    return scenes.build(*PADS, LYING, settlement={"direction": scenes.DOWN, **({"zone": zones} if zones else {})})
+
+
+def carrying(*loads: float) -> Scene:
+    """A beam on two pads that carries forces, N."""
+    tables = [scenes.table("[load]", blocks=["beam"], force=(0.0, 0.0, -load)) for load in loads]
+    return scenes.build(*PADS, LYING, *tables)
+
+
+@pytest.mark.parametrize(
+    ("stored", "asked", "named"),
+    [
+        (lambda: sinking(1.0, 0.5), lambda: sinking(1.0, 0.25), "blocks/support_twist"),
+        (lambda: sinking(1.0, 0.5), sinking, "blocks/support_twist"),
+        (sinking, lambda: sinking(1.0, 0.5), "blocks/support_twist"),
+        (lambda: carrying(1e3), lambda: carrying(2e3), "blocks/applied_load"),
+        (lambda: carrying(1e3), carrying, "blocks/applied_load"),
+        (carrying, lambda: carrying(1e3), "blocks/applied_load"),
+        (
+            lambda: scenes.build(*HELD, LYING, live=(1.0, 0.0, 0.0)),
+            lambda: scenes.build(*HELD, LYING, live=(-1.0, 0.0, 0.0)),
+            "scene/live",
+        ),
+    ],
+)
+def test_case_of_other_loads_or_motions(stored, asked, named, tmp_path) -> None:
+    scene, other = stored(), asked()
+    write_case(tmp_path / "case.h5", analyse(scene), scene_digest(scene))
+    assert read_case(tmp_path / "case.h5", scene).scene is scene
+    with pytest.raises(ExchangeError, match=f"{named} differs from that of"):
+        read_case(tmp_path / "case.h5", other)
+
+
 # --- writing -----------------------------------------------------------------------------------------------------------------
 
 

@@ -108,7 +108,23 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
         ("= 2200.0", '= "2200,5"', "write the number alone, without quotes: 2200.5"),
         ("[1.0, 0.2, 0.5]", "[1,0, 0,2, 0,5]", "a decimal comma makes two numbers of one, so write 0.6 instead of 0,6"),
         ('= "support"', "= support", "write text in quotes"),
-        ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: unknown key; joints have none: they open without force"),
+        ("= 0.6", "= 0.6\ncohesion = 0.1", "joint.cohesion: joints are dry and carry neither cohesion nor tension: bounds"),
+        (
+            "[settlement]",
+            '[[friction]]\njoints = "bed"\nfriction = 0.5\ntension = 1e4\n[settlement]',
+            "friction[0].tension: joints are dry",
+        ),
+        (
+            "[settlement]",
+            '[[friction]]\njoints = "bed"\nfriction = 0.5\ncohesion = 1e4\n[settlement]',
+            "; leave it out, and give stones that",
+        ),
+        ("= 2200.0", "= 2200.0\ncohesion = 0.1", "cohesion: unknown key; joints have none: they are dry"),
+        (
+            "[settlement]",
+            '[[tie]]\nblocks = ["block"]\nfrom = [1, 0, 0]\nto = [2, 0, 0]\ntension = 1e3\n[settlement]',
+            "tie[0].tension: the tension of a tie is its `force`, in N",
+        ),
         ("= 0.6", "= 0.6\nload = 100.0", "joint.load: unknown key; dead loads stand in [[load]] tables of their own"),
         ("[settlement]", '[[sweep]]\nscene = "wall"\n[settlement]', "sweep: unknown key; this is a campaign, not a scene"),
         (

@@ -70,6 +70,54 @@ def test_both_methods_find_the_power_of_all_supports(name: str, tmp_path: Path) 
     assert abs(summary["yade"]["settlement"] / summary["yade"]["asked_settlement"] - 1.0) <= PER_MILLE
 
 
+def turning(low: float, *profile: tuple[float, float], top: float = 0.0) -> Scene:
+    """A rigid beam of 1.2 m on two pads of 0.2 m, the first from x = 0 and the second from x = `low` on, which turn along a profile."""
+    pads = [scenes.box(f"pad {k}", (x, 0.0, top - 0.2), (x + 0.2, 0.5, top), "support") for k, x in enumerate((0.0, low))]
+    lying = scenes.box("beam", (0.0, 0.0, top), (1.2, 0.5, top + 0.5))
+    settlement = {"direction": DOWN, "profile": [list(point) for point in profile]}
+    return scenes.build(*pads, lying, settlement=settlement, inset=INSET, model="auto", friction=0.4)
+
+
+def on_edges(left: float, right: float, *profile: tuple[float, float]) -> float:
+    """Reaction over W of a beam of 1.2 m that lies on two edges: the share of each by moments, times what the edge sinks by."""
+    on_right = (0.6 - left) / (right - left)
+    places, ratios = np.array(profile).T
+    return float((1.0 - on_right) * np.interp(left, places, ratios) + on_right * np.interp(right, places, ratios))
+
+
+TROUGH, HUMP = ((0.0, 0.4), (0.6, 1.0), (1.2, 0.8)), ((0.0, 1.0), (0.6, 0.4), (1.2, 0.8))
+TURNING = {  # both pads turn: in a trough the beam lies on their outer edges, on a hump on their inner ones
+    "trough": (lambda: turning(1.0, *TROUGH), on_edges(INSET, 1.2 - INSET, *TROUGH)),
+    "hump": (lambda: turning(0.9, *HUMP), on_edges(0.2 - INSET, 0.9 + INSET, *HUMP)),
+    # It goes with its pads: all of its weight, times what its middle sinks by.
+    "slope": (lambda: turning(1.0, (0.0, 1.0), (1.2, 0.4)), 0.7),
+}
+
+
+@pytest.mark.yade
+@pytest.mark.parametrize("name", [n if n == "trough" else pytest.param(n, marks=pytest.mark.slow) for n in TURNING])
+def test_both_methods_find_the_power_of_supports_that_turn(name: str, tmp_path: Path) -> None:
+    build, exact = TURNING[name]
+    scene = build()
+    summary = run_scene(scene, tmp_path / "results", Silent(), with_yade=True, figures=lambda _: {})
+    assert summary["verdict"] == "agree", summary["reason"]
+    assert np.all(scene.support_twists[:2, 4] != 0.0)  # type: ignore[index]
+    for found in (summary["limit_analysis"]["coulomb"]["reaction"], summary["yade"]["reaction"]):
+        assert found / scene.weight == pytest.approx(exact, rel=PER_MILLE)
+
+
+@pytest.mark.parametrize("top", [-3.0, 0.7, 50.0])
+def test_a_profile_means_the_same_at_every_height(top: float) -> None:
+    """Tops of supports sink straight down, wherever z = 0 is; else friction under them would depend on it."""
+    low, moved = (analyse(turning(1.0, *TROUGH, top=height)) for height in (0.0, top))
+    for drive in (Drive.YIELDING, Drive.PUSHING):
+        assert moved.bounds[drive].value == pytest.approx(low.bounds[drive].value, rel=1e-6)
+    twists = moved.scene.support_twists
+    assert twists is not None
+    for x in (0.0, 0.1, 0.2):
+        assert_allclose((twists[0, :3] + np.cross(twists[0, 3:], [x, 0.3, top]))[:2], 0.0, atol=1e-12)
+
+
 def test_a_report_names_the_motion_of_each_support(tmp_path: Path) -> None:
     scene = columns(zone=[{"blocks": ["right pad"], "ratio": 0.5}])
     summary = run_scene(scene, tmp_path, Silent(), with_yade=False)

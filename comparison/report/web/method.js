@@ -3,6 +3,13 @@
 
 const INK = "#222222", FAINT = "#9a9a9a", FORCE = "#a3181f", THRUST = "#0b6e4f", PICKED = "#b8860b"; // as in the figures
 const LONGEST = 0.25; // of the structure's size: the largest contact force
+const LOAD = "#1b7837"; // as in the figures
+const LOADS = { // by kind: label, width over the structure's size, and parts of the drawn body, one on the other: share of the width, from, to, colour
+  dead: ["dead load", 0.017, [[1, 0, 1, LOAD]]],
+  tie: ["tie", 0.012, [[1, 0, 1, LOAD]]],
+  push: [null, 0.036, [[1.35, -0.02, 1.06, "#ffffff"], [1, 0, 1, INK]]], // its words name it
+};
+const ARROW = [[0, 0], [0.3, 0], [0.3, 0.55], [1, 0.55], [0, 1]], ROD = [[0, 0], [1, 0], [1, 0.02], [0.3, 0.02], [0.3, 0.98], [1, 0.98], [1, 1], [0, 1]];
 const LEAST = 0.005; // of the largest contact force: smaller ones are left out
 const MARKS = { // of a joint, by la_core.measures.ContactState: label, colour, edge; those that move as in the figures
   0: ["sticks", INK, "#ffffff"], 1: ["carries nothing", FAINT, "#ffffff"], 2: ["slides", INK, "#ffffff"], 3: ["opens", "#ffffff", INK],
@@ -35,6 +42,29 @@ function mark(state) {
   return canvas;
 }
 
+// Sign of a kind of load for the legend: kinds differ in shape, so that they differ in grey.
+function loadSign(kind) {
+  const canvas = make("canvas", { width: 32, height: 32 }), pen = canvas.getContext("2d");
+  const shapes = { dead: "M2 14H18V9L30 16L18 23V18H2Z", tie: "M2 10H7V14H25V10H30V22H25V18H7V22H2Z", push: "M1 11H15V3L31 16L15 29V21H1Z" };
+  pen.fillStyle = kind === "push" ? INK : LOAD;
+  pen.fill(new Path2D(shapes[kind]));
+  return canvas;
+}
+
+// A body of revolution about y: corners [radius, height] from its start at 0 to its end at 1.
+function turned(three, profile, sides) {
+  const corners = [], index = [], round = profile.length;
+  for (let side = 0; side < sides; side++) {
+    const angle = (2 * Math.PI * side) / sides, next = ((side + 1) % sides) * round;
+    for (const [radius, height] of profile) corners.push(radius * Math.cos(angle) / 2, height, radius * Math.sin(angle) / 2);
+    for (let k = 0; k + 1 < round; k++) index.push(side * round + k, next + k + 1, next + k, side * round + k, side * round + k + 1, next + k + 1);
+  }
+  const shape = new three.BufferGeometry();
+  shape.setAttribute("position", new three.BufferAttribute(new Float32Array(corners), 3));
+  shape.setIndex(new three.BufferAttribute(new Uint32Array(index), 1));
+  return shape;
+}
+
 // One method's blocks, joints and their resultant forces in a separate scene; `show` moves them.
 class Method {
   constructor(three, data, geometry, method, place) {
@@ -54,6 +84,7 @@ class Method {
     this.addBlocks();
     this.addPoints();
     this.addForces();
+    this.addLoads();
   }
 
   part(kind, position, index, material) {
@@ -101,6 +132,56 @@ class Method {
     this.thrust = this.part("LineSegments", this.pressure, this.geometry.thrust, new three.LineBasicMaterial({ color: THRUST }));
   }
 
+  // Arrows of loads and rods of ties, drawn over everything: many end inside of the blocks.
+  addLoads() {
+    const { three } = this;
+    this.loads = (this.data.loads ?? []).map((load) => {
+      const [start, end] = ["start", "end"].map((name) => decode(load[name], Float32Array));
+      const blocks = ["of_start", "of_end"].map((name) => decode(load[name], Int32Array)), parts = LOADS[load.kind][2];
+      const bodies = parts.map(([, , , colour], place) => {
+        const shape = turned(three, load.kind === "tie" ? ROD : ARROW, load.kind === "tie" ? 4 : 16);
+        const paint = new three.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true });
+        const body = new three.InstancedMesh(shape, paint, start.length / 3);
+        Object.assign(body, { frustumCulled: false, renderOrder: 4 + place });
+        this.scene.add(body);
+        return body;
+      });
+      return { ...load, start, end, blocks, bodies, now: [start.slice(), end.slice()] };
+    });
+  }
+
+  // Loads follow their blocks; those of no block stay. A dead load keeps its direction, a tie joins its ends.
+  moveLoads(displace) {
+    const { three } = this, first = new three.Vector3(), along = new three.Vector3(), scale = new three.Vector3();
+    const turn = new three.Quaternion(), up = new three.Vector3(0, 1, 0), matrix = new three.Matrix4();
+    for (const { kind, start, end, blocks, bodies, now } of this.loads) {
+      const [, width, parts] = LOADS[kind], ends = [start, end];
+      ends.forEach((rest, k) => {
+        now[k].set(rest);
+        blocks[k].forEach((block, place) => block >= 0 && displace(rest, 3 * place, block, 1, now[k]));
+      });
+      if (kind === "dead") now[0].forEach((_, k) => { now[0][k] = start[k] + now[1][k] - end[k]; });
+      for (let place = 0; place < start.length; place += 3) {
+        along.fromArray(now[1], place).sub(first.fromArray(now[0], place));
+        const length = along.length(), thick = width * this.data.size;
+        turn.setFromUnitVectors(up, along.clone().normalize());
+        bodies.forEach((body, part) => {
+          const [share, from, to] = parts[part];
+          scale.set(share * thick, (to - from) * length, share * thick);
+          body.setMatrixAt(place / 3, matrix.compose(first.fromArray(now[0], place).addScaledVector(along, from), turn, scale));
+        });
+      }
+      for (const body of bodies) body.instanceMatrix.needsUpdate = true;
+    }
+  }
+
+  // Where the words of a load stand: at the end of an arrow in the middle, or in the middle of a tie.
+  anchor({ kind, now: [start, end] }, into) {
+    const place = 3 * ((start.length / 3) >> 1);
+    into.fromArray(end, place);
+    return kind === "tie" ? into.lerp(new this.three.Vector3().fromArray(start, place), 0.5) : into;
+  }
+
   // The outline of a picked block, drawn over everything; nothing for null.
   outline(block) {
     if (this.frame) { this.scene.remove(this.frame); this.frame.geometry.dispose(); this.frame = undefined; }
@@ -143,6 +224,7 @@ class Method {
     halfway(centres, this.pressure.array);
     this.position.needsUpdate = this.middle.needsUpdate = this.pressure.needsUpdate = true;
     if (this.needles.visible) this.turnNeedles(this.loaded);
+    this.moveLoads(displace);
   }
 
   turnNeedles(forces) {
@@ -158,7 +240,8 @@ class Method {
     this.needles.instanceMatrix.needsUpdate = true;
   }
 
-  dress({ points, forces, through }) {
+  dress({ points, forces, through, loads }) {
+    for (const body of this.loads.flatMap((load) => load.bodies)) body.visible = loads;
     Object.assign(this.blocks.material, { transparent: through, opacity: through ? 0.4 : 1, depthWrite: !through, needsUpdate: true });
     for (const object of [...this.points, this.needles, this.thrust]) {
       object.visible = object === this.needles || object === this.thrust ? forces : points;

@@ -5,6 +5,7 @@ const MARGIN = 0.12; // of the size: room for what moves
 const STEP = Math.PI / 24; // of a key
 const TURN = 1200; // pixels of height at which a drag turns as three.js has it; flat pictures would turn too fast
 const NEAR = 12; // pixels: a click this close to a joint's mark picks the joint
+const MOST_LABELS = 12; // of loads in one view
 const STILL = 5; // pixels: a pointer that moved less did not drag
 const opened = [];
 
@@ -49,6 +50,11 @@ class View {
     const row = (className, ...children) => make("div", { className }, ...children);
     this.titles = this.methods.map((method) => make("span", {}, make("b", { textContent: method.label }), method.note && ` ${method.note}`));
     const boxes = [box("points", "joints", true), box("forces", "forces of the joints", false)];
+    const loads = data.loads ?? [], kinds = [...new Set(loads.map((load) => load.kind))], drawn = box("loads", "loads", true);
+    if (loads.length) boxes.push(drawn);
+    const named = (kind) => LOADS[kind][0] ?? `${loads.find((load) => load.kind === kind).words}, proportional to weight`;
+    const signs = kinds.map((kind) => make("span", {}, loadSign(kind), named(kind)));
+    this.labels = this.methods.map((method) => method.loads.slice(0, MOST_LABELS).map((load) => make("span", { textContent: load.words })));
     const swatch = (colour, words, border = INK) => {
       const key = make("i", {});
       Object.assign(key.style, { background: colour, borderColor: border });
@@ -63,7 +69,8 @@ class View {
       row("controls", make("label", { className: "travel" }, data.quantity, this.slider), this.play, this.words),
       row("controls", ...boxes, box("through", "see through the blocks", data.see_through), this.reset, this.fit),
       row("legend", ...palette.map((entry) => swatch(entry.colour, entry.name)), swatch("transparent", "before", FAINT), ...marks,
-        make("span", {}, this.scale, this.force), ...thrust),
+        make("span", {}, this.scale, this.force), ...thrust, ...signs),
+      row("labels", ...this.labels.flat()),
     );
   }
 
@@ -108,7 +115,7 @@ class View {
     this.reset.addEventListener("click", () => this.controls.reset());
     this.fit.addEventListener("click", () => this.fitFrame());
     this.forces.addEventListener("change", () => { this.through.checked ||= this.forces.checked; }); // they are inside of the blocks
-    for (const box of [this.points, this.forces, this.through]) box.addEventListener("change", () => this.dress());
+    for (const box of [this.points, this.forces, this.through, this.loads]) box.addEventListener("change", () => this.dress());
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(this.stage);
     this.dress();
@@ -129,7 +136,7 @@ class View {
   }
 
   dress() {
-    const chosen = { points: this.points.checked, forces: this.forces.checked, through: this.through.checked };
+    const chosen = { points: this.points.checked, forces: this.forces.checked, through: this.through.checked, loads: this.loads.checked };
     for (const method of this.methods) method.dress(chosen);
     this.move();
   }
@@ -304,6 +311,22 @@ class View {
       this.renderer.setViewport(x + (width - whole) / 2, y + (height - high) / 2, whole, high);
       this.renderer.setScissor(x, y, width, height);
       this.renderer.render(method.scene, this.camera);
+      this.label(method, k);
+    });
+  }
+
+  // The words of the loads beside what is drawn, none upon another and none beyond the method's part.
+  label(method, k) {
+    const [x, y, width, height] = this.cells[k], [whole, high] = this.size, taken = [], point = new this.three.Vector3();
+    this.labels[k].forEach((label, place) => {
+      method.anchor(method.loads[place], point).project(this.camera);
+      const at = [x + width / 2 + (point.x * whole) / 2, high - (y + height / 2 + (point.y * high) / 2)], wide = label.offsetWidth, tall = label.offsetHeight;
+      const left = Math.min(Math.max(at[0] + 6, x), x + width - wide);
+      let top = at[1] + 3;
+      for (let other; (other = taken.find(([l, t, w]) => left < l + w && l < left + wide && Math.abs(top - t) < tall));) top = other[1] + tall + 1;
+      const outside = at[0] < x || at[0] > x + width || top < high - y - height || top + tall > high - y;
+      Object.assign(label.style, { left: `${left}px`, top: `${this.canvas.offsetTop + top}px`, visibility: outside || !this.loads.checked ? "hidden" : "visible" });
+      if (!outside) taken.push([left, top, wide]);
     });
   }
 

@@ -19,7 +19,7 @@ from la_core.scene.schema.drawing import Drawing
 from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 
 INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
-COLOUR = "colour:"
+LAYER, COLOUR = "layer:", "colour:"
 LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
@@ -116,14 +116,18 @@ def _at(table: Drawing) -> str:
 
 
 def _names(patterns: Iterable[str], place: tuple[str, str]) -> bool:
-    """Whether a pattern names the layer, or with COLOUR before it the colour, of a place in the drawing."""
+    """Whether a pattern names the layer, or with COLOUR before it the colour, of a place in the drawing; LAYER may stand before a layer."""
     layer, colour = place
-    return any(fnmatchcase(colour, p.removeprefix(COLOUR)) if p.startswith(COLOUR) else fnmatchcase(layer, p) for p in patterns)
+    return any(fnmatchcase(colour, p.removeprefix(COLOUR)) if p.startswith(COLOUR) else _names_layer(p, layer) for p in patterns)
+
+
+def _names_layer(pattern: str, layer: str) -> bool:
+    return fnmatchcase(layer, pattern) or (pattern.startswith(LAYER) and fnmatchcase(layer, pattern.removeprefix(LAYER)))
 
 
 def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
     valid = [*sorted({layer for layer, _ in places}), *sorted({f"{COLOUR}{colour}" for _, colour in places})]
-    for key in LISTS:
+    for key in (*LISTS, "thickness_of", "density_of"):
         for pattern in getattr(table, key):
             if not any(_names((pattern,), place) for place in places):
                 rule = "no outline is on such a layer or of such a colour"
@@ -147,9 +151,8 @@ def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
 
 
 def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedShape:
-    thickness = next(
-        (value for pattern, value in table.thickness_of.items() if _names((pattern,), (outline.layer, outline.colour))), table.thickness
-    )
+    place = (outline.layer, outline.colour)
+    thickness, density = _own(table.thickness_of, place, table.thickness), _own(table.density_of, place, table.density)
     profile = outline.points + np.array(table.shift)
     name = f"{table.name} {number}"
     x, z = profile.mean(axis=0)
@@ -162,4 +165,10 @@ def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedSha
     except ValueError as error:
         where = f'{_at(table)}: block "{name}" on layer "{outline.layer}", near ({x:.4g}, {z:.4g}) m'
         raise SceneError(where, str(error)) from error
-    return NamedShape(name, role, table.density, shape, joint=table.joints)
+    groups = (f"{LAYER}{outline.layer}", f"{COLOUR}{outline.colour}")
+    return NamedShape(name, role, density, shape, joint=table.joints, groups=groups)
+
+
+def _own(values: dict[str, float], place: tuple[str, str], common: float | None) -> Any:
+    """The value of the first pattern that names a place in the drawing; `common` where none does."""
+    return next((value for pattern, value in values.items() if _names((pattern,), place)), common)

@@ -29,6 +29,8 @@ class NamedShape:
         Carried mass, such as a floor's, over the volume of the block, kg/m3.
     joint : float
         Greatest width of the open joints around the block, which are to be closed, m; 0 where they are drawn closed.
+    groups : tuple of str
+        Groups by which other tables may choose the block, such as "layer:BRICK".
     """
 
     name: str
@@ -37,6 +39,7 @@ class NamedShape:
     shape: Shape
     added_density: float = 0.0
     joint: float = 0.0
+    groups: tuple[str, ...] = ()
 
 
 def wall_blocks(wall: Wall) -> Iterator[NamedShape]:

@@ -1,6 +1,6 @@
 """Forces of the [[load]] and [[tie]] tables on the blocks of a scene."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -14,6 +14,7 @@ from la_core.scene.schema.loads import JointFriction, Load, Tie
 from la_core.scene.schema.scene_file import SceneFile
 
 Fault = tuple[tuple[str | int, ...], str]  # place in the file, and what is wrong there
+OF_GROUPS = ("layer:", "colour:")  # words before the name of a group of blocks, here those of a drawing
 GROUND = -1  # in place of a block, where the ground holds an end of a tie
 
 
@@ -45,11 +46,28 @@ class Ties:
         return len(self.names)
 
 
-def chosen_by(names: tuple[str, ...], pattern: str) -> np.ndarray:
-    """Mask (B,) of the names that a pattern chooses; a name that exists is that name, whatever characters it has."""
-    if pattern in names:
-        return np.array([name == pattern for name in names])
-    return np.array([fnmatchcase(name, pattern) for name in names])
+def chosen_by(blocks: Blocks, pattern: str) -> np.ndarray:
+    """Mask (B,) of the blocks that a pattern chooses, by their names or, behind a word such as `layer:`, by their groups.
+
+    A name that exists is that name, whatever characters it has.
+    """
+    if pattern in blocks.names:
+        return np.array([name == pattern for name in blocks.names])
+    if pattern.startswith(OF_GROUPS):
+        chosen = {group for group in {group for own in blocks.groups for group in own} if fnmatchcase(group, pattern)}
+        return np.array([not chosen.isdisjoint(own) for own in blocks.groups or [()] * len(blocks)])
+    return np.array([fnmatchcase(name, pattern) for name in blocks.names])
+
+
+def not_there(pattern: str, kind: str, names: Sequence[str], groups_of: Sequence[tuple[str, ...]]) -> tuple[str, str]:
+    """What is wrong with a pattern that chooses no block of a kind, and the next step; names and groups are those of this kind."""
+    groups = sorted({group for own in groups_of for group in own})
+    if pattern.startswith(OF_GROUPS):
+        hint = nearest(pattern, groups, "layers and colours") if groups else "only blocks of a [[drawing]] have a layer or a colour"
+        return f'no {kind} has the {pattern.partition(":")[0]} "{pattern.partition(":")[2]}"', hint
+    meant = f"{OF_GROUPS[0]}{pattern}"
+    hint = f'did you mean "{meant}"?' if meant in groups else nearest(pattern, names) if names else ""
+    return f'no {kind} has the name "{pattern}"', hint
 
 
 def faults_of_loads(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
@@ -71,9 +89,7 @@ def _told(place: tuple[str, int], name: str, fault: tuple[str, str, str] | None)
 
 
 def _unknown(pattern: str, blocks: Blocks, key: str) -> tuple[str, str, str] | None:
-    if chosen_by(blocks.names, pattern).any():
-        return None
-    return key, f'no block has the name "{pattern}"', nearest(pattern, blocks.names) if len(blocks) else ""
+    return None if chosen_by(blocks, pattern).any() else (key, *not_there(pattern, "block", blocks.names, blocks.groups))
 
 
 def _fault_of_load(load: Load, blocks: Blocks) -> tuple[str, str, str] | None:
@@ -103,7 +119,8 @@ def _fault_of_faces(load: Load, blocks: Blocks, chosen: np.ndarray, key: str) ->
 def _fault_of_tie(tie: Tie, blocks: Blocks) -> tuple[str, str, str] | None:
     for name in tie.blocks:
         if name not in blocks.names:
-            return "blocks", f'no block has the name "{name}"', nearest(name, blocks.names)
+            many = "a rod ends at one block, so give the name of that block" if chosen_by(blocks, name).any() else ""
+            return "blocks", f'no block has the name "{name}"', many or nearest(name, blocks.names)
     if not any(blocks.free[blocks.names.index(name)] for name in tie.blocks):
         return "blocks", "no end is at a free block, so the rod changes nothing", ""
     return None
@@ -118,7 +135,7 @@ def chosen_blocks(load: Load, blocks: Blocks) -> np.ndarray:
     """Mask (B,) of the free blocks that a load acts on."""
     chosen = blocks.free.copy()
     if load.blocks:
-        chosen &= np.any([chosen_by(blocks.names, pattern) for pattern in load.blocks], axis=0)
+        chosen &= np.any([chosen_by(blocks, pattern) for pattern in load.blocks], axis=0)
     if load.region is not None:
         low, high = np.array(load.region.from_), np.array(load.region.to)
         chosen &= np.all((blocks.centroid >= low) & (blocks.centroid <= high), axis=1)

@@ -40,7 +40,7 @@ def joints_of_rule(rule: JointFriction, blocks: Blocks, interfaces: Interfaces) 
     of_class = {None: np.ones(len(a), dtype=bool), "footing": held, "bed": ~held & level, "head": ~held & ~level}[rule.joints]
     if rule.between is None:
         return of_class
-    one, other = (chosen_by(blocks.names, pattern) for pattern in rule.between)
+    one, other = (chosen_by(blocks, pattern) for pattern in rule.between)
     return of_class & ((one[a] & other[b]) | (one[b] & other[a]))
 
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError
 from la_core.geometry import ROLES, Blocks
-from la_core.scene.loads.dead_loads import Fault, chosen_by
+from la_core.scene.loads.dead_loads import Fault, chosen_by, not_there
 from la_core.scene.schema.motion import support_twist
 from la_core.scene.schema.scene_file import SceneFile, Settlement
 
@@ -39,19 +39,23 @@ def own_twists(settlement: Settlement | None, blocks: Blocks) -> np.ndarray | No
 
 def _in_zone(patterns: tuple[str, ...], blocks: Blocks) -> np.ndarray:
     """Mask (B,) of the blocks that patterns name."""
-    return np.any([chosen_by(blocks.names, pattern) for pattern in patterns], axis=0)
+    return np.any([chosen_by(blocks, pattern) for pattern in patterns], axis=0)
 
 
 def _along_profile(settlement: Settlement, direction: np.ndarray, blocks: Blocks) -> np.ndarray:
-    """Twists (B, 6) with the velocities of a profile at both ends of every block."""
+    """Twists (B, 6) with the velocities of a profile at both ends of every block.
+
+    A block turns about its face against `direction`, its top where it sinks, so that this face moves along `direction` alone.
+    """
     axis = "xy".index(settlement.along)
     place, ratio = np.array(settlement.profile).T
     low, high = blocks.low[:, axis], blocks.high[:, axis]
     at_low, at_high = np.interp(low, place, ratio), np.interp(high, place, ratio)
     change = np.where(np.abs(at_high - at_low) > NO_TURN, at_high - at_low, 0.0)
-    spin = (change / (high - low))[:, None] * np.cross(np.eye(3)[axis], direction)
-    at_origin = at_low - change / (high - low) * low
-    return np.concatenate([at_origin[:, None] * direction, spin], axis=1)
+    along, slope = np.eye(3)[axis], (change / (high - low))[:, None]
+    top = np.minimum.reduceat(blocks.vertices @ direction, blocks.vertex_start[:-1])[:, None]
+    at_origin = at_low[:, None] - slope * low[:, None]
+    return np.concatenate([at_origin * direction + slope * top * along, slope * np.cross(along, direction)], axis=1)
 
 
 def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
@@ -60,10 +64,12 @@ def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
         return
     support = blocks.role == ROLES["support"]
     names = [name for name, moves in zip(blocks.names, support, strict=True) if moves]
+    groups = [own for own, moves in zip(blocks.groups, support, strict=True) if moves]
     for number, zone in enumerate(file.settlement.zone):
         for pattern in zone.blocks:
-            if not (chosen_by(blocks.names, pattern) & support).any():
-                told = SceneError(f"settlement.zone[{number}].blocks", f'no support has the name "{pattern}"', hint=nearest(pattern, names))
+            if not (chosen_by(blocks, pattern) & support).any():
+                rule, hint = not_there(pattern, "support", names, groups)
+                told = SceneError(f"settlement.zone[{number}].blocks", rule, hint=hint)
                 yield ("settlement",), str(told)
                 return
     if support.any() and not np.any(support_twists(file.settlement, blocks)):

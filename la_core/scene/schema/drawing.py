@@ -17,6 +17,7 @@ class Drawing(Table):
 
     `ground`, `support`, `openings`, `ignore` and `blocks` are shell-style patterns of names of layers (of groups in SVG),
     or of colours such as `colour:red`. What no other list names is a block. Nothing is built in an opening.
+    [[friction]], [[load]] and zones of a settlement choose the blocks of a layer by `layer:NAME`, those of a colour by `colour:NAME`.
     """
 
     file: Annotated[Name, AfterValidator(within_the_scene_s_folder)] = described(
@@ -33,6 +34,7 @@ class Drawing(Table):
         "greatest distance between a curve and the straight edges that replace it", "m", default=0.005
     )
     density: Positive | None = described("density of these blocks, in place of [stone]'s", "kg/m3", default=None)
+    density_of: dict[Pattern, Positive] = described("another density for layers or colours, by pattern", "kg/m3", default_factory=dict)
     blocks: tuple[Pattern, ...] = described("layers of free blocks; all layers not named elsewhere where left out", default=())
     ground: tuple[Pattern, ...] = described("layers of fixed blocks", default=())
     support: tuple[Pattern, ...] = described("layers of blocks that move with the settlement", default=())

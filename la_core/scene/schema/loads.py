@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, model_validator
 
 from la_core.scene.schema.mesh import Pattern
-from la_core.scene.schema.types import Box, Name, NotNegative, Pair, Positive, Table, Vector, described, not_zero
+from la_core.scene.schema.types import NO_BOND, Box, Name, NotNegative, Pair, Positive, Table, Vector, described, not_zero
 
 MOST_FRICTION = 1e3
 Force = Annotated[Vector, AfterValidator(not_zero)]
@@ -20,7 +20,9 @@ class Load(Table):
     """
 
     name: Name = described("reports and messages use it", default="load")
-    blocks: tuple[Pattern, ...] = described("names of the loaded blocks; `*`, `?` and `[...]` stand for others as in a shell", default=())
+    blocks: tuple[Pattern, ...] = described(
+        "names of the loaded blocks, or layers of a drawing such as `layer:BRICK`; `*`, `?` and `[...]` as in a shell", default=()
+    )
     region: Box | None = described("loaded are the free blocks whose centroid lies in this box; with `blocks`, those of both", default=None)
     force: Force | None = described("the load as a force (x, y, z); either this or `mass`", "N, N/m or N/m2", default=None)
     mass: Positive | None = described("a floor, a roof or a fill by its mass; either this or `force`", "kg, kg/m or kg/m2", default=None)
@@ -52,6 +54,8 @@ class Tie(Table):
     load, not one that stretches.
     """
 
+    refuses = dict.fromkeys(("tension", "mass"), "the tension of a tie is its `force`, in N")
+
     name: Name = described("reports and messages use it", default="tie")
     blocks: Annotated[tuple[Name, ...], Field(min_length=1, max_length=2)] = described(
         "block at `from` and block at `to`; with one name the end `to` is held by the ground"
@@ -72,12 +76,15 @@ class Tie(Table):
 class JointFriction(Table):
     """Friction of some joints, in place of [joint]'s. Where a joint belongs to several tables, the last one counts."""
 
+    refuses = NO_BOND
+
     joints: Literal["bed", "head", "footing"] | None = described(
         "bed: joints between free blocks, at most 45 degrees from level; head: steeper ones; footing: joints with a held block",
         default=None,
     )
     between: tuple[Pattern, Pattern] | None = described(
-        "joints between a block of the first name and one of the second, in either order; `*`, `?` and `[...]` as in a shell",
+        "joints between a block of the first name and one of the second, in either order; `*`, `?` and `[...]` as in a shell; "
+        "`layer:BRICK` stands for all blocks on this layer of a drawing",
         default=None,
     )
     friction: Annotated[NotNegative, Field(le=MOST_FRICTION)] = described("friction coefficient mu = tan(phi) of these joints")

@@ -13,6 +13,7 @@ from la_core.scene.schema.mesh import Mesh, Pattern
 from la_core.scene.schema.rubble import Rubble
 from la_core.scene.schema.types import (
     LARGEST,
+    NO_BOND,
     Box,
     Count,
     DateText,
@@ -54,6 +55,8 @@ class Stone(Table):
 
 class Joint(Table):
     """The dry joint: no mortar, no cohesion, no tension. [[friction]] changes the friction of some joints."""
+
+    refuses = NO_BOND
 
     friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
     inset: NotNegative = described(
@@ -102,15 +105,18 @@ class Block(Table):
 class Zone(Table):
     """Supports that move by a share of the settlement of their own."""
 
-    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described("names of supports; `*`, `?` and `[...]` as in a shell")
+    blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described(
+        "names of supports, or layers of a drawing such as `layer:PAD`; `*`, `?` and `[...]` as in a shell"
+    )
     ratio: Real = described("their motion over the settlement: 0 holds them, a negative one moves them the other way")
 
 
 class Settlement(Table):
     """Motion of the supports: a translation or a rotation of all as one rigid body, or by shares of it.
 
-    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too. The reaction is the force that
-    does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half that of the second.
+    The shares are those of each `zone`, or of a `profile` such as a trough, along which supports turn, too, each about its top. The
+    reaction is the force that does work on the settlement: of two supports with the ratios 1 and 0.5 the force of the first and half
+    that of the second.
     """
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)

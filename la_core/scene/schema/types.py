@@ -1,7 +1,7 @@
 """Types of the entries of a scene file: numbers within limits, vectors, names, and tables that refuse unknown keys."""
 
 import datetime
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, Strict, model_validator
 
@@ -67,10 +67,21 @@ def described(meaning: str, unit: str = "", **options: Any) -> Any:
     return Field(description=meaning, json_schema_extra={"unit": unit} if unit else None, **options)
 
 
+NO_BOND = dict.fromkeys(
+    ("cohesion", "tension", "tensile_strength"),
+    "joints are dry and carry neither cohesion nor tension: bounds of limit analysis could, but not its prediction and not YADE's law of "
+    "contact, so that nothing could be compared; leave it out, and give stones that mortar binds as one block",
+)
+
+
 class Table(BaseModel):
-    """A table that refuses keys it does not know and does not change once read."""
+    """A table that refuses keys it does not know and does not change once read.
+
+    `refuses` gives keys that users may expect here, each with the sentence that says why there is none.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+    refuses: ClassVar[dict[str, str]] = {}
 
 
 class Box(Table):
