@@ -11,6 +11,10 @@ from comparison.workflow import one_scene
 
 CASES = list(catalogue())
 IN_EVERY_RUN = ("pads, friction 0", "columns, friction 0.9", "lintel that overhangs", "support that slides away")  # seconds of YADE each
+ONCE_ENDLESS = (  # with the true inertia of every block and without regard to slow swings
+    "cube of 0.01 m on a block of 1 m", "cube of 0.001 m on a block of 1 m", "slab 100000 times as heavy above",
+    "slab 100000 times as heavy below", "block 20 times as high", "block 200 times as high",
+)  # fmt: skip
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
 
 
@@ -60,6 +64,15 @@ def test_no_wrong_answer_is_called_agreement(case: HardCase, tmp_path: Path) -> 
         assert verdict == "agree" or found.summary["reason"]
 
 
+@pytest.mark.yade
+@pytest.mark.parametrize("name", [ONCE_ENDLESS[0], *(pytest.param(name, marks=pytest.mark.slow) for name in ONCE_ENDLESS[1:])])
+def test_mixed_sizes_and_slender_blocks_come_to_their_plateau(name: str, tmp_path: Path) -> None:
+    (case,) = [case for case in CASES if case.name == name]
+    found = taken(case, tmp_path, with_yade=True)
+    assert found.summary is not None
+    assert (found.summary["yade"]["status"], found.summary["verdict"]) == ("plateau", "agree"), found.summary["reason"]
+
+
 def test_every_quick_case_is_a_case() -> None:
     names = [case.name for case in CASES]
-    assert len(names) == len(set(names)) and set(QUICK) <= set(names)
+    assert len(names) == len(set(names)) and {*QUICK, *ONCE_ENDLESS} <= set(names)
