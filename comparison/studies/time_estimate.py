@@ -44,7 +44,7 @@ def estimated_times(points: int, yade: bool = True) -> dict[str, TimeEstimate]:
     dict of str to TimeEstimate
         Estimates of "limit_analysis" and, where it can run, of "yade".
     """
-    centres = {"limit_analysis": 5e-6 * points**2} | ({"yade": 0.8 + 0.025 * points**1.2} if yade else {})
+    centres = {"limit_analysis": 5e-6 * points**2} | ({"yade": 1.0 + 0.009 * points**1.2} if yade else {})
     return {method: TimeEstimate(centre / WITHIN, centre * WITHIN) for method, centre in centres.items()}
 
 

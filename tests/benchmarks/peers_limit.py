@@ -17,7 +17,7 @@ import numpy as np
 import peers_equilibrium
 from peers_scenes import SCENES
 from peers_table import CANNOT, EQUILIBRIUM, FAILED, INACCURATE, LEAST_REACTION, OURS, SOLVED, Row
-from scipy import sparse
+from scipy import optimize, sparse
 
 from la_core.limit import associated, linearised
 from la_core.limit.associated import Solution, solution_of
@@ -160,7 +160,7 @@ def ours(assembly: Assembly) -> Attempt:
 
 def highs(assembly: Assembly, solver: str, facets: int) -> Attempt:
     """HiGHS on pyramids inscribed in the cones; in the plane two lines are the cone whatever the facets."""
-    with timed(linearised, "linprog") as spent:
+    with timed(optimize, "linprog") as spent:
         solution = linearised.solve_linearised(assembly, Drive.YIELDING, facets, True, HIGHS[solver])
     return Attempt(solution, *spent)
 
