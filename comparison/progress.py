@@ -15,6 +15,7 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene, tilt_angles
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
+LONG = 60.0  # s: a run that takes longer is announced with its time
 LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
 BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
@@ -90,8 +91,12 @@ class Narration(_Bars):
     def progress(self, scene: str, report: dict[str, Any]) -> None:
         """Show the progress of a running YADE case; its blocks come to rest again where an attempt with other settings begins.
 
-        report: as YADE's process wrote it.
+        report: as YADE's process wrote it. A long run is announced.
         """
+        if report.get("stage") == "forecast":
+            if (seconds := float(report.get("seconds") or 0.0)) >= LONG:
+                self._say(f"{scene}: YADE: {time_words(seconds)} to a plateau, longer if the blocks stick and slip")
+            return
         share = float(report.get("fraction") or 0.0)
         rests = report.get("stage") == "gravity"
         again = "another attempt, " if rests and scene in self._moved else ""
@@ -186,10 +191,15 @@ class CampaignNarration(_Bars):
         return _time_left((time.monotonic() - self._began) / (ended - self._before) * (self._total - ended))
 
 
-def _time_left(seconds: float) -> str:
+def time_words(seconds: float) -> str:
+    """Return a time in words: about 4:05 min, or about 1 h 05 min."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f", about {hours} h {minutes:02} min left" if hours else f", about {minutes}:{rest:02} min left"
+    return f"about {hours} h {minutes:02} min" if hours else f"about {minutes}:{rest:02} min"
+
+
+def _time_left(seconds: float) -> str:
+    return f", {time_words(seconds)} left"
 
 
 def bounds_words(analysis: LimitAnalysis) -> str:

@@ -66,6 +66,10 @@ class Reporter:
             line = {"stage": stage, "fraction": fraction, "settlement": settlement, "reaction": reaction, "message": message}
             self._write(f"progress {json.dumps(line)}")
 
+    def forecast(self, seconds: float) -> None:
+        """Write how long the run takes if nothing holds it up."""
+        self._write(f"progress {json.dumps({'stage': 'forecast', 'seconds': seconds})}")
+
     def done(self, status: str) -> None:
         """Write the last line."""
         self._write(f"done {status}")
@@ -92,6 +96,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     limit = derived.time_limit if options.time_limit is None else options.time_limit
     sys.path.append(find_yade())
     from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
+
+    reporter.forecast(settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived))
 
     def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))

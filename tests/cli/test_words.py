@@ -188,6 +188,12 @@ def test_progress_says_the_share_that_is_done_its_units_and_the_last_case() -> N
         for stage in ("gravity", "settlement", "gravity"):
             narration._spoke = -1e9
             narration.progress("wall", {"stage": stage})
+    console_of_long = Console(file=io.StringIO(), width=200)
+    with Narration(console_of_long) as narration:
+        for seconds in (30.0, 245.0, 7500.0):
+            narration.progress("wall", {"stage": "forecast", "seconds": seconds})
+    announced = console_of_long.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert [line.split(" to a plateau")[0] for line in announced] == ["wall: YADE: about 4:05 min", "wall: YADE: about 2 h 05 min"]
     resting = [line for line in console.file.getvalue().splitlines() if "rest" in line]  # type: ignore[attr-defined]
     assert resting == ["wall: YADE: coming to rest under gravity", "wall: YADE: another attempt, coming to rest under gravity"]
     console = Console(file=io.StringIO(), width=200)

@@ -121,6 +121,7 @@ def test_the_settlement_can_be_played(view: Browser) -> None:
     before = view.value(value)
     view.wait(f"{value} > {before}")
     view.click(button)
+    view.wait(f"document.querySelector('{button}').textContent === 'play'")  # a busy browser hears of the click later
     stopped = view.value(value)
     view.picture(CANVAS)  # two frames later
     assert view.value(value) == stopped

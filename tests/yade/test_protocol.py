@@ -11,6 +11,7 @@ from protocol_scenes import wall
 
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import read_results
+from yade_scripts import settings
 
 PARTS = ("scatter", "fit", "rate", "stiffness")
 
@@ -21,6 +22,13 @@ def test_the_stated_uncertainty_is_that_of_its_parts(name: str, cross_checked: C
     parts = [result[f"uncertainty_{part}"] for part in PARTS]
     assert all(math.isfinite(part) and part >= 0.0 for part in parts)
     assert result.uncertainty == pytest.approx(math.hypot(*parts))
+
+
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third"])
+def test_the_steps_of_a_run_are_foretold_within_a_factor_of_two(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
+    run = cross_checked(name).run
+    foretold = settings.steps_to_plateau(settings.Settings(**run.settings))
+    assert 0.5 * foretold <= run.result["steps"] <= 2.0 * foretold
 
 
 @pytest.mark.parametrize("name", ["arch_spreading", "wall_third"])
