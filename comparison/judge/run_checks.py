@@ -188,7 +188,7 @@ def _check_balance(results: Results) -> Check:
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly = analysis.assembly
-    unbalanced = assembly.contact_wrenches(run.plateau_forces()) + assembly.dead_load + _multiplier(results) * assembly.live_load
+    unbalanced = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
     free = assembly.blocks.free
     power = float(np.sum(unbalanced[free] * analysis.bounds[analysis.main].twists[free]))
     tolerance = reaction_tolerance(results)

@@ -132,6 +132,32 @@ class Run:
         stored = self._on_plateau()
         return self.poses.forces[stored if len(stored) else [-1]].mean(axis=0)
 
+    def plateau_wrenches(self, assembly: Assembly) -> np.ndarray:
+        """Return the mean wrench of the contact forces on each block over the plateau, or that of the last state without a plateau.
+
+        Parameters
+        ----------
+        assembly : Assembly
+            Model of the run, with B blocks.
+
+        Returns
+        -------
+        ndarray, shape (B, 6)
+            Force and moment about the centroid, N and N m. Blocks and contact points stand where the run has moved them: a tall block that
+            leans has other lever arms. Where a joint slides, the point is midway between its places on both blocks.
+        """
+        stored = self._on_plateau()
+        stored = stored if len(stored) else np.array([len(self.poses) - 1])
+        position, centroid, (a, b) = assembly.points.position, assembly.blocks.centroid, assembly.contact_blocks
+        states = self.poses.displacement, self.poses.rotation, self.poses.forces
+        wrenches = np.zeros((len(assembly.blocks), 6))
+        for moved, turned, forces in zip(*(values[stored] for values in states), strict=True):
+            places = [position + moved[block] + np.cross(turned[block], position - centroid[block]) for block in (a, b)]
+            for block, sign in ((a, -1.0), (b, 1.0)):
+                arm = 0.5 * (places[0] + places[1]) - centroid[block] - moved[block]
+                np.add.at(wrenches, block, sign * np.hstack([forces, np.cross(arm, forces)]) / len(stored))
+        return wrenches
+
     def mechanism(self) -> np.ndarray:
         """Return the mechanism on the plateau: the change of every block's pose per unit of support motion.
 

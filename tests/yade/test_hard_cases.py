@@ -15,6 +15,7 @@ ONCE_ENDLESS = (  # with the true inertia of every block and without regard to s
     "cube of 0.01 m on a block of 1 m", "cube of 0.001 m on a block of 1 m", "slab 100000 times as heavy above",
     "slab 100000 times as heavy below", "block 20 times as high", "block 200 times as high",
 )  # fmt: skip
+SWINGING = "block 200 times as high"  # its energies do not close to the 5 % that a verdict needs
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
 
 
@@ -70,7 +71,10 @@ def test_mixed_sizes_and_slender_blocks_come_to_their_plateau(name: str, tmp_pat
     (case,) = [case for case in CASES if case.name == name]
     found = taken(case, tmp_path, with_yade=True)
     assert found.summary is not None
-    assert (found.summary["yade"]["status"], found.summary["verdict"]) == ("plateau", "agree"), found.summary["reason"]
+    yade, prediction = found.summary["yade"], found.summary["limit_analysis"]["coulomb"]
+    assert yade["status"] == "plateau"
+    assert abs(yade["reaction"] - prediction["reaction"]) <= yade["uncertainty"] + 1e-4 * found.summary["weight"]
+    assert found.summary["verdict"] == ("inconclusive" if name == SWINGING else "agree"), found.summary["reason"]
 
 
 def test_every_quick_case_is_a_case() -> None:
