@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 
 from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
-from yade_scripts.protocol import Protocol, Status
+from yade_scripts.protocol import Protocol
+from yade_scripts.recorder import Status
 from yade_scripts.settings import CRITICAL, Settings, derive
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most

@@ -27,6 +27,8 @@ _OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise wi
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
 
 
+EARLY = 0.01  # of the reaction: largest uncertainty of a plateau that the reaction leaves; a judge would not decide by a larger one
+LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 
 
@@ -121,6 +123,31 @@ class Outcome:
 
 
 NO_OUTCOME = Outcome(*[float("nan")] * 4)
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """The best plateau so far. mark: rows and states of the record when it was fitted; asked: settlement imposed by then, m or rad.
+
+    Friction may lock a thrust in, which blocks release as they turn: by motions of second order, the later the softer the joints. The
+    reaction of the undeformed geometry is then that of a plateau which the run has left.
+    """
+
+    fit: Plateau
+    mark: tuple[int, int]
+    asked: float
+
+    def is_left(self, now: Plateau) -> bool:
+        """Whether the uncertainty has grown so much that the reaction has left this plateau."""
+        return not now.uncertainty <= LEFT * self.fit.uncertainty
+
+
+def geometry_of(case: Case, before: State, now: State) -> Geometry:
+    """Return what the geometry can do to the reaction, or the multiplier of a live load, as the structure moves between two states."""
+    slope, turning = turning_slopes(case, before, now)
+    if case.live is None:
+        return Geometry(turning, case.block_size / case.support_speed, slope)
+    return Geometry(turning / case.weight, case.block_size / largest_speed(before, now), slope / case.weight)
 
 
 def turning_slopes(case: Case, first: State, last: State) -> tuple[float, float]:

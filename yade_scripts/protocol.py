@@ -3,8 +3,7 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from enum import Enum
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from yade import Omega
@@ -12,8 +11,8 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads, set_speed
 from yade_scripts.case import Case
-from yade_scripts.plateau import Geometry, Outcome, Plateau, largest_speed, turning_slopes
-from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row
+from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
+from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
 from yade_scripts.servo import Servo, servo_of
 from yade_scripts.settings import CRITICAL, Settings
 
@@ -25,16 +24,6 @@ EARLY_POSES = 32  # between the joints' loss of strain and the first settlement 
 JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
-
-
-class Status(Enum):
-    """How a run ended, as stored in `run.h5`."""
-
-    PLATEAU = "plateau"
-    NO_PLATEAU = "no plateau"
-    COLLAPSED = "collapsed"
-    TIMEOUT = "timeout"
-    FAILED = "failed"
 
 
 @dataclass
@@ -90,6 +79,7 @@ class Protocol:
     _next_pose: float = 0.0
     _origin: float = 0.0
     _at_rest: int = 0
+    _best: Earlier | None = None
     _began: float = field(default_factory=time.monotonic)
 
     def run(self) -> None:
@@ -142,7 +132,7 @@ class Protocol:
             self._servo.start(self.record, self.model)
             full_time += self._servo.loading_time
         self._advance(math.ceil(full_time / dt), every)
-        if self._servo is None:
+        if self._servo is None and not self.record.is_cut:
             self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
         if self.record.poses[-1][0] < self.record.settlement():
             self.record.store_pose()
@@ -228,6 +218,8 @@ class Protocol:
                 self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {row.settlement:.3g}")
             elif self._is_plateau(self.plateau, settings.stop_uncertainty):
                 self._judge()
+            else:
+                self._look_back()
 
     @property
     def may_damp(self) -> bool:
@@ -236,14 +228,8 @@ class Protocol:
 
     @property
     def rattles(self) -> bool:
-        """Whether blocks jump: unbalanced forces are larger than in a quasi-static motion, on the mean of the plateau or in one jump.
-
-        A single jump may carry the structure past a state that would hold, to one that then looks steady.
-        """
-        start, rows = plateau.STARTS[0] * self.record.settlement(), self.record.settling()
-        later = [row.unbalanced for row in rows if row.settlement >= start]
-        allowed = self.settings.rattling
-        return bool(later) and (float(np.mean(later)) > allowed or max(row.unbalanced for row in rows) > JUMP * allowed)
+        """Whether blocks jump on the way to the plateau or on it."""
+        return self.record.rattles(plateau.STARTS[0], self.settings.rattling, JUMP)
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
@@ -257,24 +243,38 @@ class Protocol:
         settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
         middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
         before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
-        now = self.record.pose()
-        slope, turning = turning_slopes(self.case, before, now)
-        if self.case.live is None:
-            return plateau.fit(settlement, reaction, Geometry(turning, self.case.block_size / self.case.support_speed, slope))
-        lever = self.case.block_size / largest_speed(before, now)
-        return plateau.fit(settlement, reaction, Geometry(turning / self.case.weight, lever, slope / self.case.weight))
+        return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
+
+    def _scale(self, fit: Plateau) -> float:
+        """Return the reaction by which uncertainties are measured."""
+        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0
+        return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
-        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0
-        scale = max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
-        return not fit.creeps and fit.uncertainty <= uncertainty * scale and abs(fit.drift) <= self.settings.plateau_drift * scale
+        """Whether a fit is known well enough; one that creeps counts where its uncertainty, which holds the creep, is small."""
+        scale = self._scale(fit)
+        is_flat = (not fit.creeps or fit.uncertainty <= EARLY * scale) and fit.drift <= self.settings.plateau_drift * scale
+        return is_flat and fit.uncertainty <= uncertainty * scale
+
+    def _look_back(self) -> None:
+        """Keep the best plateau so far, and end the run where the reaction has left it."""
+        fit, best = self.plateau, self._best
+        if fit.uncertainty <= EARLY * self._scale(fit) and (best is None or fit.uncertainty < best.fit.uncertainty):
+            self._best = Earlier(fit, self.record.mark(), self.asked_settlement)
+        elif best is not None and best.is_left(fit):
+            self._judge()
 
     def _judge(self) -> None:
         """End the run: with a plateau, or without one where the curve creeps or is too noisy."""
-        fit = self.plateau = self._fit()
-        reached = self.record.settlement()
+        fit, best, ending = self._fit(), self._best, ""
+        if best is not None and best.is_left(fit):
+            fit, self.asked_settlement = best.fit, best.asked
+            ending = f"; the reaction leaves it before {self.record.settlement():.3g}"
+            self.record.cut(best.mark)
+        self.plateau, reached = fit, self.record.settlement()
         if self._is_plateau(fit, self.settings.plateau_uncertainty):
-            self._end(Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}")
+            self.plateau = replace(fit, creeps=False)
+            self._end(Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}")
         elif fit.creeps:
             self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps")
         else:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from enum import Enum
 from itertools import chain
 
 import numpy as np
@@ -12,6 +13,16 @@ from yade_scripts.case import Case
 from yade_scripts.plateau import State
 
 GRAVITY, SETTLEMENT = 0, 1
+
+
+class Status(Enum):
+    """How a run ended, as stored in `run.h5`."""
+
+    PLATEAU = "plateau"
+    NO_PLATEAU = "no plateau"
+    COLLAPSED = "collapsed"
+    TIMEOUT = "timeout"
+    FAILED = "failed"
 
 
 @dataclass(frozen=True)
@@ -84,6 +95,7 @@ class Record:
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     _rest_along: float | None = None
+    _cut: float | None = None
 
     def __post_init__(self) -> None:
         """Look up what every row needs: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
@@ -129,6 +141,17 @@ class Record:
         """Return the rows of the settlement, or of the live load."""
         return [row for row in self.rows if row.stage == SETTLEMENT]
 
+    def rattles(self, share: float, allowed: float, jump: float) -> bool:
+        """Whether blocks jump: unbalanced forces are larger than in a quasi-static motion, on the mean or in one jump.
+
+        A single jump may carry the structure past a state that would hold, to one that then looks steady.
+
+        share: of the settlement, which the mean leaves out; allowed: mean over the mean block weight; jump: a single one over that.
+        """
+        rows, start = self.settling(), share * self.settlement()
+        later = [row.unbalanced for row in rows if row.settlement >= start]
+        return bool(later) and (float(np.mean(later)) > allowed or max(row.unbalanced for row in rows) > jump * allowed)
+
     def _work_of_loads(self, moved: np.ndarray) -> float:
         """Return the work of dead loads and ties for displacements of the free blocks (F, 3), J."""
         turning = sum(float(self.case.applied_load[block, 3:] @ self.rotation(block)) for block in self._turned)
@@ -149,6 +172,8 @@ class Record:
 
         Under a live load: the mean displacement along it since `start_load`, weighted by the load on each block, m.
         """
+        if self._cut is not None:
+            return self._cut
         if self.case.live is not None:
             return 0.0 if self._rest_along is None else self._mean_place() - self._rest_along
         block, direction = self.case.leader, self._direction
@@ -207,6 +232,22 @@ class Record:
         """Store the present state, and note contacts that the case does not list."""
         self.poses.append(self.pose())
         self._note_extra_contacts()
+
+    def mark(self) -> tuple[int, int]:
+        """Store the present state, and return the numbers of rows and of states so far."""
+        if self.poses[-1][0] < self.settlement():
+            self.store_pose()
+        return len(self.rows), len(self.poses)
+
+    def cut(self, mark: tuple[int, int]) -> None:
+        """Drop what came after a mark: the run ends there."""
+        del self.rows[mark[0] :], self.poses[mark[1] :]
+        self._cut = self.rows[-1].settlement
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether the run ends at a mark."""
+        return self._cut is not None
 
     def keep_plateau(self, start: float) -> None:
         """Drop the states between rest and the settlement `start`, where the plateau begins; the last state stays."""

@@ -42,6 +42,16 @@ def test_a_slope_that_turning_explains_is_no_doubt_and_any_other_is() -> None:
     assert doubt(-SLOPE) == doubt(2.5 * SLOPE) == doubt(0.0)  # an explanation that misses by more than the slope explains nothing
 
 
+def test_a_plateau_is_left_where_the_reaction_falls_away_and_not_where_it_stays() -> None:
+    s = settlement()
+    falls = np.where(s < 0.1 * TRAVEL, REACTION, REACTION * (1.0 - ((s - 0.1 * TRAVEL) / TRAVEL) ** 2))
+    noise = autocorrelated(np.random.default_rng(0), 0.5, 1e-3 * REACTION)
+    early = s < 0.1 * TRAVEL
+    best = plateau.Earlier(fitted(s[early], falls[early] + noise[early], STIFF), (1, 1), 0.0)
+    assert best.is_left(fitted(s, falls + noise, STIFF)) and best.is_left(plateau.NONE)
+    assert not best.is_left(fitted(s, REACTION + noise, STIFF))
+
+
 def test_exact_line_is_recovered() -> None:
     s = settlement()
     fit = fitted(s, REACTION + SLOPE * s)

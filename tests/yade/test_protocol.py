@@ -8,6 +8,7 @@ import pytest
 import scenes
 from conftest import CrossChecked, Silent
 from protocol_scenes import wall
+from verdict_scenes import drawn
 
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import read_results
@@ -68,3 +69,16 @@ def test_a_wall_whose_joints_still_strain_gets_stiffer_ones_and_comes_to_its_pla
     assert run.settings["stiffening"] > 4.0
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
     assert run.uncertainty <= 0.02 * run.reaction
+
+
+@pytest.mark.slow
+@pytest.mark.yade
+def test_a_plateau_that_the_reaction_leaves_is_kept(tmp_path: Path) -> None:
+    """A wall of two leaves, friction 0.96: a thrust across it is locked in, and released as blocks turn; the reaction falls by a fifth."""
+    run_scene(drawn(64).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
+    results = read_results(tmp_path)
+    run, coulomb = results.recorded, results.analysis.coulomb
+    assert run.status == "plateau" and "the reaction leaves it" in run.result.message and coulomb is not None
+    assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
+    assert run.poses.settlement[-1] == run.record.settlement[-1] == run.result.settlement  # the record ends with the plateau
+    assert run.result.asked_settlement == pytest.approx(run.result.settlement, rel=1e-3)
