@@ -137,9 +137,9 @@ class Earlier:
     mark: tuple[int, int]
     asked: float
 
-    def is_left(self, now: Plateau) -> bool:
-        """Whether the uncertainty has grown so much that the reaction has left this plateau."""
-        return not now.uncertainty <= LEFT * self.fit.uncertainty
+    def is_left(self, now: Plateau, enough: float) -> bool:
+        """Whether the uncertainty has grown so much that the reaction has left this plateau. enough: uncertainty that is no harm."""
+        return not now.uncertainty <= max(LEFT * self.fit.uncertainty, enough)
 
 
 def geometry_of(case: Case, before: State, now: State) -> Geometry:

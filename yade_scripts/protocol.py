@@ -258,16 +258,16 @@ class Protocol:
 
     def _look_back(self) -> None:
         """Keep the best plateau so far, and end the run where the reaction has left it."""
-        fit, best = self.plateau, self._best
-        if fit.uncertainty <= EARLY * self._scale(fit) and (best is None or fit.uncertainty < best.fit.uncertainty):
+        fit, best, enough = self.plateau, self._best, EARLY * self._scale(self.plateau)
+        if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
             self._best = Earlier(fit, self.record.mark(), self.asked_settlement)
-        elif best is not None and best.is_left(fit):
+        elif best is not None and best.is_left(fit, enough):
             self._judge()
 
     def _judge(self) -> None:
         """End the run: with a plateau, or without one where the curve creeps or is too noisy."""
         fit, best, ending = self._fit(), self._best, ""
-        if best is not None and best.is_left(fit):
+        if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
             fit, self.asked_settlement = best.fit, best.asked
             ending = f"; the reaction leaves it before {self.record.settlement():.3g}"
             self.record.cut(best.mark)

@@ -48,8 +48,10 @@ def test_a_plateau_is_left_where_the_reaction_falls_away_and_not_where_it_stays(
     noise = autocorrelated(np.random.default_rng(0), 0.5, 1e-3 * REACTION)
     early = s < 0.1 * TRAVEL
     best = plateau.Earlier(fitted(s[early], falls[early] + noise[early], STIFF), (1, 1), 0.0)
-    assert best.is_left(fitted(s, falls + noise, STIFF)) and best.is_left(plateau.NONE)
-    assert not best.is_left(fitted(s, REACTION + noise, STIFF))
+    enough = plateau.EARLY * REACTION
+    assert best.is_left(fitted(s, falls + noise, STIFF), enough) and best.is_left(plateau.NONE, enough)
+    assert not best.is_left(fitted(s, REACTION + noise, STIFF), enough)
+    assert not best.is_left(fitted(s, falls + noise, STIFF), 2.0 * REACTION)  # whatever it is, so much does no harm
 
 
 def test_exact_line_is_recovered() -> None:
