@@ -164,7 +164,7 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     time_limit : float
         Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
     progress : callable
-        Receives each progress report: stage, fraction, settlement, reaction and message by name.
+        Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]

@@ -12,11 +12,5 @@ SETTINGS = (
     "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit", "stiffening", "rattling", "quick_speed", "servo_frequency",
     "servo_damping", "added_mass",
 )  # fmt: skip
-LATER_SETTINGS = (
-    "stiffening",
-    "rattling",
-    "quick_speed",
-    "servo_frequency",
-    "servo_damping",
-    "added_mass",
-)  # which runs of version 0.2.0 do not have
+# Runs of version 0.2.0 do not have these.
+LATER_SETTINGS = ("stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass")

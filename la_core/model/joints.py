@@ -22,7 +22,7 @@ TRAVEL_OVER_INSET = 0.8  # a contact sphere that slips by its inset leaves the f
 ELASTIC_SHARE = 1.0 / 300.0  # sag over the travel: elastic strain must not pass for a mechanism
 PENETRATION_OVER_RADIUS = 0.05  # a contact sphere that penetrates deeper touches away from its contact point
 SOLVER_TOLERANCE = 1e-3  # of a scale, not of an answer
-SWAY_TOLERANCE = 0.1  # of the residual, which quick motions rule: the slow sway is then right to 1 %, in a third fewer iterations
+SWAY_TOLERANCE = 0.1  # of the residual, which quick motions rule: the slow sway is then right to 1 %, in fewer iterations
 
 _ASKED = ("normal_stiffness", "shear_stiffness", "max_travel", "sphere_radius")
 

@@ -77,7 +77,7 @@ NO_BOND = dict.fromkeys(
 class Table(BaseModel):
     """A table that refuses keys it does not know and does not change once read.
 
-    `refuses` gives keys that users may expect here, each with the sentence that says why there is none.
+    `refuses` lists keys that users may try here, each with the reason for its refusal.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
