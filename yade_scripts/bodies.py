@@ -1,6 +1,5 @@
 """The case as YADE bodies: one clump per block, one sphere per contact point, and the engines that move them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,6 @@ from yade import (
     Body,
     Box,
     ForceResetter,
-    HelixEngine,
     Ig2_Box_Sphere_ScGeom,
     InsertionSortCollider,
     InteractionLoop,
@@ -21,12 +19,12 @@ from yade import (
     Omega,
     PyRunner,
     Sphere,
-    TranslationEngine,
     ViscElMat,
 )
 from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
+from yade_scripts.driving import drives_of
 from yade_scripts.faces import YadeError, faces_of
 from yade_scripts.settings import Settings, contact_damping, inertia_of
 from yade_scripts.vibration import Inertia
@@ -72,8 +70,9 @@ class Model:
         Inertia of the blocks in this run.
     loaded : tuple of int
         Blocks on which permanent forces act.
-    integrator, drive, watch : NewtonIntegrator, list of KinematicEngine or PyRunner, PyRunner
-        Engines that move the free blocks, move the supports (or set the live load, at rest until it is started), and record rows.
+    integrator, drive, calm, watch : NewtonIntegrator, list of KinematicEngine or PyRunner, PyRunner, PyRunner
+        Engines that move the free blocks, move the supports (or set the live load), damp the swing of the blocks, and record rows. The
+        live load and the damping are at rest until they are started.
     """
 
     clump: tuple[int, ...]
@@ -85,13 +84,14 @@ class Model:
     loaded: tuple[int, ...]
     integrator: NewtonIntegrator
     drive: list[KinematicEngine] | PyRunner
+    calm: PyRunner
     watch: PyRunner
 
 
-def build(case: Case, settings: Settings, watch_command: str, pull_command: str = "pass") -> Model:
+def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: str = "pass") -> Model:
     """Build the case in YADE's scene.
 
-    watch_command: Python statement that YADE repeats at every recorded row; pull_command: the same of every step of a live load only.
+    watch: Python statement that YADE repeats at every recorded row; pull, calm: those of the live load and of the damping of the swing.
     Raises YadeError when a clump does not have the mass and inertia of its block.
     """
     omega = Omega()
@@ -124,12 +124,12 @@ def build(case: Case, settings: Settings, watch_command: str, pull_command: str 
         omega.bodies[clump].state.blockedDOFs = _blocked(case, block)
     if case.displacement == "small":
         _pair(spheres.tolist(), faces.tolist())
-    integrator, drive, watch = _engines(case, settings, clumps, (watch_command, pull_command))
+    integrator, drive, calming, watching = _engines(case, settings, clumps, (watch, pull, calm))
     position = np.array([omega.bodies[clump].state.pos for clump in clumps])
     rotation = tuple(Quaternion(omega.bodies[clump].state.ori) for clump in clumps)
     loaded = np.flatnonzero(case.applied_load.any(axis=1) | case.live_load.any(axis=1) | (inertia.mass != case.mass)).tolist()
     bodies = tuple(clumps), tuple(spheres.tolist()), tuple(faces.tolist())
-    model = Model(*bodies, position, rotation, inertia, tuple(loaded), integrator, drive, watch)
+    model = Model(*bodies, position, rotation, inertia, tuple(loaded), integrator, drive, calming, watching)
     set_loads(case, model)
     return model
 
@@ -254,10 +254,10 @@ def _collider(settings: Settings, least_share: float) -> InsertionSortCollider:
 
 
 def _engines(
-    case: Case, settings: Settings, clumps: list[int], commands: tuple[str, str]
-) -> tuple[NewtonIntegrator, list[KinematicEngine] | PyRunner, PyRunner]:
-    """Set YADE's engines; the drive is at rest until its velocity is set. commands: statements that watch, and that pull."""
-    command, pull_command = commands
+    case: Case, settings: Settings, clumps: list[int], commands: tuple[str, str, str]
+) -> tuple[NewtonIntegrator, list[KinematicEngine] | PyRunner, PyRunner, PyRunner]:
+    """Set YADE's engines; the drive is at rest until its velocity is set. commands: statements that watch, pull and calm."""
+    command, pull, calm = commands
     colliders = [_collider(settings, float(case.own_inset.min() / case.inset))] if case.displacement == "finite" else []
     contacts = InteractionLoop(
         [Ig2_Box_Sphere_ScGeom(), *([Ig2_Sphere_Polyhedra_ScGeom()] if Ig2_Sphere_Polyhedra_ScGeom else [])],
@@ -265,36 +265,12 @@ def _engines(
         [Law2_ScGeom_ViscElPhys_Basic()],
     )
     integrator = NewtonIntegrator(gravity=case.gravity, damping=settings.gravity_damping)
-    drive = drives_of(case, clumps) if case.live is None else PyRunner(command=pull_command, iterPeriod=1, initRun=False, dead=True)
+    drive = drives_of(case, clumps) if case.live is None else PyRunner(command=pull, iterPeriod=1, initRun=False, dead=True)
+    calming = PyRunner(command=calm, iterPeriod=1, initRun=False, dead=True)
     watch = PyRunner(command=command, iterPeriod=1, initRun=False)
     clock = PyRunner(command=command, realPeriod=settings.time_limit, initRun=False)  # watches, however many steps lie between two rows
     omega = Omega()
     driving = drive if isinstance(drive, list) else [drive]
-    omega.engines = [ForceResetter(), *colliders, contacts, *driving, integrator, watch, clock]
+    omega.engines = [ForceResetter(), *colliders, contacts, *driving, calming, integrator, watch, clock]
     omega.dt = settings.time_step
-    return integrator, drive, watch
-
-
-def drives_of(case: Case, clumps: Sequence[int]) -> list[KinematicEngine]:
-    """Return an engine for each distinct motion of supports, in the order of `Case.motions`. clumps: of all blocks."""
-    alike = [np.flatnonzero((case.support_twists == twist).all(axis=1)).tolist() for twist in case.motions]
-    return [_drive(twist, [clumps[block] for block in blocks]) for twist, blocks in zip(case.motions, alike, strict=True)]
-
-
-def _drive(twist: np.ndarray, ids: list[int]) -> KinematicEngine:
-    """Return the engine that moves clumps along a twist (6,): a translation, or a screw about its axis."""
-    velocity, spin = twist[:3], twist[3:]
-    if not spin.any():
-        return TranslationEngine(ids=ids, translationAxis=velocity / np.linalg.norm(velocity), velocity=0.0)
-    rate = float(np.linalg.norm(spin))
-    return HelixEngine(ids=ids, rotationAxis=spin / rate, zeroPoint=np.cross(spin, velocity) / rate**2, rotateAroundZero=True)
-
-
-def set_speed(case: Case, drives: list[KinematicEngine], speed: float) -> None:
-    """Move the supports with `speed` times their unit twists from the next step on."""
-    for drive, twist in zip(drives, case.motions, strict=True):
-        if rate := float(np.linalg.norm(twist[3:])):
-            drive.angularVelocity = speed * rate
-            drive.linearVelocity = speed * float(twist[:3] @ twist[3:]) / rate
-        else:
-            drive.velocity = speed * float(np.linalg.norm(twist[:3]))
+    return integrator, drive, calming, watch

@@ -9,11 +9,11 @@ import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
-from yade_scripts.bodies import Model, set_loads, set_speed
+from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
+from yade_scripts.driving import Servo, SwingDamper, servo_of, set_speed, swing_damper
 from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
-from yade_scripts.servo import Servo, servo_of
 from yade_scripts.settings import CRITICAL, Settings
 
 ROWS_BETWEEN_FITS = 20
@@ -71,6 +71,7 @@ class Protocol:
     error: BaseException | None = None
     steps: int = 0
     _servo: Servo | None = None
+    _damper: SwingDamper | None = None
     _stage: int = GRAVITY
     _speed: float = 0.0
     _start_time: float = 0.0
@@ -88,6 +89,8 @@ class Protocol:
         if settings.wedging > 0.0:
             self._wedge()
         longest = math.ceil(settings.gravity_time / dt)
+        self._start_time = Omega().time
+        self._load(0.0)
         self._advance(longest, max(1, longest // GRAVITY_ROWS))
         if self.status is None and self._at_rest < ROWS_AT_REST:
             last = self.record.rows[-1]
@@ -113,13 +116,15 @@ class Protocol:
         set_speed(self.case, self.model.drive, -settings.speed)
         self._advance(steps, steps + 1)
         set_speed(self.case, self.model.drive, 0.0)
-        set_loads(self.case, self.model)
         self.asked_settlement = -settings.speed * steps * settings.time_step
 
     def _settle(self) -> None:
         settings, dt = self.settings, self.settings.time_step
         self.model.integrator.damping = 0.0
         self._stage, self._start_time = SETTLEMENT, max(Omega().time, self._end_time)
+        if settings.swing_damping > 0.0:
+            self._damper = swing_damper(self.case, settings, self.model.inertia, self.record.states)
+            self.model.calm.iterPeriod, self.model.calm.dead = self._damper.every, False
         self._last_time = self._start_time
         self._next_pose = FIRST_POSE * settings.max_travel / settings.poses / max(settings.stiffening, 1.0)
         self._origin = self.asked_settlement
@@ -139,13 +144,26 @@ class Protocol:
 
     def pull(self) -> None:
         """Set the multiplier of the live load. Runs in YADE's thread, as `watch` does."""
-        if self._servo is None or self.error is not None:
-            return
-        try:
-            set_loads(self.case, self.model, multiplier=self._servo.measured(Omega().time - self._start_time, self.record))
-        except BaseException as error:
-            self.error = error
-            self._pause()
+        if self._servo is not None:
+            self._guarded(self._pull)
+
+    def _pull(self) -> None:
+        assert self._servo is not None
+        set_loads(self.case, self.model, multiplier=self._servo.measured(Omega().time - self._start_time, self.record))
+
+    def calm(self) -> None:
+        """Damp the swing of the blocks. Runs in YADE's thread, as `watch` does."""
+        if self._damper is not None:
+            self._guarded(self._damper.damp)
+
+    def _guarded(self, act: Callable[[], None]) -> None:
+        """Act in YADE's thread: an exception is kept, and ends the stage."""
+        if self.error is None:
+            try:
+                act()
+            except BaseException as error:
+                self.error = error
+                self._pause()
 
     def _travelled(self, row: Row) -> float:
         """Return what the travel limits: the motion of the supports, or the displacement of the fastest block under a live load."""
@@ -188,8 +206,15 @@ class Protocol:
         elif time.monotonic() - self._began > self.settings.time_limit:
             self._end(Status.TIMEOUT, f"time limit of {self.settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}")
 
+    def _load(self, elapsed: float) -> bool:
+        """Let the weights act, `elapsed` seconds after the start of their ramp; return whether they still grow."""
+        ramp = self.settings.gravity_ramp
+        set_loads(self.case, self.model, _ramp(elapsed, ramp))
+        return elapsed < ramp
+
     def _watch_gravity(self, row: Row) -> None:
-        rests = row.unbalanced < self.settings.rest_unbalanced and row.kinetic_energy < self.settings.rest_energy
+        loading = self._load(row.time - self._start_time)
+        rests = not loading and row.unbalanced < self.settings.rest_unbalanced and row.kinetic_energy < self.settings.rest_energy
         self._at_rest = self._at_rest + 1 if rests else 0
         fraction = math.log(max(row.unbalanced, 1e-300)) / math.log(self.settings.rest_unbalanced)
         self.progress("gravity", min(1.0, max(0.0, fraction)), 0.0, row.reaction, "")
@@ -233,9 +258,7 @@ class Protocol:
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
-        ramp = self.settings.ramp_time
-        share = 0.5 - 0.5 * math.cos(math.pi * elapsed / ramp) if elapsed < ramp else 1.0
-        self._speed = share * self.settings.speed
+        self._speed = _ramp(elapsed, self.settings.ramp_time) * self.settings.speed
         set_speed(self.case, self.model.drive, self._speed)
 
     def _fit(self) -> Plateau:
@@ -297,3 +320,8 @@ class Protocol:
         else:
             self.outcome = self._outcome()
         self.status, self.message = status, message
+
+
+def _ramp(elapsed: float, duration: float) -> float:
+    """Return the share of a cosine ramp, `elapsed` seconds after its start."""
+    return 0.5 - 0.5 * math.cos(math.pi * elapsed / duration) if elapsed < duration else 1.0

@@ -101,7 +101,7 @@ class Record:
         """Look up what every row needs: clumps of free blocks and supports, their states (YADE updates them in place), constants."""
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
-        self._states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
+        self.states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
         self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
         self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
@@ -112,7 +112,7 @@ class Record:
 
     def read_row(self, stage: int) -> Row:
         """Read the present instant from YADE, add it to the rows and return it. stage: GRAVITY or SETTLEMENT."""
-        case, omega, states = self.case, Omega(), self._states
+        case, omega, states = self.case, Omega(), self.states
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
         vectors = _array(chain(*read)).reshape(len(read), -1, 3)
         vectors[2] -= self._rest
@@ -201,7 +201,7 @@ class Record:
 
     def along(self, name: str) -> np.ndarray:
         """Return positions ("pos", m) or velocities ("vel", m/s) of the free blocks along the live load."""
-        along: np.ndarray = _array(getattr(state, name) for state in self._states) @ self.case.live
+        along: np.ndarray = _array(getattr(state, name) for state in self.states) @ self.case.live
         return along
 
     def _mean_place(self) -> float:

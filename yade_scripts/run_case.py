@@ -101,9 +101,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
 
     def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
-        model = bodies.build(one, left, "watch()", "pull()")
+        model = bodies.build(one, left, "watch()", "pull()", "calm()")
         made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress)
-        _expose(watch=made.watch, pull=made.pull)
+        _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()
         made.settings = dataclasses.replace(chosen, time_limit=limit)
         return made

@@ -25,11 +25,12 @@ STIFFENING = (
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
+GRAVITY_RAMP_PERIODS = 10.0  # over which the weights grow: at once, they would shake the blocks past their friction
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
     ("damping_ratio", "normal_damping", "shear_damping", "shear_stiffness", "gravity_damping", "ramp_time", "wedging", "quick_speed",
-     "added_mass")
+     "added_mass", "swing_damping", "gravity_ramp")
 )  # fmt: skip
 _SHARES = frozenset(("gravity_damping", "rest_unbalanced"))
 
@@ -52,6 +53,7 @@ class Settings:
     ramp_time: float  # s, duration of the cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
+    gravity_ramp: float  # s, duration of the cosine ramp of weights and dead loads
     gravity_time: float  # s, longest time to come to rest
     rest_unbalanced: float  # unbalanced force over the mean block weight that counts as rest
     rest_energy: float  # J, kinetic energy that counts as rest
@@ -71,6 +73,7 @@ class Settings:
     servo_frequency: float  # of the servo of a live load, over the frequency of the structure as it sags under its weights
     servo_damping: float  # damping ratio of that servo
     added_mass: float  # share of the free blocks' mass that the inertia of the fastest blocks gains; 0 for their true inertia
+    swing_damping: float  # damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none
 
 
 def derive(case: Case) -> Settings:
@@ -99,7 +102,7 @@ def derive(case: Case) -> Settings:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
     set_default(**{"stiffening": stiffening, "max_travel": case.travel})
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05)
+    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.5)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
@@ -118,6 +121,7 @@ def derive(case: Case) -> Settings:
     set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
+    set_default(gravity_ramp=GRAVITY_RAMP_PERIODS * period)
     set_default(gravity_time=GRAVITY_PERIODS * period)
     set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))

@@ -10,7 +10,9 @@ SETTINGS = (
     "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_time", "rest_unbalanced",
     "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
     "stop_uncertainty", "reaction_floor", "settings_uncertainty", "time_limit", "stiffening", "rattling", "quick_speed", "servo_frequency",
-    "servo_damping", "added_mass",
+    "servo_damping", "added_mass", "swing_damping", "gravity_ramp",
 )  # fmt: skip
 # Runs of version 0.2.0 do not have these.
-LATER_SETTINGS = ("stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass")
+LATER_SETTINGS = (
+    "stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping", "gravity_ramp",
+)  # fmt: skip

@@ -23,7 +23,7 @@ def measure(path: Path, steps: int, profile: bool) -> dict:
         run_case.load_package(package)
     sys.path.append(run_case.find_yade())
     from la_core import exchange
-    from yade_scripts import bodies, case, recorder, settings
+    from yade_scripts import bodies, case, driving, recorder, settings
 
     began = time.process_time()
     one = case.from_fields(exchange.read(path, exchange.CASE_FIELDS))
@@ -32,7 +32,7 @@ def measure(path: Path, steps: int, profile: bool) -> dict:
     model.watch.dead = True
     built = time.process_time() - began
     omega = bodies.Omega()
-    bodies.set_speed(one, model.drive, chosen.speed)
+    driving.set_speed(one, model.drive, chosen.speed)
     omega.run(steps, True)  # warm: contacts are found, springs loaded
     omega.timingEnabled = profile
     step = min(timed(lambda: omega.run(steps, True)) for _ in range(REPEATS)) / steps

@@ -21,7 +21,7 @@ for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
 sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
-from yade_scripts import bodies, case, protocol, recorder, settings  # noqa: E402
+from yade_scripts import bodies, case, driving, protocol, recorder, settings  # noqa: E402
 
 
 @dataclass
@@ -62,7 +62,7 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
     model, omega = bodies.build(one, run.settings, "watch()"), bodies.Omega()
 
     def watch() -> None:
-        bodies.set_speed(one, model.drive, left.pop())
+        driving.set_speed(one, model.drive, left.pop())
         model.watch.dead = not left
 
     sys.modules["__main__"].__dict__["watch"] = watch
@@ -70,7 +70,7 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
     began = time.process_time()
     omega.run(run.rested, True)
     model.integrator.damping = 0.0
-    bodies.set_speed(one, model.drive, speeds[0])
+    driving.set_speed(one, model.drive, speeds[0])
     model.watch.dead, model.watch.iterPeriod = not left, run.model.watch.iterPeriod
     omega.run(steps - run.rested, True)
     return time.process_time() - began

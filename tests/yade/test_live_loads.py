@@ -22,7 +22,7 @@ from la_core.analysis.case_file import read_case
 from la_core.limit import Drive
 from la_core.measures import residuals
 from la_core.scene import Scene
-from yade_scripts.servo import Servo
+from yade_scripts.driving.servo import Servo
 
 INSET = 1e-3  # m
 PER_MILLE = 1e-3  # what closed forms are met to

@@ -1,0 +1,83 @@
+"""Damp the swing of the blocks about their steady motion, without a force on the motion itself.
+
+Friction that does not dilate feeds energy into the swing of some structures (flutter): it grows until blocks stick and slip. A sliding
+joint has no dashpot along its face, so the contacts cannot hold such a swing; a drag on the blocks can, but it would brake the steady
+motion, too. So the drag here acts on what a block's velocity differs from its own mean of the last moments. Over a steady motion the
+mean difference vanishes, and with it the mean drag: the balance of weights, reaction and contact forces is untouched.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from yade_scripts.case import Case
+from yade_scripts.settings import Settings
+from yade_scripts.vibration import Inertia
+
+MEAN_PERIODS = 1.0  # periods of the sag over which the mean velocity is taken; a slow motion feels the drag as inertia of this duration
+EVERY = 1.0  # over the frequency of the sag (rad/s): time from one damping to the next
+
+
+@dataclass
+class SwingDamper:
+    """The damper of F free blocks.
+
+    Attributes
+    ----------
+    states : sequence
+        State of each block in YADE.
+    turns_by_momentum : bool
+        Whether YADE turns the blocks by their angular momentum, as in space; in the plane it turns them by their velocity.
+    inertia : np.ndarray
+        Moment of inertia (F, 3, 3) about the centroid in global axes, kg m2.
+    share : float
+        Share of the difference from the mean velocity that one damping takes away.
+    renewed : float
+        Share of the mean velocity that one damping renews.
+    every : int
+        Time steps from one damping to the next.
+    """
+
+    states: Sequence[Any]
+    turns_by_momentum: bool
+    inertia: np.ndarray
+    share: float
+    renewed: float
+    every: int
+    _mean: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def damp(self) -> None:
+        """Bring the velocities of all blocks nearer to their means.
+
+        A velocity that is scaled down loses energy whatever its phase, so this is stable however long the interval is.
+        """
+        pairs = [(state.vel, state.angVel) for state in self.states]
+        velocities = np.array([(v[0], v[1], v[2], w[0], w[1], w[2]) for v, w in pairs])
+        change = self.changes(velocities)
+        damped = (velocities + change).tolist()
+        for state, new in zip(self.states, damped, strict=True):
+            state.vel, state.angVel = new[:3], new[3:]
+        if self.turns_by_momentum:
+            momentum = np.einsum("bij,bj->bi", self.inertia, change[:, 3:]).tolist()
+            for state, more in zip(self.states, momentum, strict=True):
+                state.angMom = [before + extra for before, extra in zip(state.angMom, more, strict=True)]
+
+    def changes(self, velocities: np.ndarray) -> np.ndarray:
+        """Return what to add to velocities (F, 6), m/s and rad/s, and renew their means."""
+        if len(self._mean) == 0:
+            self._mean = np.zeros_like(velocities)
+        self._mean += self.renewed * (velocities - self._mean)
+        return self.share * (self._mean - velocities)
+
+
+def swing_damper(case: Case, settings: Settings, inertia: Inertia, states: Sequence[Any]) -> SwingDamper:
+    """Return the damper of a run with these settings, for the YADE states of the free blocks."""
+    sag = case.sag * case.normal_stiffness / settings.normal_stiffness
+    frequency = math.sqrt(float(np.linalg.norm(case.gravity)) / sag)
+    every = max(1, int(EVERY / (frequency * settings.time_step)))
+    elapsed = frequency * every * settings.time_step  # rad
+    share, renewed = (1.0 - math.exp(-rate * elapsed) for rate in (2.0 * settings.swing_damping, 1.0 / (2.0 * math.pi * MEAN_PERIODS)))
+    return SwingDamper(states, not case.plane, inertia.tensor[case.free], share, renewed, every)
