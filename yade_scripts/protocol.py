@@ -3,16 +3,16 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-import numpy as np
 from yade import Omega
 
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.driving import Servo, SwingDamper, servo_of, set_speed, swing_damper
-from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
+from yade_scripts.plateau import Outcome, Plateau
+from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings
 
@@ -22,7 +22,6 @@ GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
 EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
 JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
-STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
 
 
@@ -46,10 +45,6 @@ class Protocol:
         How the run ended; None while it runs.
     message : str
         Why it ended, as a phrase.
-    plateau : Plateau
-        The last fit; NaN where there is none.
-    outcome : Outcome
-        Reaction of the plateau with the parts of its uncertainty; NaN where there is no plateau.
     asked_settlement : float
         Settlement imposed so far, m or rad.
     error : BaseException or None
@@ -65,8 +60,6 @@ class Protocol:
     progress: Progress
     status: Status | None = None
     message: str = ""
-    plateau: Plateau = plateau.NONE
-    outcome: Outcome = field(default_factory=lambda: plateau.NO_OUTCOME)
     asked_settlement: float = 0.0
     error: BaseException | None = None
     steps: int = 0
@@ -80,8 +73,21 @@ class Protocol:
     _next_pose: float = 0.0
     _origin: float = 0.0
     _at_rest: int = 0
-    _best: Earlier | None = None
     _began: float = field(default_factory=time.monotonic)
+
+    def __post_init__(self) -> None:
+        """Begin without a plateau."""
+        self.search = PlateauSearch(self.case, self.settings, self.record)
+
+    @property
+    def plateau(self) -> Plateau:
+        """The last fit; NaN where there is none."""
+        return self.search.plateau
+
+    @property
+    def outcome(self) -> Outcome:
+        """Reaction of the plateau with the parts of its uncertainty; NaN where there is no plateau."""
+        return self.search.outcome
 
     def run(self) -> None:
         """Run both stages; afterwards `status`, `message` and `plateau` say how it ended. Re-raises an exception of `watch`."""
@@ -238,13 +244,11 @@ class Protocol:
         if self._servo is not None and travelled >= settings.max_travel:
             self._judge()
         elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
-            self.plateau = self._fit()
+            may_end = self.search.look(self.asked_settlement)
             if self.may_damp and self.rattles:
                 self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {row.settlement:.3g}")
-            elif self._is_plateau(self.plateau, settings.stop_uncertainty):
+            elif may_end:
                 self._judge()
-            else:
-                self._look_back()
 
     @property
     def may_damp(self) -> bool:
@@ -261,64 +265,14 @@ class Protocol:
         self._speed = _ramp(elapsed, self.settings.ramp_time) * self.settings.speed
         set_speed(self.case, self.model.drive, self._speed)
 
-    def _fit(self) -> Plateau:
-        rows = self.record.settling()
-        settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
-        middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
-        before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
-        return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
-
-    def _scale(self, fit: Plateau) -> float:
-        """Return the reaction by which uncertainties are measured."""
-        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY) if self._servo is None else 1.0
-        return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
-
-    def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
-        """Whether a fit is known well enough; one that creeps counts where its uncertainty, which holds the creep, is small."""
-        scale = self._scale(fit)
-        is_flat = (not fit.creeps or fit.uncertainty <= EARLY * scale) and fit.drift <= self.settings.plateau_drift * scale
-        return is_flat and fit.uncertainty <= uncertainty * scale
-
-    def _look_back(self) -> None:
-        """Keep the best plateau so far, and end the run where the reaction has left it."""
-        fit, best, enough = self.plateau, self._best, EARLY * self._scale(self.plateau)
-        if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
-            self._best = Earlier(fit, self.record.mark(), self.asked_settlement)
-        elif best is not None and best.is_left(fit, enough):
-            self._judge()
-
     def _judge(self) -> None:
-        """End the run: with a plateau, or without one where the curve creeps or is too noisy."""
-        fit, best, ending = self._fit(), self._best, ""
-        if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
-            fit, self.asked_settlement = best.fit, best.asked
-            ending = f"; the reaction leaves it before {self.record.settlement():.3g}"
-            self.record.cut(best.mark)
-        self.plateau, reached = fit, self.record.settlement()
-        if self._is_plateau(fit, self.settings.plateau_uncertainty):
-            self.plateau = replace(fit, creeps=False)
-            self._end(Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}")
-        elif fit.creeps:
-            self._end(Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps")
-        else:
-            share = fit.uncertainty / abs(fit.reaction) if fit.reaction else math.nan
-            self._end(Status.NO_PLATEAU, f"the travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself")
-
-    def _outcome(self) -> Outcome:
-        """Return the reaction of the plateau with the parts of its uncertainty; no value where the curve creeps or has no fit."""
-        fit, settings = self.plateau, self.settings
-        if fit.creeps or not math.isfinite(fit.reaction):
-            return plateau.NO_OUTCOME
-        sag = self.case.sag * self.case.normal_stiffness / settings.normal_stiffness
-        strain = STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
-        stiffness = math.hypot(fit.from_strain, strain * fit.reaction, settings.settings_uncertainty * fit.reaction)
-        return Outcome(fit.reaction, fit.from_scatter, fit.from_fit, stiffness)
+        """End the run: with a plateau, or without one."""
+        status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
+        self._end(status, message)
 
     def _end(self, status: Status, message: str) -> None:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):
-            self.plateau = plateau.NONE
-        else:
-            self.outcome = self._outcome()
+            self.search.plateau = plateau.NONE
         self.status, self.message = status, message
 
 

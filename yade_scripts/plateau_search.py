@@ -1,0 +1,101 @@
+"""Look for the plateau in the record of a run: while it goes on, and at its end."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yade_scripts import plateau
+from yade_scripts.case import Case
+from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
+from yade_scripts.recorder import GRAVITY, Record, Status
+from yade_scripts.settings import Settings
+
+STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
+
+
+@dataclass
+class PlateauSearch:
+    """What the record of a run says about its plateau.
+
+    Attributes
+    ----------
+    case : Case
+        The case that runs.
+    settings : Settings
+        Every setting of the run.
+    record : Record
+        Rows and poses so far.
+    plateau : Plateau
+        The last fit; NaN where there is none.
+    """
+
+    case: Case
+    settings: Settings
+    record: Record
+    plateau: Plateau = plateau.NONE
+    _best: Earlier | None = None
+
+    def look(self, asked: float) -> bool:
+        """Fit the record so far, and return whether the run may end: the plateau is known, or the reaction has left the best one.
+
+        asked: settlement imposed so far, m or rad.
+        """
+        self.plateau = fit = self._fit()
+        if self._is_plateau(fit, self.settings.stop_uncertainty):
+            return True
+        best, enough = self._best, EARLY * self._scale(fit)
+        if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
+            self._best = Earlier(fit, self.record.mark(), asked)
+            return False
+        return best is not None and best.is_left(fit, enough)
+
+    def ended(self, asked: float) -> tuple[Status, str, float]:
+        """Return how the run ends, why, and at which imposed settlement (m or rad): with a plateau, or on a curve that creeps or is noisy.
+
+        Where the reaction has left the best plateau, the record is cut there. asked: settlement imposed so far.
+        """
+        fit, best, ending = self._fit(), self._best, ""
+        if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
+            fit, asked = best.fit, best.asked
+            ending = f"; the reaction leaves it before {self.record.settlement():.3g}"
+            self.record.cut(best.mark)
+        self.plateau, reached = fit, self.record.settlement()
+        if self._is_plateau(fit, self.settings.plateau_uncertainty):
+            self.plateau = replace(fit, creeps=False)
+            return Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}", asked
+        if fit.creeps:
+            return Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps", asked
+        share = fit.uncertainty / abs(fit.reaction) if fit.reaction else math.nan
+        message = f"the travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself"
+        return Status.NO_PLATEAU, message, asked
+
+    @property
+    def outcome(self) -> Outcome:
+        """Reaction of the plateau with the parts of its uncertainty; no value where the curve creeps or has no fit."""
+        fit, settings = self.plateau, self.settings
+        if fit.creeps or not math.isfinite(fit.reaction):
+            return plateau.NO_OUTCOME
+        sag = self.case.sag * self.case.normal_stiffness / settings.normal_stiffness
+        strain = STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
+        stiffness = math.hypot(fit.from_strain, strain * fit.reaction, settings.settings_uncertainty * fit.reaction)
+        return Outcome(fit.reaction, fit.from_scatter, fit.from_fit, stiffness)
+
+    def _fit(self) -> Plateau:
+        rows = self.record.settling()
+        settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
+        middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
+        before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
+        return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
+
+    def _scale(self, fit: Plateau) -> float:
+        """Return the reaction by which uncertainties are measured."""
+        rest = (row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
+        at_rest = next(rest) if self.case.live is None else 1.0
+        return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
+
+    def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
+        """Whether a fit is known well enough; one that creeps counts where its uncertainty, which holds the creep, is small."""
+        scale = self._scale(fit)
+        is_flat = (not fit.creeps or fit.uncertainty <= EARLY * scale) and fit.drift <= self.settings.plateau_drift * scale
+        return is_flat and fit.uncertainty <= uncertainty * scale
