@@ -52,10 +52,11 @@ UNITS = {  # by unit: keys whose own names are clear, with as much of their path
     "N s/m": "yade.normal_damping yade.shear_damping",
     "m/s or rad/s": "yade.speed",
     "m/s": "yade.fall_speed",
-    "s": "yade.time_step yade.ramp_time yade.gravity_time yade.time_limit",
+    "s": "yade.time_step yade.ramp_time yade.gravity_ramp yade.gravity_time yade.time_limit",
     "J": "yade.rest_energy",
     "periods": "yade.travel_periods",
     "-": "yade.damping_ratio yade.stiffening yade.quick_speed yade.rattling yade.servo_frequency yade.servo_damping yade.added_mass "
+    "yade.swing_damping "
     "yade.time_step_share yade.gravity_damping yade.rest_unbalanced yade.plateau_uncertainty yade.plateau_drift "
     "yade.stop_uncertainty yade.reaction_floor yade.settings_uncertainty zone.ratio",
 }
