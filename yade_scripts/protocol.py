@@ -186,7 +186,7 @@ class Protocol:
         if self.status is not None or self.error is not None:
             return
         try:
-            row = self.record.read_row(self._stage)
+            row = self.record.read_row(self._stage, self._damper.taken if self._damper is not None else 0.0)
             self._stop_if_lost(row)
             if self.status is None:
                 (self._watch_gravity if self._stage == GRAVITY else self._watch_settlement)(row)

@@ -43,6 +43,8 @@ class Row:
         Force and moment about the origin (6,) of the supports on the structure, N and N m.
     kinetic_energy : float
         Kinetic energy of the free blocks with their inertia of this run, J.
+    damped_energy : float
+        Energy that the damping of the blocks' swing has taken so far, J.
     unbalanced : float
         Largest unbalanced force over the mean block weight.
     speed : float
@@ -59,6 +61,7 @@ class Row:
     reaction: float
     support_wrench: np.ndarray
     kinetic_energy: float
+    damped_energy: float
     unbalanced: float
     speed: float
     weight_work: float
@@ -110,8 +113,11 @@ class Record:
             self._leads = bodies[self.model.clump[case.leader]].state
             self._direction = twist[3:] if case.is_rotation else twist[:3] + np.cross(twist[3:], case.centroid[case.leader])
 
-    def read_row(self, stage: int) -> Row:
-        """Read the present instant from YADE, add it to the rows and return it. stage: GRAVITY or SETTLEMENT."""
+    def read_row(self, stage: int, damped_energy: float = 0.0) -> Row:
+        """Read the present instant from YADE, add it to the rows and return it.
+
+        stage: GRAVITY or SETTLEMENT; damped_energy: what the damping of the swing has taken so far, J.
+        """
         case, omega, states = self.case, Omega(), self.states
         read = [(s.vel for s in states), (s.angVel for s in states), (s.pos for s in states), map(omega.forces.f, self._clumps)]
         vectors = _array(chain(*read)).reshape(len(read), -1, 3)
@@ -129,6 +135,7 @@ class Record:
             reaction=-float(np.sum(case.support_twists[case.supports] * wrenches)) if case.live is None else self.multiplier(),
             support_wrench=wrenches.sum(axis=0),
             kinetic_energy=0.5 * float(self._inert_mass @ squares[0] + rotational),
+            damped_energy=damped_energy,
             unbalanced=unbalanced / case.block_weight,
             speed=speed,
             weight_work=float(self._mass @ (moved @ case.gravity)) + self._work_of_loads(moved),

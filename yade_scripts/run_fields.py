@@ -48,7 +48,7 @@ def kinetic_ratio(run: Protocol) -> float:
 
 
 def _rows(rows: list[Row]) -> dict[str, Any]:
-    names = ("stage", "time", "settlement", "reaction", "kinetic_energy", "unbalanced")
+    names = ("stage", "time", "settlement", "reaction", "kinetic_energy", "damped_energy", "unbalanced")
     wrenches = np.array([row.support_wrench for row in rows]).reshape(-1, 6)
     return {f"record/{name}": np.array([getattr(row, name) for row in rows]) for name in names} | {"record/support_wrench": wrenches}
 

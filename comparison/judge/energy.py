@@ -32,7 +32,7 @@ class EnergyAudit:
     kinetic, elastic : float
         Change of the stored kinetic and elastic energy, J.
     friction, viscous : float
-        Energy taken along the joints and across them, J.
+        Energy taken along the joints, and by damping: across the joints and from the swing of the blocks, J.
     turnover : float
         Sum of the absolute work of the weights on each block and of the support, J.
     """
@@ -72,13 +72,14 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
     else:
         support = _support_work(run, settlement)
     dissipated, stored = _dissipated(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)
+    damped = float(np.diff(np.interp(settlement[[0, -1]], *_series(run, "damped_energy")))[0]) if len(run.record.damped_energy) else 0.0
     return EnergyAudit(
         weights=float(by_block.sum()),
         support=support,
         kinetic=float(np.diff(np.interp(settlement[[0, -1]], *_series(run, "kinetic_energy")))[0]),
         elastic=float(stored.sum()),
         friction=float(dissipated[1] - stored[1]),
-        viscous=float(dissipated[0] - stored[0]),
+        viscous=float(dissipated[0] - stored[0]) + damped,
         turnover=float(np.abs(by_block).sum()) + abs(support),
     )
 

@@ -1,6 +1,6 @@
 """The parts of the record of a YADE run: how it ended, its series over time and its stored states."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -97,6 +97,8 @@ class RunSeries(_Series):
         Kinetic energy of the free blocks (T,), J.
     unbalanced : np.ndarray
         Largest unbalanced force over the mean block weight (T,).
+    damped_energy : np.ndarray
+        Energy that the damping of the blocks' swing has taken so far (T,), J; empty in runs of version 0.2.0.
     """
 
     stage: np.ndarray
@@ -106,6 +108,7 @@ class RunSeries(_Series):
     support_wrench: np.ndarray
     kinetic_energy: np.ndarray
     unbalanced: np.ndarray
+    damped_energy: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.stage)

@@ -181,8 +181,8 @@ def read_run(path: Path, assembly: Assembly) -> Run:
 
     assembly: the one that the run was made from, whose numbers of blocks and contact points are checked.
     """
-    parts = () if exchange.holds(path, exchange.UNCERTAINTY_PARTS[0].path) else exchange.UNCERTAINTY_PARTS
-    data = exchange.read(path, tuple(field for field in exchange.RUN_FIELDS if field not in parts))
+    missing = [field for field in exchange.LATER_RUN_FIELDS if not exchange.holds(path, field.path)]
+    data = exchange.read(path, tuple(field for field in exchange.RUN_FIELDS if field not in missing))
     groups: dict[str, dict[str, Any]] = {}
     for field_path, value in data.items():
         group, name = field_path.split("/")

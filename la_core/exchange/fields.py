@@ -183,6 +183,8 @@ UNCERTAINTY_PARTS = (
     Field("result/uncertainty_rate", "f8", (), "N or N m", "part of the uncertainty: difference from a quicker attempt; NaN without one"),
     Field("result/uncertainty_stiffness", "f8", (), "N or N m", "part of the uncertainty: strain of the joints, and settings"),
 )
+DAMPED_ENERGY = Field("record/damped_energy", "f8", ("T",), "J", "energy that the damping of the blocks' swing has taken so far")
+LATER_RUN_FIELDS = (*UNCERTAINTY_PARTS, DAMPED_ENERGY)  # runs of version 0.2.0 do not have these
 # Dimensions besides those above: T recorded rows, P stored poses, E contacts YADE found and the case does not list.
 RUN_FIELDS = (
     Field("result/status", "str", (), "", "plateau, no plateau, collapsed, timeout or failed"),
@@ -217,6 +219,7 @@ RUN_FIELDS = (
     ),
     Field("record/support_wrench", "f8", ("T", 6), "N, N m", "force and moment (about the origin) of supports on the structure"),
     Field("record/kinetic_energy", "f8", ("T",), "J", "kinetic energy of the free blocks"),
+    DAMPED_ENERGY,
     Field("record/unbalanced", "f8", ("T",), "-", "largest unbalanced force over the mean free-block weight"),
     Field("poses/settlement", "f8", ("P",), "m or rad", "support motion of each stored state; the first is rest under gravity"),
     Field("poses/displacement", "f8", ("P", "B", 3), "m", "displacement of the centroid from the case's geometry"),

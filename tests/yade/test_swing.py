@@ -7,6 +7,7 @@ import pytest
 
 from yade_scripts.driving import SwingDamper
 
+MASS = np.array([5.0])
 INERTIA = np.diag([2.0, 3.0, 4.0])[None]
 
 
@@ -20,7 +21,7 @@ class State:
 
 
 def damper(state: State, by_momentum: bool = True) -> SwingDamper:
-    return SwingDamper([state], by_momentum, INERTIA, share=0.5, renewed=0.2, every=1)
+    return SwingDamper([state], by_momentum, INERTIA, share=0.5, renewed=0.2, every=1, mass=MASS)
 
 
 def test_a_steady_motion_is_not_braked() -> None:
@@ -55,11 +56,16 @@ def test_energy_about_the_mean_only_falls() -> None:
     one = damper(state)
     for _ in range(50):
         state.vel, state.angVel = random.standard_normal(3).tolist(), random.standard_normal(3).tolist()
-        before = np.array([*state.vel, *state.angVel])
+        before, taken = np.array([*state.vel, *state.angVel]), one.taken
         one.damp()
         mean = one._mean[0]
         after = np.array([*state.vel, *state.angVel])
         np.testing.assert_allclose(after - mean, 0.5 * (before - mean), atol=1e-15)
+        assert one.taken - taken == pytest.approx(energy(before) - energy(after), abs=1e-12)
+
+
+def energy(velocity: np.ndarray) -> float:
+    return 0.5 * float(MASS[0] * velocity[:3] @ velocity[:3] + velocity[3:] @ INERTIA[0] @ velocity[3:])
 
 
 def test_blocks_in_space_change_their_angular_momentum_as_their_spin() -> None:

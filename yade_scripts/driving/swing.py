@@ -41,6 +41,10 @@ class SwingDamper:
         Share of the mean velocity that one damping renews.
     every : int
         Time steps from one damping to the next.
+    mass : np.ndarray
+        Inert mass (F,), kg.
+    taken : float
+        Kinetic energy taken so far, J.
     """
 
     states: Sequence[Any]
@@ -49,6 +53,8 @@ class SwingDamper:
     share: float
     renewed: float
     every: int
+    mass: np.ndarray
+    taken: float = 0.0
     _mean: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def damp(self) -> None:
@@ -59,8 +65,10 @@ class SwingDamper:
         pairs = [(state.vel, state.angVel) for state in self.states]
         velocities = np.array([(v[0], v[1], v[2], w[0], w[1], w[2]) for v, w in pairs])
         change = self.changes(velocities)
-        damped = (velocities + change).tolist()
-        for state, new in zip(self.states, damped, strict=True):
+        middle = velocities + 0.5 * change
+        self.taken -= float(self.mass @ (middle[:, :3] * change[:, :3]).sum(axis=1))
+        self.taken -= float(np.einsum("bi,bij,bj->", middle[:, 3:], self.inertia, change[:, 3:]))
+        for state, new in zip(self.states, (velocities + change).tolist(), strict=True):
             state.vel, state.angVel = new[:3], new[3:]
         if self.turns_by_momentum:
             momentum = np.einsum("bij,bj->bi", self.inertia, change[:, 3:]).tolist()
@@ -82,4 +90,4 @@ def swing_damper(case: Case, settings: Settings, inertia: Inertia, states: Seque
     every = max(1, int(EVERY / (frequency * settings.time_step)))
     elapsed = frequency * every * settings.time_step  # rad
     share, renewed = (1.0 - math.exp(-rate * elapsed) for rate in (2.0 * settings.swing_damping, 1.0 / (2.0 * math.pi * MEAN_PERIODS)))
-    return SwingDamper(states, not case.plane, inertia.tensor[case.free], share, renewed, every)
+    return SwingDamper(states, not case.plane, inertia.tensor[case.free], share, renewed, every, inertia.mass[case.free])
