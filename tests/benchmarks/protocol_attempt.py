@@ -24,9 +24,9 @@ def main() -> None:
     one = case.from_fields(exchange.read(Path(sys.argv[1]), exchange.CASE_FIELDS))
     one = dataclasses.replace(one, overrides=one.overrides | json.loads(sys.argv[3]))
     chosen = attempts.settings_of(one, settings.derive(one), attempts.Plan(float(sys.argv[2])))
-    model = bodies.build(one, chosen, "watch()")
+    model = bodies.build(one, chosen, "watch()", calm="calm()")
     run = protocol.Protocol(one, chosen, model, recorder.Record(one, model), lambda *report: None)
-    sys.modules["__main__"].__dict__["watch"] = run.watch
+    sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
     run.run()
     print(json.dumps({

@@ -44,10 +44,10 @@ class Held(protocol.Protocol):
 def main() -> None:
     one = case.from_fields(exchange.read(Path(sys.argv[1]), exchange.CASE_FIELDS))
     chosen = settings.derive(one)
-    model = bodies.build(one, chosen, "watch()")
+    model = bodies.build(one, chosen, "watch()", calm="calm()")
     run = Held(one, chosen, model, recorder.Record(one, model), lambda *report: None)
     run.hold = int(sys.argv[2])
-    sys.modules["__main__"].__dict__["watch"] = run.watch
+    sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     run.run()
     held = run.record.rows[run.rested :]
     moved = abs(run.record.poses[-1][1] - run.sag).max()

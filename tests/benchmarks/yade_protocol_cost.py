@@ -48,9 +48,9 @@ class Watched(protocol.Protocol):
 
 def driven(one: case.Case, chosen: settings.Settings, stream) -> tuple[Watched, float]:
     """A run by the protocol, progress and all, and its seconds without those of building the model."""
-    model = bodies.build(one, chosen, "watch()")
+    model = bodies.build(one, chosen, "watch()", calm="calm()")
     run = Watched(one, chosen, model, recorder.Record(one, model), run_case.Reporter(stream).progress)
-    sys.modules["__main__"].__dict__["watch"] = run.watch
+    sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
     run.run()
     return run, time.process_time() - began
