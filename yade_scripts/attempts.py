@@ -5,7 +5,8 @@ for it that need it. The first attempt moves `quick_speed` times as fast as the 
 travel, the joints are made stiffer: only travel over the elastic sag counts. Then comes the run at its own speed. The difference
 between the two says what the speed may still do: at most as much as if the reaction followed its root. (What follows the speed
 itself, as drag does, is overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which
-hides a smaller difference, is added. Where a run sticks and slips, or the part of the speed is large, a slower attempt follows.
+hides a smaller difference, is added. Where a run sticks and slips, or the part of the speed is large, attempts follow in which the swing of
+the blocks is damped, and then a slower one.
 """
 
 import math
@@ -16,7 +17,7 @@ from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
-from yade_scripts.settings import CRITICAL, Settings, derive
+from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
@@ -48,11 +49,12 @@ class Attempts:
 
 @dataclass(frozen=True)
 class Plan:
-    """An attempt to be made: its speed over that of the run; stiffening and damping ratio, None for the derived ones."""
+    """An attempt to be made: its speed over that of the run; stiffening and both dampings, None for the derived ones."""
 
     pace: float
     stiffening: float | None = None
     damping: float | None = None
+    swing: float | None = None
 
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
@@ -74,7 +76,7 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol
 
 def settings_of(case: Case, derived: Settings, plan: Plan) -> Settings:
     """Return the settings of an attempt. derived: those of the case, which a plan with its own speed alone keeps."""
-    given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping}
+    given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping, "swing_damping": plan.swing}
     changed = {name: value for name, value in given.items() if value is not None}
     settings = derive(replace(case, overrides=case.overrides | changed)) if changed else derived
     pace = plan.pace
@@ -85,7 +87,8 @@ def settings_of(case: Case, derived: Settings, plan: Plan) -> Settings:
 def _with_rate(attempt: Protocol, before: Protocol | None) -> Outcome:
     """Return the outcome of an attempt, with the part of the speed from the quicker one before."""
     now = attempt.settings
-    if before is None or (before.settings.stiffening, before.settings.damping_ratio) != (now.stiffening, now.damping_ratio):
+    alike = ("stiffening", "damping_ratio", "swing_damping")
+    if before is None or any(getattr(before.settings, name) != getattr(now, name) for name in alike):
         return attempt.outcome
     pace = before.settings.speed / attempt.settings.speed
     left = abs(before.outcome.reaction - attempt.outcome.reaction) / (math.sqrt(pace) - 1.0)
@@ -107,9 +110,13 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     if pace > 1.0:
         return replace(plan, pace=1.0)
     unsure = attempt.status is Status.NO_PLATEAU or (not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction))
-    if unsure and not creeps and pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER):
-        return replace(plan, pace=SLOWER * pace)
-    return None
+    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given
+    unsettled = unsure and not creeps
+    calmer = replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
+    if unsettled and may_calm and _affordable(attempt, steps, 1.0):
+        return calmer
+    may_slow = unsettled and pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER)
+    return replace(plan, pace=SLOWER * pace) if may_slow else None
 
 
 def _affordable(attempt: Protocol, steps: int, longer: float) -> bool:

