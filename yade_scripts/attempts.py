@@ -69,6 +69,7 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol
             return Attempts(attempt, outcome, steps, attempt.message + history)
         made = attempt.settings
         how = f"at {plan.pace:g} times the speed, {made.stiffening:g} times the stiffness and a damping ratio of {made.damping_ratio:g}"
+        how += ", the swing damped" if made.swing_damping > 0.0 else ""
         history += f"; before, {how}: {attempt.message}"
         before = attempt if attempt.status is Status.PLATEAU else None
         plan = again

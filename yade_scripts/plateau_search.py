@@ -27,7 +27,7 @@ class PlateauSearch:
     record : Record
         Rows and poses so far.
     plateau : Plateau
-        The last fit; NaN where there is none.
+        The last fit; its values are NaN before the first one.
     """
 
     case: Case

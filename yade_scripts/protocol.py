@@ -81,7 +81,7 @@ class Protocol:
 
     @property
     def plateau(self) -> Plateau:
-        """The last fit; NaN where there is none."""
+        """The last fit; its values are NaN before the first one."""
         return self.search.plateau
 
     @property

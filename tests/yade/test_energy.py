@@ -55,6 +55,16 @@ def made_up(assembly: Assembly, friction: float) -> Run:
     return made_up_run({}, record, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
 
 
+def test_what_the_damping_of_the_swing_takes_counts_as_damping() -> None:
+    assembly, weight = sliding_column()
+    run = made_up(assembly, 0.2 * weight)
+    taken = 0.1 * weight * SINK
+    damped = dataclasses.replace(run, record=dataclasses.replace(run.record, damped_energy=np.append(0.0, np.linspace(0.0, taken, 9))))
+    plain, found = audit(assembly, run), audit(assembly, damped)
+    assert found.viscous - plain.viscous == pytest.approx(taken)
+    assert plain.drift - found.drift == pytest.approx(taken / found.turnover)
+
+
 def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> None:
     assembly, weight = sliding_column()
     found = audit(assembly, made_up(assembly, 0.2 * weight))
