@@ -5,8 +5,8 @@ for it that need it. The first attempt moves `quick_speed` times as fast as the 
 travel, the joints are made stiffer: only travel over the elastic sag counts. Then comes the run at its own speed. The difference
 between the two says what the speed may still do: at most as much as if the reaction followed its root. (What follows the speed
 itself, as drag does, is overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which
-hides a smaller difference, is added. Where a run sticks and slips, or the part of the speed is large, attempts follow in which the swing of
-the blocks is damped, and then a slower one.
+hides a smaller difference, is added. Where a run sticks and slips, attempts follow in which the swing of the blocks is damped. Where it
+still does, or the part of the speed is large, a slower attempt follows.
 """
 
 import math
@@ -112,9 +112,9 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
         return replace(plan, pace=1.0)
     unsure = attempt.status is Status.NO_PLATEAU or (not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction))
     may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given
-    unsettled = unsure and not creeps
+    unsettled, sticks = unsure and not creeps, attempt.status is Status.NO_PLATEAU and not creeps
     calmer = replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
-    if unsettled and may_calm and _affordable(attempt, steps, 1.0):
+    if sticks and may_calm and _affordable(attempt, steps, 1.0):
         return calmer
     may_slow = unsettled and pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER)
     return replace(plan, pace=SLOWER * pace) if may_slow else None

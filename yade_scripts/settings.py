@@ -22,7 +22,7 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
-SWING_DAMPING = 0.5  # damping ratio of the swing after a run that sticks and slips, or depends on its speed
+SWING_DAMPING = 0.5  # damping ratio of the swing after a run that sticks and slips
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
