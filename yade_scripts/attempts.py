@@ -17,7 +17,7 @@ from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
-from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive
+from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, slowness
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
@@ -111,7 +111,8 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     if pace > 1.0:
         return replace(plan, pace=1.0)
     unsure = attempt.status is Status.NO_PLATEAU or (not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction))
-    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given
+    # A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
+    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given and slowness(attempt.case) == 1.0
     unsettled, sticks = unsure and not creeps, attempt.status is Status.NO_PLATEAU and not creeps
     calmer = replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
     if sticks and may_calm and _affordable(attempt, steps, 1.0):

@@ -114,7 +114,7 @@ def derive(case: Case) -> Settings:
         raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g), and sideways in the same way.
-    slow = max(1.0, SWAY_SHARE * math.sqrt(case.sway / case.sag))  # of the sideways swing; more than 1 for slender structures
+    slow = slowness(case)
     period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
     set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
     set_default(travel_periods=TRAVEL_PERIODS)
@@ -126,6 +126,11 @@ def derive(case: Case) -> Settings:
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
     set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
+
+
+def slowness(case: Case) -> float:
+    """Return the factor by which a run takes longer for its sideways swing; more than 1 for slender structures."""
+    return max(1.0, SWAY_SHARE * math.sqrt(case.sway / case.sag))
 
 
 def steps_to_plateau(settings: Settings) -> float:
