@@ -1,12 +1,12 @@
 """The attempts of a run: quick ones that find damping and stiffness, then slower ones until speed hardly matters.
 
-Where the blocks of an attempt rattle, the next one has critical damping: its steps are a third as long, so that only those runs pay
-for it that need it. The first attempt moves `quick_speed` times as fast as the run. Where its curve still creeps at the end of the
-travel, the joints are made stiffer: only travel over the elastic sag counts. Then comes the run at its own speed. The difference
-between the two says what the speed may still do: at most as much as if the reaction followed its root. (What follows the speed
-itself, as drag does, is overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which
-hides a smaller difference, is added. Where a run sticks and slips, attempts follow in which the swing of the blocks is damped. Where it
-still does, or the part of the speed is large, a slower attempt follows.
+Where the blocks of an attempt rattle, the next one has critical damping, and the swing of its blocks is damped: its steps are a third
+as long, so that only those runs pay for it that need it. The first attempt moves `quick_speed` times as fast as the run. Where its curve
+still creeps at the end of the travel, the joints are made stiffer: only travel over the elastic sag counts. Where it sticks and slips, the
+swing is damped. Then comes the run at its own speed. The difference between the two says what the speed may still do: at most as much
+as if the reaction followed its root. (What follows the speed itself, as drag does, is overestimated; the history of friction has come
+close to the root.) The noise of the quicker attempt, which hides a smaller difference, is added. Where the run still sticks and slips, or
+the part of the speed is large, a slower attempt follows.
 """
 
 import math
@@ -101,24 +101,24 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
+    # A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
+    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given and slowness(attempt.case) == 1.0
+    swing = SWING_DAMPING if may_calm else plan.swing
     if attempt.may_damp and attempt.rattles and _affordable(attempt, steps, CRITICAL / settings.damping_ratio):
-        return replace(plan, damping=CRITICAL)
+        return replace(plan, damping=CRITICAL, swing=swing)
     creeps = attempt.status is Status.NO_PLATEAU and attempt.plateau.creeps
     stiffer = STIFFER * settings.stiffening
     may_stiffen = stiffer <= MOST_STIFFENING and "normal_stiffness" not in given and settings.wedging == 0.0
     if creeps and may_stiffen and _affordable(attempt, steps, 1.0):
         return replace(plan, stiffening=stiffer)
+    sticks = attempt.status is Status.NO_PLATEAU and not creeps
+    if sticks and may_calm and _affordable(attempt, steps, 1.0):
+        return replace(plan, pace=settings.quick_speed or 1.0, swing=swing)
     if pace > 1.0:
         return replace(plan, pace=1.0)
-    unsure = attempt.status is Status.NO_PLATEAU or (not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction))
-    # A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
-    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given and slowness(attempt.case) == 1.0
-    unsettled, sticks = unsure and not creeps, attempt.status is Status.NO_PLATEAU and not creeps
-    calmer = replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
-    if sticks and may_calm and _affordable(attempt, steps, 1.0):
-        return calmer
-    may_slow = unsettled and pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER)
-    return replace(plan, pace=SLOWER * pace) if may_slow else None
+    hurried = not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction)
+    may_slow = pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER)
+    return replace(plan, pace=SLOWER * pace) if may_slow and not creeps and (sticks or hurried) else None
 
 
 def _affordable(attempt: Protocol, steps: int, longer: float) -> bool:

@@ -26,6 +26,7 @@ SWING_DAMPING = 0.5  # damping ratio of the swing after a run that sticks and sl
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
+ROWS = 1200  # of the record over the full travel, more for stiffer joints
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 
 _MAY_VANISH = frozenset(
@@ -48,7 +49,7 @@ class Settings:
     time_step: float  # s, time step of the integration
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
     max_travel: float  # m or rad, largest motion of the support
-    travel_periods: float  # duration of the full travel in periods of the structure as it sags under its weights, or of its slow sway
+    travel_periods: float  # duration of the full travel in periods of the structure as it sags on usual joints, or of its slow sway
     speed: float  # m/s or rad/s, of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
@@ -68,6 +69,7 @@ class Settings:
     settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
+    least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more than that shows it earlier
     rattling: float  # mean unbalanced force over the mean block weight, above which blocks rattle
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
     servo_frequency: float  # of the servo of a live load, over the frequency of the structure as it sags under its weights
@@ -90,7 +92,6 @@ def derive(case: Case) -> Settings:
         time_step_share=0.9,
         wedging=0.0,
         gravity_damping=0.3,
-        record_rows=1200,
         poses=POSES,
     )
     set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
@@ -100,8 +101,8 @@ def derive(case: Case) -> Settings:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
-    stiffening = 1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING
-    set_default(**{"stiffening": stiffening, "max_travel": case.travel})
+    set_default(least_stiffening=1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING)
+    set_default(stiffening=chosen["least_stiffening"], max_travel=case.travel)
     set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0, gravity_ramp=0.0)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
@@ -117,15 +118,25 @@ def derive(case: Case) -> Settings:
     slow = slowness(case)
     period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
     set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
+    # Joints stiffer than usual shorten the period; the support does not move faster for it: friction has as much time as with usual joints.
+    usual = period * _root_of_stiffness(chosen, STIFFENING)
     set_default(travel_periods=TRAVEL_PERIODS)
-    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * period))
-    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * period)  # the periods that follow from a speed in the overrides
-    set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"])
+    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * usual))
+    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * usual)  # the periods that follow from a speed in the overrides
+    # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the
+    # sag: a run with joints stiffer than the travel demands looks for it earlier, and in smaller steps.
+    root = _root_of_stiffness(chosen, chosen["least_stiffening"])
+    set_default(record_rows=round(ROWS * root), plateau_travel=PLATEAU_SHARE * chosen["max_travel"] / root)
+    set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
     set_default(gravity_time=GRAVITY_PERIODS * period)
     set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
-    set_default(plateau_travel=PLATEAU_SHARE * chosen["max_travel"])
     return Settings(**chosen)
+
+
+def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
+    """Return the root of the joints' stiffening over one that is enough; 1 where it is less."""
+    return math.sqrt(max(chosen["stiffening"] / enough, 1.0))
 
 
 def slowness(case: Case) -> float:

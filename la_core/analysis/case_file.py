@@ -129,7 +129,7 @@ def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:
     scene, coulomb = analysis.scene, analysis.coulomb
     if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
         return {}
-    return {"stiffening": min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)}
+    return {"least_stiffening": min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)}
 
 
 def read_first_prediction(path: Path) -> str:

@@ -12,6 +12,7 @@ from verdict_scenes import drawn
 
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import read_results
+from la_core.scene import same_structure
 from yade_scripts import settings
 
 PARTS = ("scatter", "fit", "rate", "stiffness")
@@ -94,3 +95,17 @@ def test_a_plateau_that_the_reaction_leaves_is_kept(tmp_path: Path) -> None:
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
     assert run.poses.settlement[-1] == run.record.settlement[-1] == run.result.settlement  # the record ends with the plateau
     assert run.result.asked_settlement == pytest.approx(run.result.settlement, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.yade
+def test_joints_four_times_stiffer_show_the_same_plateau(tmp_path: Path) -> None:
+    """The wall of the last test: its stiffer joints release the thrust within half the settlement, which once was before the first fit."""
+    usual, stiffer = tmp_path / "usual", tmp_path / "stiffer"
+    run_scene(drawn(64).scene, usual, Silent(), with_yade=True, figures=lambda results: {})
+    first = read_results(usual).recorded
+    scene = same_structure(drawn(64).scene, {"yade.stiffening": 4.0 * first.settings["stiffening"]}, "stiffer")
+    run_scene(scene, stiffer, Silent(), with_yade=True, figures=lambda results: {})
+    second = read_results(stiffer).recorded
+    assert second.status == "plateau" and second.settings["stiffening"] > 3.9 * first.settings["stiffening"]
+    assert abs(second.reaction - first.reaction) <= first.uncertainty <= 0.01 * first.reaction
