@@ -19,7 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TextIO
 
-os.environ["OMP_NUM_THREADS"] = "1"  # before YADE loads: several threads add forces in an order that differs between runs
+os.environ["OMP_NUM_THREADS"] = "1"  # of libraries that load before YADE
 os.environ.setdefault("HOME", str(Path.home()))  # YADE asks for it when it loads
 
 _ROOT = Path(__file__).resolve().parent.parent
@@ -94,6 +94,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     problem = case.from_fields(exchange.read(options.case, exchange.CASE_FIELDS + own))
     derived = settings.derive(problem)
     limit = derived.time_limit if options.time_limit is None else options.time_limit
+    os.environ["OMP_NUM_THREADS"] = str(derived.threads)  # several threads add forces in an order that differs between runs
     sys.path.append(find_yade())
     from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
 

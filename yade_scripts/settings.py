@@ -67,6 +67,7 @@ class Settings:
     stop_uncertainty: float  # uncertainty, as a share of the reaction, below which the run stops early
     reaction_floor: float  # share of the reaction at rest; a smaller reaction is judged as if it were this large
     settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
+    threads: int  # of YADE; with more than one, two runs differ in their last digits
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
     least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more than that shows it earlier
@@ -95,7 +96,7 @@ def derive(case: Case) -> Settings:
         poses=POSES,
     )
     set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
-    set_default(settings_uncertainty=2e-4, time_limit=3600.0)
+    set_default(settings_uncertainty=2e-4, threads=1, time_limit=3600.0)
     set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")

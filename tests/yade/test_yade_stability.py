@@ -11,7 +11,7 @@ import scenes
 from conftest import CrossChecked
 
 from comparison.cli.commands import main
-from comparison.yade import process
+from comparison.yade import process, read_results
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
 
@@ -89,3 +89,11 @@ def test_much_softer_or_stiffer_joints_agree_or_say_why_not(factor: float, cross
         assert summary["yade"]["reaction"] == pytest.approx(found.run.result.reaction, rel=5e-3)
     else:
         assert code == 4 and summary["reason"]
+
+
+@pytest.mark.yade
+def test_two_threads_give_the_same_reaction(tmp_path: Path, cross_checked: CrossCheck) -> None:
+    assert main(["run", "two_pads", "--threads", "2", "-o", str(tmp_path), "-q"]) == 0
+    run, alone = read_results(tmp_path / "two_pads").recorded, cross_checked("two_pads").run
+    assert (run.settings["threads"], alone.settings["threads"]) == (2, 1)
+    assert abs(run.reaction - alone.reaction) <= alone.uncertainty <= 0.01 * alone.reaction

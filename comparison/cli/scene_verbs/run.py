@@ -17,7 +17,7 @@ from comparison.run_folder import refuse_names
 from comparison.workflow import run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
-from la_core.scene import full_model, load_scene, shipped
+from la_core.scene import full_model, load_scene, same_structure, shipped
 
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
@@ -91,5 +91,7 @@ def _models(options: argparse.Namespace) -> list[StructuralModel]:
         scenes = [with_accuracy(scene, options.accuracy) for scene in scenes]
     if options.full:
         scenes = [full_model(scene) for scene in scenes]
+    if options.threads is not None:
+        scenes = [same_structure(scene, {"yade.threads": options.threads}, scene.name) for scene in scenes]
     refuse_names(scenes)
     return [structural_model(scene) for scene in scenes]
