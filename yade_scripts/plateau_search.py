@@ -11,7 +11,7 @@ from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, Record, Status
 from yade_scripts.settings import Settings
 
-STEADY = 0.02  # of the support's velocity: most by which the velocity of a block may change over a plateau; blocks move where the judge sees 0.05
+STEADY = 0.02  # of the velocity of the support: most by which that of a block may change over a plateau; the judge sees 0.05
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 
 
@@ -44,7 +44,7 @@ class PlateauSearch:
         asked: settlement imposed so far, m or rad.
         """
         self.plateau = fit = self._fit()
-        if self._is_plateau(fit, self.settings.stop_uncertainty) and self._unsteadiness(fit) <= STEADY:
+        if self._is_plateau(fit, self.settings.stop_uncertainty) and self._is_steady(fit):
             return True
         best, enough = self._best, EARLY * self._scale(fit)
         if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
@@ -90,19 +90,19 @@ class PlateauSearch:
         before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
         return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
 
-    def _unsteadiness(self, fit: Plateau) -> float:
-        """Return how much the velocity of a block changes over the plateau, as a share of that of the support or the fastest block.
+    def _is_steady(self, fit: Plateau) -> bool:
+        """Whether each block keeps its velocity over the plateau; not asked of a run whose swing is not damped.
 
-        The reaction may be constant while a part of the structure that stands on its own still sways. 0 where too few states are stored.
+        The damper makes blocks seem heavier: a part of the structure that stands on its own sways on while the reaction is constant.
         """
         now = self.record.pose()
         states = [pose for pose in self.record.poses if fit.start <= pose[0] < now[0]]
-        if len(states) < 2:
-            return 0.0
+        if self.settings.swing_damping == 0.0 or len(states) < 2:
+            return True
         middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
         first, last = ((b[1] - a[1]) / (b[0] - a[0]) for a, b in ((states[0], middle), (middle, now)))
         fastest = self.case.support_speed if self.case.live is None else plateau.largest_speed(middle, now)
-        return float(np.linalg.norm(last - first, axis=1).max()) / fastest
+        return float(np.linalg.norm(last - first, axis=1).max()) <= STEADY * fastest
 
     def _scale(self, fit: Plateau) -> float:
         """Return the reaction by which uncertainties are measured."""
