@@ -8,6 +8,7 @@ stages in its folder. `--page` writes the page from the record and runs nothing.
 
 import argparse
 import json
+import math
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -86,9 +87,12 @@ def apart(entry: dict[str, Any]) -> float | None:
 def moved(entry: dict[str, Any]) -> float | None:
     """Return how far YADE's reaction moves from the first run to the second, over its stated uncertainty; None without a second run."""
     again = entry.get("again")
-    if again is None or not (exists(again["yade"]) and entry["yade_uncertainty"]):
+    if again is None or not (exists(again["yade"]) and exists(entry["yade"])):
         return None
-    return abs(again["yade"] - entry["yade"]) / float(entry["yade_uncertainty"])
+    change, stated = abs(again["yade"] - entry["yade"]), float(entry["yade_uncertainty"])
+    if change == 0.0:
+        return 0.0  # two supports that carry nothing state no uncertainty
+    return change / stated if stated > 0.0 else math.inf
 
 
 def page(record: dict[str, Any]) -> str:

@@ -1,6 +1,7 @@
 """The random scenes of the second opinion: fixed by their seed, as different as they are said to be, and a page that counts what it has."""
 
 import json
+import math
 from collections import Counter
 from typing import Any
 
@@ -39,6 +40,8 @@ def entry(number: int, verdict: str, yade: float | None, again: float | None = N
 def test_the_page_counts_what_moved_and_what_stays_open() -> None:
     entries = [entry(0, "agree", 0.1, 0.10005), entry(1, "agree", 0.1, 0.1003), entry(2, "inconclusive", 0.1003), entry(3, "disagree", 0.2)]
     assert moved(entries[0]) == pytest.approx(0.5) and moved(entries[1]) == pytest.approx(3.0) and moved(entries[2]) is None
+    nothing = entry(4, "agree", 0.0, 0.0) | {"yade_uncertainty": 0.0}
+    assert moved(nothing) == 0.0 and moved(nothing | {"again": nothing | {"yade": 1e-9}}) == math.inf
     record = {"seed": 1, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}}
     text = page(json.loads(json.dumps(record)))
     assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
