@@ -36,7 +36,7 @@ class Case:
     inset : float
         Inset of the contact points, m.
     own_inset : np.ndarray
-        Inset (C,) of each contact point, m: less than `inset` in short joints.
+        Inset (C,) of each contact point by which its sphere is sized, m: less than `inset` in short joints and sharp corners.
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
@@ -195,13 +195,14 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     alike = np.where((data["blocks/role"] == SUPPORT)[:, None], data["scene/support_twist"], 0.0)
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
     boxes = tuple(sphere_placement.box_extents(points) for points in vertices)
+    host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]])
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),
         displacement=data["scene/displacement"],
         recording=data["scene/recording"],
         inset=float(data["scene/inset"]),
-        own_inset=data.get("contacts/inset", np.full(len(interface), float(data["scene/inset"]))),
+        own_inset=own_inset,
         gravity=data["scene/gravity"],
         support_twist=data["scene/support_twist"],
         support_twists=data.get("blocks/support_twist", alike)[index],
@@ -223,7 +224,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         friction=data["contacts/friction"],
         **{name: float(data.get(f"joints/{name}", 0.0)) for name in _JOINT_NUMBERS},
         boxes=boxes,
-        host=place[_hosts(data, index[[box is not None for box in boxes]])],
+        host=place[host],
         index=index,
         total=total,
     )
@@ -237,19 +238,6 @@ def _parts(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarra
         return tuple((points,) for points in vertices)
     start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
     return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
-
-
-def _hosts(data: Mapping[str, Any], boxes: np.ndarray) -> np.ndarray:
-    """Return the host (C,) of each contact point; hosts and `boxes` are block numbers of the file."""
-    interface = data["contacts/interface"]
-    block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
-    position, normal, plane = data["contacts/position"], data["interfaces/normal"][interface], bool(data["scene/plane"])
-    planes = sphere_placement.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
-    faces = (data["blocks/face_block"], *planes)
-    on_a = sphere_placement.depth_in_faces(position, normal, block_a, faces, plane)
-    on_b = sphere_placement.depth_in_faces(position, -normal, block_b, faces, plane)
-    is_box = np.isin(np.arange(len(data["blocks/role"])), boxes)
-    return sphere_placement.hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
 
 
 def _overrides(text: str) -> dict[str, Any]:

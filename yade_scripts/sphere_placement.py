@@ -1,10 +1,15 @@
-"""Choose the block that carries the sphere of each contact point; the other block offers its face."""
+"""Choose the block that carries the sphere of each contact point, and how large it may be; the other block offers its face."""
 
 import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
+from la_core.exchange import RADIUS_OVER_INSET
+
 _BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
+CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
@@ -16,6 +21,21 @@ def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     on_corner = np.all(at_high | (np.abs(vertices - low) <= tolerance), axis=1)
     corners = {tuple(row) for row in at_high.tolist()}
     return (low, high) if len(vertices) == 8 and on_corner.all() and len(corners) == 8 else None
+
+
+def spheres(data: Mapping[str, Any], boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return host (C,) and inset (C,), m, of the sphere of each contact point; hosts and `boxes` are block numbers of the file."""
+    interface, position, plane = data["contacts/interface"], data["contacts/position"], bool(data["scene/plane"])
+    block_a, block_b, normal = (data[f"interfaces/{name}"][interface] for name in ("block_a", "block_b", "normal"))
+    planes = face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
+    faces = (data["blocks/face_block"], *planes)
+    on_a = depth_in_faces(position, normal, block_a, faces, plane)
+    on_b = depth_in_faces(position, -normal, block_b, faces, plane)
+    is_box = np.isin(np.arange(len(data["blocks/role"])), boxes)
+    host = hosts(is_box, block_a, block_b, np.column_stack([on_a, on_b]))
+    outward = np.where((host == block_a)[:, None], normal, -normal)
+    room = largest_radius(position, outward, host, faces, plane) / RADIUS_OVER_INSET
+    return host, np.minimum(data.get("contacts/inset", float(data["scene/inset"])), room)
 
 
 def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: np.ndarray) -> np.ndarray:
@@ -61,15 +81,46 @@ def depth_in_faces(
     plane : bool
         Whether the case is plane; faces across y then do not count, because all points lie at mid depth.
     """
-    owner, face_normal, face_offset = faces
     depth = np.empty(len(position))
+    for rows, distance, _ in _other_faces(position, normal, block, faces, plane):
+        depth[rows] = distance.min(axis=1)
+    return depth
+
+
+def largest_radius(
+    position: np.ndarray,
+    normal: np.ndarray,
+    block: np.ndarray,
+    faces: tuple[np.ndarray, np.ndarray, np.ndarray],
+    plane: bool,
+) -> np.ndarray:
+    """Return the radius (C,), m, up to which the sphere of a contact point stays clear of the other faces of its block.
+
+    In a sharp corner a sphere that is tangent to one face would look out of the other one and touch what lies there: with a radius of half
+    the inset in corners of less than 53 degrees. The sphere of radius r around *point* - r *normal* is a gap g + r n.m - r away from a
+    face with the normal m that lies g from the point. Parameters are those of `depth_in_faces`, of the blocks that carry the spheres.
+    """
+    radius = np.empty(len(position))
+    for rows, distance, along in _other_faces(position, normal, block, faces, plane):
+        behind = np.where(distance > 0.0, distance, np.inf)  # a point lies outside the planes of a compound block's inner corners
+        radius[rows] = (behind / (1.0 + CLEAR - along)).min(axis=1)
+    return radius
+
+
+def _other_faces(
+    position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: tuple[np.ndarray, np.ndarray, np.ndarray], plane: bool
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Yield, block by block, its contact points, their distances (n, F), m, to its other faces, and the cosines (n, F) between normals.
+
+    The distance to the face in contact, and in plane cases to faces across y, is inf.
+    """
+    owner, face_normal, face_offset = faces
     for number in np.unique(block):
         rows, of_block = np.flatnonzero(block == number), np.flatnonzero(owner == number)
         distance = face_offset[of_block] - position[rows] @ face_normal[of_block].T
-        in_contact = normal[rows] @ face_normal[of_block].T > 1.0 - 1e-6
+        along = normal[rows] @ face_normal[of_block].T
         across = plane & (np.abs(face_normal[of_block, 1]) > 0.5)
-        depth[rows] = np.where(in_contact | across, np.inf, distance).min(axis=1)
-    return depth
+        yield rows, np.where((along > 1.0 - 1e-6) | across, np.inf, distance), along
 
 
 def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,8 +15,9 @@ from la_core.scene import Scene, build
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
 FLOOR = 5e-3  # of the reaction: difference that the judge allows beside both stated uncertainties
-# The page on drawings names two other walls, seeds 1 and 7: in one YADE sticks and slips, in the other the methods disagree.
-RUBBLE = (4, 6, 8)  # seeds of walls in which no stone hangs on a short joint, and limit analysis is sure of its value
+# Seeds of walls in which no stone hangs on a short joint, and limit analysis is sure of its value. In YADE the first one flutters, and
+# one has a corner of 51 degrees, which a sphere as large as elsewhere would look out of.
+RUBBLE = (1, 4, 6, 7, 8)
 FOOTING = {"height": 0.2, "settling": (0.9, 1.8)}
 WIDER = {"height": 0.2, "settling": (1.2, 2.4)}
 ARCHED = {"from": (0.9, 0.3), "to": (1.5, 0.6), "head": "arch", "rise": 0.3, "voussoirs": 5}

@@ -1,0 +1,32 @@
+"""Contact spheres stay inside the blocks that carry them, also in sharp corners."""
+
+from pathlib import Path
+
+import numpy as np
+import rubble_walls as rubble
+from scipy.spatial import ConvexHull
+
+from la_core import exchange
+from la_core.analysis.case_file import write_case
+from la_core.analysis.stage import analyse
+from yade_scripts import case, settings
+
+SHARP = 7  # seed of a wall with a corner of 51 degrees
+
+
+def test_spheres_keep_clear_of_the_other_faces_of_their_block(tmp_path: Path) -> None:
+    """A sphere as large as half the inset looks out of a corner of less than 53 degrees, and touches what lies there."""
+    scene = rubble.wall(rubble.shrunk(rubble.profiles(SHARP), 0.005))
+    write_case(tmp_path / "case.h5", analyse(scene), "test")
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", exchange.CASE_FIELDS))
+    radius = settings.derive(one).sphere_radius * one.own_inset / one.inset
+    out = np.where((one.host == one.block_a)[:, None], one.normal, -one.normal)
+    centre = one.position - radius[:, None] * out
+    gaps = []  # between each sphere and the nearest of the other faces of its block, over its radius
+    for host, middle, size, outward in zip(one.host, centre, radius, out, strict=True):
+        planes = ConvexHull(one.vertices[host][:, [0, 2]]).equations  # outward normal and minus the offset of each edge
+        others = planes[planes[:, :2] @ outward[[0, 2]] < 1.0 - 1e-6]
+        gaps.append((-(others[:, :2] @ middle[[0, 2]] + others[:, 2]).max() - size) / size)
+    assert min(gaps) >= 0.5 - 1e-6
+    sharp = one.own_inset < 0.999 * one.inset
+    assert 0 < sharp.sum() < 0.2 * len(sharp) and one.own_inset.min() > 0.5 * one.inset  # few joints end in a sharp corner
