@@ -145,5 +145,5 @@ def test_the_verdict_on_rubble_does_not_depend_on_its_short_joints(seed: int, tm
     joints = {name: len(result.answer.analysis.assembly.interfaces) for name, result in results.items()}
     assert joints["kept"] - rubble.SHRUNK == joints["dropped"] == joints["one point"]
     assert len({result.verdict for result in results.values()}) == 1
-    values = [result.yade.reaction / result.scene.weight for result in results.values()]
-    assert max(values) - min(values) <= 0.01 * max(values)  # what the judge, too, allows two values that state half a per cent
+    ratios = [result.yade.reaction / result.answer.analysis.coulomb.value for result in results.values()]
+    assert max(ratios) - min(ratios) <= 5e-3  # what a short joint carries, up to 2 % here, YADE and limit analysis both see
