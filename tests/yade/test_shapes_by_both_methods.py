@@ -15,8 +15,8 @@ from la_core.scene import Scene, build
 pytestmark = [pytest.mark.yade, pytest.mark.slow]
 
 FLOOR = 5e-3  # of the reaction: difference that the judge allows beside both stated uncertainties
-# Seeds of walls in which no stone hangs on a short joint. In YADE the first one flutters, and one has a corner of 51 degrees, which a sphere
-# as large as elsewhere would look out of.
+# Seeds of walls in which no stone hangs on a short joint. In YADE the first one flutters, and one has a corner of 51 degrees, which a
+# sphere as large as elsewhere would look out of.
 RUBBLE = (1, 4, 6, 7, 8)
 FOOTING = {"height": 0.2, "settling": (0.9, 1.8)}
 WIDER = {"height": 0.2, "settling": (1.2, 2.4)}
