@@ -95,9 +95,11 @@ class PlateauSearch:
 
         The damper makes blocks seem heavier: a part of the structure that stands on its own sways on while the reaction is constant.
         """
+        if self.settings.swing_damping == 0.0:
+            return True
         now = self.record.pose()
         states = [pose for pose in self.record.poses if fit.start <= pose[0] < now[0]]
-        if self.settings.swing_damping == 0.0 or len(states) < 2:
+        if len(states) < 2:
             return True
         middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
         first, last = ((b[1] - a[1]) / (b[0] - a[0]) for a, b in ((states[0], middle), (middle, now)))

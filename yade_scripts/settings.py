@@ -22,7 +22,7 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
-SWING_DAMPING = 0.5  # damping ratio of the swing after a run that sticks and slips
+SWING_DAMPING = 0.5  # damping ratio of the swing after an attempt that rattles, or sticks and slips
 CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
@@ -49,7 +49,7 @@ class Settings:
     time_step: float  # s, time step of the integration
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
     max_travel: float  # m or rad, largest motion of the support
-    travel_periods: float  # duration of the full travel in periods of the structure as it sags on usual joints, or of its slow sway
+    travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
     speed: float  # m/s or rad/s, of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
@@ -119,11 +119,11 @@ def derive(case: Case) -> Settings:
     slow = slowness(case)
     period = slow * 2.0 * math.pi * math.sqrt(sag / gravity)
     set_default(rest_unbalanced=REST_UNBALANCED / slow)  # the slower, the longer the lever from the swing to the reaction
-    # Joints stiffer than usual shorten the period; the support does not move faster for it: friction has as much time as with usual joints.
-    usual = period * _root_of_stiffness(chosen, STIFFENING)
+    # Joints stiffer than STIFFENING shorten the period, but the support does not move faster for it: the speed would matter more.
+    unhurried = period * _root_of_stiffness(chosen, STIFFENING)
     set_default(travel_periods=TRAVEL_PERIODS)
-    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * usual))
-    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * usual)  # the periods that follow from a speed in the overrides
+    set_default(speed=chosen["max_travel"] / (chosen["travel_periods"] * unhurried))
+    chosen["travel_periods"] = chosen["max_travel"] / (chosen["speed"] * unhurried)  # the periods that follow from a speed in the overrides
     # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the
     # sag: a run with joints stiffer than the travel demands looks for it earlier, and in smaller steps.
     root = _root_of_stiffness(chosen, chosen["least_stiffening"])

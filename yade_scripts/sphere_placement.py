@@ -8,8 +8,10 @@ import numpy as np
 
 from la_core.exchange import RADIUS_OVER_INSET
 
+Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
+
 _BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
-CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block
+CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
@@ -59,13 +61,7 @@ def hosts(is_box: np.ndarray, block_a: np.ndarray, block_b: np.ndarray, depth: n
     return np.where(face_on_a, block_b, block_a)
 
 
-def depth_in_faces(
-    position: np.ndarray,
-    normal: np.ndarray,
-    block: np.ndarray,
-    faces: tuple[np.ndarray, np.ndarray, np.ndarray],
-    plane: bool,
-) -> np.ndarray:
+def depth_in_faces(position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool) -> np.ndarray:
     """Return the distance (C,), m, of every contact point to the nearest face plane of its block, without the face in contact.
 
     Parameters
@@ -87,13 +83,7 @@ def depth_in_faces(
     return depth
 
 
-def largest_radius(
-    position: np.ndarray,
-    normal: np.ndarray,
-    block: np.ndarray,
-    faces: tuple[np.ndarray, np.ndarray, np.ndarray],
-    plane: bool,
-) -> np.ndarray:
+def largest_radius(position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool) -> np.ndarray:
     """Return the radius (C,), m, up to which the sphere of a contact point stays clear of the other faces of its block.
 
     In a sharp corner a sphere that is tangent to one face would look out of the other one and touch what lies there: with a radius of half
@@ -108,7 +98,7 @@ def largest_radius(
 
 
 def _other_faces(
-    position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: tuple[np.ndarray, np.ndarray, np.ndarray], plane: bool
+    position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """Yield, block by block, its contact points, their distances (n, F), m, to its other faces, and the cosines (n, F) between normals.
 

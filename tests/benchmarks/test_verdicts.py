@@ -45,6 +45,7 @@ def test_the_page_counts_what_moved_and_what_stays_open() -> None:
     record = {"seed": 1, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}}
     text = page(json.loads(json.dumps(record)))
     assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
+    assert "Without them 2 of 4 agree." in text
     assert "Inconclusive although the reactions agree within 0.5%: 1." in text
     assert "Scenes that move by more: 1." in text and "In 1 of them" in text
     assert "why 2" in text and "why 3" in text and "why 0" not in text
