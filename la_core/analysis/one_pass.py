@@ -1,7 +1,10 @@
 """One pass of limit analysis at given settings: bounds, prediction, and the path on request."""
 
-from collections.abc import Iterator
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 from la_core.analysis.modelling import StructuralModel, drives, wedging
 from la_core.analysis.prediction import with_prediction
@@ -19,10 +22,9 @@ def analyse_once(model: StructuralModel, settings: AnalysisSettings, listener: A
     The bounds, the path and the reaction at rest belong to the whole structure. The prediction comes from a reduced
     region where a proof shows that it holds for the whole structure, see `la_core.analysis.reach`.
     """
-    bounds = Answers(model.assembly, dict(_solve_every_drive(model.scene, model.assembly)))
-    sharp = bounds
-    if model.sharp.inset != model.assembly.inset:
-        sharp = Answers(model.sharp, dict(_solve_every_drive(model.scene, model.sharp)))
+    assemblies = [model.assembly, model.sharp] if model.sharp.inset != model.assembly.inset else [model.assembly]
+    bounds, *others = _bounds(model.scene, assemblies)
+    sharp = others[0] if others else bounds
     known = LimitAnalysis(model.scene, model.assembly, bounds, sharp, model.stiffness, model.least_gap)
     if settings.bounds_only:
         known = _of_bounds_only(known)
@@ -55,12 +57,26 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
     return follow_path(model.assembly, model.stiffness, settlement, request.increments, wedging(model.scene))
 
 
-def _solve_every_drive(scene: Scene, assembly: Assembly) -> Iterator[tuple[Drive, Solution]]:
-    """Yield every drive with its solution; one solve is enough for a structure that cannot stand."""
-    problem = scaled_problem(assembly)
-    for drive in drives(scene):
-        solution = solve_associated(assembly, drive, problem)
-        yield drive, solution
-        if solution.status is Status.INFEASIBLE:
-            yield from ((other, solution) for other in drives(scene) if other is not drive)
-            return
+def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
+    """Solve every drive of every assembly, the assemblies side by side: the solver works without Python's lock."""
+    problems = [scaled_problem(assembly) for assembly in assemblies]
+    bounds: list[dict[Drive, Solution]] = [{} for _ in assemblies]
+
+    def solved(number: int, drive: Drive) -> Solution:
+        for other in bounds[number].values():
+            if other.status is Status.INFEASIBLE:
+                return other  # a structure that cannot stand does so for no drive
+        return solve_associated(assemblies[number], drive, problems[number])
+
+    with ThreadPoolExecutor(_threads()) as pool:
+        for drive in drives(scene):
+            for known, solution in zip(bounds, pool.map(partial(solved, drive=drive), range(len(assemblies))), strict=True):
+                known[drive] = solution
+    return [Answers(assembly, known) for assembly, known in zip(assemblies, bounds, strict=True)]
+
+
+def _threads() -> int:
+    """Return the number of threads: OMP_NUM_THREADS, or else the cores that this process may use."""
+    given = os.environ.get("OMP_NUM_THREADS", "")
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, int(given)) if given.isdigit() else available

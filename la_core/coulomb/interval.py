@@ -6,13 +6,17 @@ are two cone programmes: those of `la_core.limit`, with (n - mu tau) . u >= 0 in
 joint (n: normal, tau: direction of slip).
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 from scipy import sparse
 
-from la_core.coulomb.certificate import JointRates
+from la_core.coulomb import plateau
+from la_core.coulomb.certificate import JointRates, joint_rates
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
+from la_core.coulomb.implicit_step import State
 from la_core.limit import ProgrammeAnswer, ProgrammeOutcome, optimum, scaled_problem
 from la_core.model import Assembly, columns, scaled_load, support_motion
 
@@ -45,6 +49,38 @@ def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointStat
     sliding = ~parting & (speed > threshold) & (joints.friction > SLIGHT)
     direction = rates.slip / np.where(speed > 0.0, speed, 1.0)[:, None]
     return _ends(joints.assembly, parting, sliding, direction)
+
+
+def stated_interval(
+    joints: ElasticJoints, mechanisms: Sequence[tuple[State, State]], value: float, uncertainty: float
+) -> tuple[float, float]:
+    """Interval of the first of several mechanisms, scaled; NaN where it moves by more than ALIKE or does not contain the value.
+
+    It may move with the threshold of slip and parting, and from mechanism to mechanism.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    mechanisms : sequence of (State, State)
+        States at the start and at the end of each mechanism.
+    value, uncertainty : float
+        Reaction or multiplier that the interval has to contain, scaled.
+    """
+    unit = joints.value_in_units(1.0)
+
+    def ends(mechanism: tuple[State, State], threshold: float) -> np.ndarray:
+        before, last = mechanism
+        return np.array(reaction_interval(joints, joint_rates(joints, before, last), last.joints, threshold)) / unit
+
+    low, high = stated = ends(mechanisms[0], THRESHOLDS[0])
+    if not low - uncertainty <= value <= high + uncertainty:
+        return float("nan"), float("nan")
+    others = chain([(mechanisms[0], THRESHOLDS[1])], ((other, THRESHOLDS[0]) for other in mechanisms[1:]))
+    allowed = plateau.ALIKE * plateau.reference_size(value)
+    # Two infinite ends are the same. The first interval that differs ends the search: each is two cone programmes.
+    near = all(np.isclose(ends(*other), stated, rtol=0.0, atol=allowed).all() for other in others)
+    return (float(low), float(high)) if near else (float("nan"), float("nan"))
 
 
 def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, direction: np.ndarray) -> tuple[float, float]:

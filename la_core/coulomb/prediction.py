@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, joint_rates, limit_state_near
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.implicit_step import State
-from la_core.coulomb.interval import THRESHOLDS, reaction_interval
+from la_core.coulomb.interval import stated_interval
 from la_core.coulomb.path_progress import Reporter, Sender, sender
 from la_core.coulomb.plateau import Plateau
 from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest, first_travel
@@ -95,12 +95,13 @@ class _Followed:
         path: QuasiStaticPath,
         curve: tuple[np.ndarray, np.ndarray],
         ended: tuple[State, State, Certificate],
+        value: float,
         exhausted: bool,
         rounded: float = float("nan"),
     ) -> "_Followed":
-        """Path with its curve before the last stretch, and the certified end of that stretch."""
+        """Path with its curve before the last stretch, and the end of that stretch with its value."""
         (progress, values), (before, last, certificate) = curve, ended
-        found = plateau.plateau_of(progress, values, progress[-1], path.value(last))
+        found = plateau.plateau_of(progress, values, progress[-1], value)
         first = path.viscosity.first
         return cls(found, certificate, before, last, progress, values, path.iterations, first, exhausted, rounded)
 
@@ -144,7 +145,8 @@ def predict(
             break
         send = sender(joints, report, viscosity, number, max(number, len(settings.viscosities)))
         if len(joints.weights) > LARGE:
-            one = _follow_large(joints, tangent, -rest.progress, viscosity, settings, send)
+            is_finest = number == len(settings.viscosities)
+            one = _follow_large(joints, tangent, -rest.progress, viscosity, settings, is_finest, send)
         else:
             least = max((path.plateau.travel for path in followed), default=0.0)
             one = _follow(joints, tangent, rest, viscosity, settings, least, send)
@@ -191,15 +193,16 @@ def _follow(
         if is_last:
             return None
         end *= 2.0
-    return _Followed.on(path, (progress, values), ended, reached < end)
+    return _Followed.on(path, (progress, values), ended, path.value(ended[1]), reached < end)
 
 
 def _follow_large(
-    joints: ElasticJoints, tangent: Tangent, wedging: float, first: float, settings: PredictionSettings, send: Sender
+    joints: ElasticJoints, tangent: Tangent, wedging: float, first: float, settings: PredictionSettings, is_finest: bool, send: Sender
 ) -> _Followed | None:
-    """Follow a path with smooth joints over the first travel, then with joints that become sharp, and to the limit state near its end.
+    """Follow a path with smooth joints over the first travel, then with joints that become sharp.
 
-    None where the path cannot begin.
+    The finest path goes on to the limit state near its end; a coarser one only shows what the viscosity changes. None where the
+    path cannot begin.
     """
     middle = first_travel(joints)
     end = (1.0 + SHARPENED) * middle
@@ -217,7 +220,11 @@ def _follow_large(
         return None
     smooth = values[np.array([smoothing.at(point) > 10.0 * smoothing.last for point in progress])]
     rounded = float(smooth[-1]) if len(smooth) else float("nan")
-    return _Followed.on(path, (progress, values), limit_state_near(path), reached < end, rounded)
+    if is_finest:
+        ended = limit_state_near(path)
+        return _Followed.on(path, (progress, values), ended, path.value(ended[1]), reached < end, rounded)
+    ended = path.before, path.last, certify(joints, path.before, path.last)
+    return _Followed.on(path, (progress, values), ended, float(values[-1]), reached < end, rounded)
 
 
 def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:
@@ -246,10 +253,12 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
     certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
+    mechanisms = [(path.before, path.last) for path in (chosen, *(followed[i] for i in most if followed[i] is not chosen))]
+    low, high = stated_interval(joints, mechanisms, value, uncertainty)
     return CoulombSolution(
         Status.SOLVED if certified and certain else Status.INACCURATE,
         value * unit,
-        _interval(joints, chosen, [followed[i] for i in most], uncertainty),
+        (low * unit, high * unit),
         twists * (1.0 / (assembly.weight * joints.live_size) if joints.live else speed),
         global_forces(assembly, chosen.last.joints.force),
         at_rest=float("nan"),
@@ -269,21 +278,6 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[_Fo
         path_settlement=chosen.progress * stiffness.travel,
         path_value=chosen.values * unit,
     )
-
-
-def _interval(joints: ElasticJoints, chosen: _Followed, alike: list[_Followed], uncertainty: float) -> tuple[float, float]:
-    """Interval of the mechanism in units; NaN where it moves with the threshold or the path, or does not contain the value."""
-    unit = joints.value_in_units(1.0)
-
-    def ends(path: _Followed, threshold: float) -> np.ndarray:
-        return np.array(reaction_interval(joints, joint_rates(joints, path.before, path.last), path.last.joints, threshold)) / unit
-
-    low, high = stated = ends(chosen, THRESHOLDS[0])
-    others = [ends(chosen, THRESHOLDS[1]), *(ends(path, THRESHOLDS[0]) for path in alike if path is not chosen)]
-    allowed = plateau.ALIKE * plateau.reference_size(chosen.plateau.value)
-    near = [np.isclose(other, stated, rtol=0.0, atol=allowed).all() for other in others]  # two infinite ends are the same
-    holds = low - uncertainty <= chosen.plateau.value <= high + uncertainty
-    return (low * unit, high * unit) if holds and all(near) else (float("nan"), float("nan"))
 
 
 def _uncertainty(chosen: _Followed, followed: list[_Followed]) -> float:

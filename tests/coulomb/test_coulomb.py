@@ -13,8 +13,8 @@ from la_core.coulomb import (
     EquilibriumPath,
     PredictionSettings,
     follow_path,
+    interval,
     predict,
-    prediction,
 )
 from la_core.coulomb.certificate import certify
 from la_core.coulomb.elastic_joints import ElasticJoints
@@ -325,7 +325,7 @@ def test_work_of_the_weights_goes_into_the_support_and_friction(name) -> None:
     ("mu", "split", "expected"), [(0.6, 1.6, (0.0613, 0.0833)), (0.6, 1.2, (0.1287, 0.1750)), (0.3, 1.6, (0.0765, 0.0833))]
 )
 def test_interval_does_not_depend_on_the_threshold_within_a_decade(mu, split, expected, threshold, monkeypatch) -> None:
-    monkeypatch.setattr(prediction, "THRESHOLDS", (threshold, threshold))
+    monkeypatch.setattr(interval, "THRESHOLDS", (threshold, threshold))
     assert bounds(great_wall(mu, split)) == pytest.approx(expected, abs=DIGIT)
 
 

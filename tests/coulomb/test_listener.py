@@ -42,6 +42,16 @@ def test_bounds_are_told_before_the_prediction_and_are_those_of_the_answer(name:
     assert analysis.coulomb is not None
 
 
+@pytest.mark.parametrize("name", ["wall_third", "ferris_tin_loi_1"])
+def test_bounds_do_not_depend_on_the_number_of_threads(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for threads in ("1", "2"):
+        monkeypatch.setenv("OMP_NUM_THREADS", threads)
+        analysis = analyse(scenes.shipped(name), AnalysisSettings(bounds_only=True))
+        found.append([(drive, bound.value) for answers in (analysis.at_inset, analysis.sharp) for drive, bound in answers.bounds.items()])
+    assert len(found[0]) == 2 * len(analysis.bounds) and found[0] == found[1]
+
+
 def test_every_attempt_at_an_accuracy_tells_its_own_bounds() -> None:
     heard = Heard()
     scene = la_core.variant(scenes.shipped("two_pads"), {"accuracy": 0.002})
