@@ -14,7 +14,6 @@ from comparison.campaign import (
     Local,
     change_words,
     compare_tables,
-    cores,
     default_folder,
     definition,
     expand,
@@ -29,6 +28,7 @@ from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import mark_of
 from la_core.errors import SceneError
+from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
 SHOWN = ("least", "coulomb", "greatest", "yade")  # columns of a printed campaign, over the weight

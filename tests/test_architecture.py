@@ -17,7 +17,7 @@ MOST_LINES, MOST_MODULES = 300, 12  # of a module; of a room, its sentence aside
 
 # Every room may import the rooms before it, and modules of its own. A name in parentheses is a module on a package's own floor.
 ROOMS = (
-    "la_core.errors", "la_core.digests", "la_core.text_table", "la_core.pictures",
+    "la_core.errors", "la_core.digests", "la_core.side_by_side", "la_core.text_table", "la_core.pictures",
     "la_core.exchange", "la_core.geometry", "la_core.drawing", "la_core.repair", "la_core.scene", "la_core.model", "la_core.measures",
     "la_core.limit", "la_core.coulomb", "la_core.analysis",
     "comparison.provenance", "comparison.numbers", "comparison.settings", "comparison.errors", "comparison.run_folder",

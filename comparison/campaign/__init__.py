@@ -17,7 +17,7 @@ from comparison.campaign.report.report import stored_campaign_report, write_camp
 from comparison.campaign.report.yade_versions import with_versions
 from comparison.campaign.table import STORED, CampaignTable, read_table
 from comparison.campaign.workers.dask import Dask
-from comparison.campaign.workers.local import Local, cores
+from comparison.campaign.workers.local import Local
 
 __all__ = [
     "MOST_SHOWN",
@@ -30,7 +30,6 @@ __all__ = [
     "Local",
     "change_words",
     "compare_tables",
-    "cores",
     "default_folder",
     "definition",
     "expand",

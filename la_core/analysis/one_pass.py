@@ -1,10 +1,7 @@
 """One pass of limit analysis at given settings: bounds, prediction, and the path on request."""
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import partial
 
 from la_core.analysis.modelling import StructuralModel, drives, wedging
 from la_core.analysis.prediction import with_prediction
@@ -14,6 +11,7 @@ from la_core.coulomb import EquilibriumPath, follow_path
 from la_core.limit import Drive, Solution, Status, scaled_problem, solve_associated
 from la_core.model import Assembly
 from la_core.scene import RequestedPath, Scene
+from la_core.side_by_side import side_by_side
 
 
 def analyse_once(model: StructuralModel, settings: AnalysisSettings, listener: AnalysisListener) -> LimitAnalysis:
@@ -58,25 +56,13 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 
 
 def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
-    """Solve every drive of every assembly, the assemblies side by side: the solver works without Python's lock."""
-    problems = [scaled_problem(assembly) for assembly in assemblies]
-    bounds: list[dict[Drive, Solution]] = [{} for _ in assemblies]
+    """Solve every drive of every assembly, the assemblies side by side."""
 
-    def solved(number: int, drive: Drive) -> Solution:
-        for other in bounds[number].values():
-            if other.status is Status.INFEASIBLE:
-                return other  # a structure that cannot stand does so for no drive
-        return solve_associated(assemblies[number], drive, problems[number])
-
-    with ThreadPoolExecutor(_threads()) as pool:
+    def solved(assembly: Assembly) -> Answers:
+        problem, bounds = scaled_problem(assembly), dict[Drive, Solution]()
         for drive in drives(scene):
-            for known, solution in zip(bounds, pool.map(partial(solved, drive=drive), range(len(assemblies))), strict=True):
-                known[drive] = solution
-    return [Answers(assembly, known) for assembly, known in zip(assemblies, bounds, strict=True)]
+            fallen = (solution for solution in bounds.values() if solution.status is Status.INFEASIBLE)
+            bounds[drive] = next(fallen, None) or solve_associated(assembly, drive, problem)  # one solve is enough where it cannot stand
+        return Answers(assembly, bounds)
 
-
-def _threads() -> int:
-    """Return the number of threads: OMP_NUM_THREADS, or else the cores that this process may use."""
-    given = os.environ.get("OMP_NUM_THREADS", "")
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, int(given)) if given.isdigit() else available
+    return side_by_side(solved, assemblies)

@@ -2,8 +2,8 @@
 
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
-from la_core.coulomb.path_progress import PathProgress
-from la_core.coulomb.prediction import PredictionSettings, predict, reaction_at_rest
+from la_core.coulomb.followed_path import PathProgress, PredictionSettings
+from la_core.coulomb.prediction import predict, reaction_at_rest
 from la_core.coulomb.sliding import SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 

@@ -12,6 +12,7 @@ conic programmes in turn therefore lower it: forces in balance for the mechanism
 each as near to the one before as a slight quadratic term keeps it.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -222,10 +223,10 @@ class _Pressed:
         return State(last.progress - 1.0, last.blocks - rate, earlier, multiplier), replace(last, joints=joints, multiplier=multiplier)
 
 
-def limit_state_near(path: QuasiStaticPath) -> tuple[State, State, Certificate]:
+def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: None) -> tuple[State, State, Certificate]:
     """Limit state near the end of a path, as two states between which its mechanism moves; or the closest that is found.
 
-    It has the value of the path, unless no limit state with that value is found.
+    It has the value of the path, unless no limit state with that value is found. tell: called before every round.
     """
     best = (path.before, path.last, certify(path.joints, path.before, path.last))
     pressed = _Pressed(path.joints, path.last)
@@ -233,6 +234,7 @@ def limit_state_near(path: QuasiStaticPath) -> tuple[State, State, Certificate]:
     for held in (True, False):
         rate = path.rate
         for number in range(MOST_ROUNDS):
+            tell()
             balanced = pressed.forces(rate, end, max(NEAR * NEARER**number, LEAST_NEAR), held)
             mechanism = None if balanced is None else pressed.mechanism(balanced[0], rate)
             if balanced is None or mechanism is None:

@@ -41,7 +41,7 @@ def main() -> int:
     from comparison.cli.scene_verbs import solve
     from comparison.progress import Narration
     from la_core.analysis import case_file, stage
-    from la_core.coulomb import certificate, path_progress, quasi_static_path
+    from la_core.coulomb import certificate, followed_path, quasi_static_path
     from la_core.limit import associated, conic
     from la_core.model import assembly
 
@@ -58,8 +58,8 @@ def main() -> int:
         (quasi_static_path, "advance", SOLVER),
         (certificate, "certify", "evidence"),
         (associated, "_with_evidence", "evidence"),
-        (path_progress, "PathProgress", "reports"),
-        (path_progress.ElasticJoints, "value_in_units", "reports"),
+        (followed_path, "PathProgress", "reports"),
+        (followed_path.ElasticJoints, "value_in_units", "reports"),
         (Narration, "path", "reports"),
         (case_file, "scene_digest", "writing"),
         (case_file, "write_case", "writing"),

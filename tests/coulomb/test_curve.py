@@ -50,14 +50,14 @@ def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.M
     assembly = assemble(scene)
     stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     whole = predict(assembly, stiffness, associated)
-    original, made = prediction._follow, []
+    original, made = prediction.follow, []
 
     def apart(*arguments: Any) -> Any:
         made.append(one := original(*arguments))
         assert one is not None
         return replace(one, plateau=replace(one.plateau, value=1.05 * one.plateau.value)) if len(made) == 1 else one
 
-    monkeypatch.setattr(prediction, "_follow", apart)
+    monkeypatch.setattr(prediction, "follow", apart)
     several = predict(assembly, stiffness, associated, settings=PredictionSettings())
     assert len(several.viscosities) == 3
     assert several.plateaus == pytest.approx([whole.value, 1.05 * whole.value], rel=1e-3)

@@ -8,7 +8,7 @@ import la_core
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.settings import AnalysisSettings
 from la_core.analysis.stage import analyse
-from la_core.coulomb.path_progress import PathProgress
+from la_core.coulomb.followed_path import PathProgress
 from la_core.errors import SceneError
 from la_core.limit import Drive, Status
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb import ACCEPTED_RESIDUAL, certificate, predict, prediction
+from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, predict, prediction
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
+from la_core.coulomb.followed_path import Reporter
 from la_core.limit import Drive, Status, solve_associated
 from la_core.model import assemble, joint_stiffness
 
@@ -98,15 +99,47 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
     stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
     ends = []
 
-    def watched(path):
+    def watched(path, tell):
         ends.append((certificate.certify(path.joints, path.before, path.last).worst, path.points[-1].value, path.joints))
-        return certificate.limit_state_near(path)
+        return certificate.limit_state_near(path, tell)
 
     monkeypatch.setattr(prediction, "LARGE", 0.0)
-    monkeypatch.setattr(prediction, "limit_state_near", watched)
+    monkeypatch.setattr(followed_path, "limit_state_near", watched)
     found = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE if live else Drive.YIELDING))
     before, value, joints = ends[-1]
     assert before > 10.0 * ACCEPTED_RESIDUAL
     assert found.certificate <= ACCEPTED_RESIDUAL
     assert found.value == pytest.approx(joints.value_in_units(value), rel=0.02)
     assert found.uncertainty >= prediction.SMOOTHED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
+
+
+def predicted_as_large(monkeypatch: pytest.MonkeyPatch, threads: int, report: Reporter | None = None) -> CoulombSolution:
+    """Prediction of a small wall by the paths of a large one, on this many threads."""
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    monkeypatch.setenv("OMP_NUM_THREADS", str(threads))
+    scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
+    assembly = assemble(scene)
+    stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
+    return predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING), report=report)
+
+
+def test_paths_side_by_side_give_the_answer_of_paths_in_turn(monkeypatch) -> None:
+    reports: list[PathProgress] = []
+    one, two = predicted_as_large(monkeypatch, 1), predicted_as_large(monkeypatch, 2, reports.append)
+    assert (one.value, one.uncertainty, one.iterations) == (two.value, two.uncertainty, two.iterations)
+    assert np.array_equal(one.path_value, two.path_value)
+    assert {report.path for report in reports} == {1, 2} and max(report.share for report in reports) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_who_ends_one_path_ends_all(threads, monkeypatch) -> None:
+    reports: list[PathProgress] = []
+
+    def report(progress: PathProgress) -> None:
+        reports.append(progress)
+        if len(reports) == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        predicted_as_large(monkeypatch, threads, report)
+    assert len(reports) <= 5 + threads

@@ -14,7 +14,6 @@ from comparison.campaign import (
     Dask,
     Engine,
     Local,
-    cores,
     default_folder,
     definition,
     expand,
@@ -29,6 +28,7 @@ from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import Verdict, mark_of
 from la_core.errors import SceneError
+from la_core.side_by_side import cores
 from la_core.text_table import number_text
 
 NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already

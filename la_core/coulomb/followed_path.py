@@ -1,0 +1,219 @@
+"""One path of a prediction, followed from rest to its plateau, and its progress for whoever waits for it.
+
+A small structure has sharp joints, and the travel of its path is doubled until the curve is flat. A large one has joints that part and
+slip gradually at first and become sharp at the end.
+"""
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.coulomb import plateau
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.implicit_step import State
+from la_core.coulomb.plateau import Plateau
+from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest, first_travel
+from la_core.coulomb.tangent import Tangent
+
+# Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64 travels,
+# six doublings took 988 iterations and four, which left an uncertainty of 1.6 %, took 981.
+MOST_DOUBLINGS = 6
+ANNEALED = 0.5  # of the first travel: from here on the viscosity keeps its last value
+LAST_VISCOSITY = 1e-6  # after annealing
+# Unknowns of a large structure. Its joints are smooth at first, because their instabilities would take most of the time: a wall
+# of 1,024 blocks took 250 steps of sharp joints to a twelfth of the travel, and 20 of smooth ones to all of it.
+LARGE = 2500.0
+BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square of the size, and the last as the square of that
+# Over the first viscosity: force over which joints part and slip at first, in mean contact forces; the force at the end; the
+# stretch on which they become sharp, over the travel before.
+SMOOTH, SMOOTH_END, SHARPENED = 3000.0, 1e-2, 0.3
+MORE_VISCOUS, LAST_OF_SMOOTH = 10.0, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
+MORE_EFFORT = 2.0  # iterations of a path over those of a small structure of this size
+END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
+
+
+@dataclass(frozen=True)
+class PredictionSettings:
+    """Accuracy of a prediction.
+
+    Attributes
+    ----------
+    viscosities : tuple of float
+        First viscosity of each path, in multiples of the weight at unit rate, the coarsest path first; more for large
+        structures. Where paths disagree, one with a tenth of the least viscosity follows, if the effort allows.
+    finer : float
+        Factor by which the limits of a step are divided.
+    effort : float
+        Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not.
+    doublings : int
+        How often the travel may be doubled where the curve is not flat.
+    """
+
+    viscosities: tuple[float, ...] = (1e-2, 1e-3)
+    finer: float = 1.0
+    effort: float = 2e5
+    doublings: int = MOST_DOUBLINGS
+
+
+@dataclass(frozen=True)
+class PathProgress:
+    """Progress of the paths of one prediction.
+
+    Attributes
+    ----------
+    progress : float
+        Motion of the support, or displacement along the live load, over the travel.
+    share : float
+        Estimated share of the paths that is done, 0 to 1.
+    value : float
+        Reaction (N or N m) or multiplier so far.
+    viscosity : float
+        First viscosity of the path.
+    path, paths : int
+        Number of this path, from 1, and of all paths.
+    """
+
+    progress: float
+    share: float
+    value: float
+    viscosity: float
+    path: int
+    paths: int
+
+
+Reporter = Callable[[PathProgress], None]
+Sender = Callable[[float, float, float], None]  # progress, end of the travel, scaled value
+
+
+class SharedProgress:
+    """Progress of all paths of a prediction, which may be followed side by side.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    report : callable, optional
+        Receives the progress, from one path at a time.
+    paths : int
+        Number of paths; more may follow.
+    """
+
+    def __init__(self, joints: ElasticJoints, report: Reporter | None, paths: int) -> None:
+        self._joints, self._report = joints, report
+        self._shares = [0.0] * paths
+        self._lock, self._is_stopped = threading.Lock(), False
+
+    def stop(self) -> None:
+        """End the paths that are still followed at their next point."""
+        self._is_stopped = True
+
+    def sender(self, viscosity: float, path: int) -> Sender:
+        """Return the function that reports the points of one path with this first viscosity; paths are counted from 1."""
+        self._shares += [0.0] * (path - len(self._shares))
+
+        def send(progress: float, end: float, value: float) -> None:
+            if self._is_stopped:
+                raise InterruptedError("another path has ended the prediction")
+            self._shares[path - 1] = min(progress / end, 1.0)
+            if self._report is not None:
+                share = sum(self._shares) / len(self._shares)
+                with self._lock:
+                    value = self._joints.value_in_units(value)
+                    self._report(PathProgress(progress, share, value, viscosity, path, len(self._shares)))
+
+        return send
+
+
+@dataclass(frozen=True)
+class FollowedPath:
+    """One path that was followed to its end."""
+
+    plateau: Plateau
+    certificate: Certificate
+    before: State
+    last: State
+    progress: np.ndarray
+    values: np.ndarray
+    iterations: int
+    viscosity: float
+    exhausted: bool
+    rounded: float = float("nan")  # value where the smoothing was ten times that of the end, of smooth joints
+
+    @classmethod
+    def on(
+        cls,
+        path: QuasiStaticPath,
+        curve: tuple[np.ndarray, np.ndarray],
+        ended: tuple[State, State, Certificate],
+        value: float,
+        exhausted: bool,
+        rounded: float = float("nan"),
+    ) -> "FollowedPath":
+        """Path with its curve before the last stretch, and the end of that stretch with its value."""
+        (progress, values), (before, last, certificate) = curve, ended
+        found = plateau.plateau_of(progress, values, progress[-1], value)
+        first = path.viscosity.first
+        return cls(found, certificate, before, last, progress, values, path.iterations, first, exhausted, rounded)
+
+
+def follow(
+    joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, least_travel: float, send: Sender
+) -> FollowedPath | None:
+    """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on."""
+    end = first_travel(joints)
+    least, longest = max(end, least_travel), 2.0**settings.doublings * end
+    more = max(len(joints.weights) / BIG, 1.0) ** 2
+    viscosity = Falling(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
+    path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
+    while True:
+        for point in path.advance_to(end, _effort(joints, settings)):
+            send(point.progress, end, point.value)
+        reached, progress, values = path.last.progress, *path.curve
+        is_last = reached < end or end >= longest
+        if reached > 0.0 and (is_last or (end >= least and plateau.plateau_of(progress, values, end, values[-1]).is_flat)):
+            ended = certified_end(path, END_STRETCH * reached)
+            if is_last or ended[2].worst <= ACCEPTED_RESIDUAL:
+                break
+        if is_last:
+            return None
+        end *= 2.0
+    return FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end)
+
+
+def follow_large(
+    joints: ElasticJoints, tangent: Tangent, wedging: float, first: float, settings: PredictionSettings, is_finest: bool, send: Sender
+) -> FollowedPath | None:
+    """Follow a path with smooth joints over the first travel, then with joints that become sharp.
+
+    The finest path goes on to the limit state near its end; a coarser one only shows what the viscosity changes. None where the
+    path cannot begin.
+    """
+    middle = first_travel(joints)
+    end = (1.0 + SHARPENED) * middle
+    force = 1.0 / len(joints.friction)  # mean contact force
+    smoothing = Falling(SMOOTH * first * force, SMOOTH_END * force, end, middle)
+    viscosity = Falling(MORE_VISCOUS * first, min(MORE_VISCOUS * first, LAST_OF_SMOOTH), middle)
+    rest, _ = come_to_rest(joints, tangent, wedging, smoothing.first)
+    if rest is None:
+        return None
+    path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, smoothing)
+    for point in path.advance_to(end, MORE_EFFORT * _effort(joints, settings)):
+        send(point.progress, end, point.value)
+    reached, progress, values = path.last.progress, *path.curve
+    if reached == 0.0:
+        return None
+    smooth = values[np.array([smoothing.at(point) > 10.0 * smoothing.last for point in progress])]
+    rounded = float(smooth[-1]) if len(smooth) else float("nan")
+    if is_finest:
+        ended = limit_state_near(path, lambda: send(reached, end, float(values[-1])))
+        return FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end, rounded)
+    ended = path.before, path.last, certify(joints, path.before, path.last)
+    return FollowedPath.on(path, (progress, values), ended, float(values[-1]), reached < end, rounded)
+
+
+def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:
+    """Most Newton iterations of a path."""
+    return settings.effort / float(np.sqrt(len(joints.weights)))
