@@ -17,6 +17,7 @@ from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_
 
 # Ratios that hold for every case; README.md says where they come from.
 GRAVITY_PERIODS = 500.0  # longest gravity stage
+WEIGHT_PERIODS = 5.0  # over which weights grow: sooner, blocks overshoot, and friction keeps a trace of it; later, nothing changes
 REST_UNBALANCED = 1e-3  # of the mean block weight: unbalanced force at rest
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 STIFFENING = (
@@ -104,7 +105,7 @@ def derive(case: Case) -> Settings:
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     set_default(least_stiffening=1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING)
     set_default(stiffening=chosen["least_stiffening"], max_travel=case.travel)
-    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0, gravity_ramp=0.0)
+    set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
@@ -129,7 +130,7 @@ def derive(case: Case) -> Settings:
     root = _root_of_stiffness(chosen, chosen["least_stiffening"])
     set_default(record_rows=round(ROWS * root), plateau_travel=PLATEAU_SHARE * chosen["max_travel"] / root)
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
-    set_default(gravity_time=GRAVITY_PERIODS * period)
+    set_default(gravity_ramp=WEIGHT_PERIODS * period, gravity_time=GRAVITY_PERIODS * period)
     set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)
     set_default(fall_speed=math.sqrt(2.0 * gravity * chosen["max_travel"] * case.support_speed))
     return Settings(**chosen)
