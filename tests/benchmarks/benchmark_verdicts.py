@@ -34,7 +34,7 @@ GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel
 NEAR = 5e-3  # of the reaction: where the methods are this near, nothing should stay inconclusive
 # Scenes whose curves have led to changes of YADE's protocol since the first run: that they agree now proves little.
-SEEN = frozenset((41, 45, 49, 52, 56, 61, 64, 80, 95, 96, 99))
+SEEN = frozenset((41, 45, 49, 52, 56, 61, 62, 64, 80, 95, 96, 99, 139))
 GOAL = 0.9  # share of agreements
 LEAST = 0.01  # of the weight: smaller reactions are judged as if they were this large
 HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verdict", "again: verdict", "moved / stated", "s")
@@ -108,7 +108,7 @@ def page(record: dict[str, Any]) -> str:
         "two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were run "
         f"again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. "
         "Written by `python tests/benchmarks/benchmark_verdicts.py`.",
-        sentences(list(_conclusions(entries))),
+        sentences([*_conclusions(entries), record.get("since", "")]),
         "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
         table(HEADINGS, rows),
         "## What stays open",
