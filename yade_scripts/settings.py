@@ -17,7 +17,7 @@ from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_
 
 # Ratios that hold for every case; README.md says where they come from.
 GRAVITY_PERIODS = 500.0  # longest gravity stage
-WEIGHT_PERIODS = 5.0  # over which weights grow: sooner, blocks overshoot, and friction keeps a trace of it; later, nothing changes
+WEIGHT_PERIODS = 10.0  # over which weights grow: sooner, blocks overshoot, and friction keeps a trace of it; later, nothing changes
 REST_UNBALANCED = 1e-3  # of the mean block weight: unbalanced force at rest
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
 STIFFENING = (
