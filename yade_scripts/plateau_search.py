@@ -44,7 +44,8 @@ class PlateauSearch:
         asked: settlement imposed so far, m or rad.
         """
         self.plateau = fit = self._fit()
-        if self._is_plateau(fit, self.settings.stop_uncertainty) and self._is_steady(fit):
+        is_known = self._is_plateau(fit, self.settings.stop_uncertainty) and self._strain <= self.settings.stop_uncertainty
+        if is_known and self._is_steady(fit):
             return True
         best, enough = self._best, EARLY * self._scale(fit)
         if fit.uncertainty <= enough and (best is None or fit.uncertainty < best.fit.uncertainty):
@@ -78,10 +79,14 @@ class PlateauSearch:
         fit, settings = self.plateau, self.settings
         if fit.creeps or not math.isfinite(fit.reaction):
             return plateau.NO_OUTCOME
-        sag = self.case.sag * self.case.normal_stiffness / settings.normal_stiffness
-        strain = STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
-        stiffness = math.hypot(fit.from_strain, strain * fit.reaction, settings.settings_uncertainty * fit.reaction)
+        stiffness = math.hypot(fit.from_strain, self._strain * fit.reaction, settings.settings_uncertainty * fit.reaction)
         return Outcome(fit.reaction, fit.from_scatter, fit.from_fit, stiffness)
+
+    @property
+    def _strain(self) -> float:
+        """Share of the reaction that the joints' strain may still make; it falls as the support moves on."""
+        sag = self.case.sag * self.case.normal_stiffness / self.settings.normal_stiffness
+        return STRAIN_OF_SAG * sag / (self.record.settlement() * self.case.support_speed)
 
     def _fit(self) -> Plateau:
         rows = self.record.settling()
