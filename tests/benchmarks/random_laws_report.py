@@ -1,4 +1,4 @@
-"""Holds every law of `test_random_laws.py` against many scenes and counts: a table in random_laws.md.
+"""Holds every law of `test_random_laws.py` and `test_random_loads.py` against many scenes and counts: tables in random_laws.md.
 
     python tests/benchmarks/random_laws_report.py -o comparison/gallery [--scenes 500] [--laws WORD ...]
 
@@ -14,8 +14,11 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import test_random_laws
+import test_random_loads
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import UnsatisfiedAssumption
 from independent_mechanics import drives
@@ -37,26 +40,29 @@ The structures have 2 to 15 free blocks: walls with openings, piles, posts and l
 in space. Friction is 0 to 1.5, sometimes 1e-6 or 5; densities are equal or differ by up to 1 : 1000; gravity is sometimes tilted. Any part
 of the base settles in any direction or turns, or there is a live load. Many structures cannot stand. *scenes* counts those to which the law
 applies. Written by `python tests/benchmarks/random_laws_report.py -o comparison/gallery`.
-
+"""
+LOADS = """
+The same structures with up to three forces, three masses and two ties of up to 1.5 times the weight of the mean block, and with friction of
+their own in some classes of joints:
 """
 
-
+MODULES = (test_random_laws, test_random_loads)
 METHODS = ("kinematic form", "static form", "Coulomb prediction")
 
 
 @dataclass
 class Count:
-    """What became of the scenes of one law."""
+    """What became of the scenes of one law; `failures` holds what each law was given."""
 
     law: str
     scenes: int = 0
-    failures: list[Scene] = field(default_factory=list)
+    failures: list[dict[str, Any]] = field(default_factory=list)
     seconds: float = 0.0
 
 
-def laws(words: list[str]) -> Iterator[Callable]:
-    """The tests that hypothesis drives, those whose name has one of the words."""
-    for name, test in vars(test_random_laws).items():
+def laws(module: ModuleType, words: list[str]) -> Iterator[Callable]:
+    """The tests of a module that hypothesis drives, those whose name has one of the words."""
+    for name, test in vars(module).items():
         if name.startswith("test_") and hasattr(test, "hypothesis") and (not words or any(word in name for word in words)):
             yield test
 
@@ -77,13 +83,13 @@ def counted(test: Callable, scenes: int) -> Count:
     law = test.hypothesis.inner_test  # type: ignore[attr-defined]
     count = Count(words_of(test))
 
-    def try_one(scene: Scene) -> None:
+    def try_one(**given: Any) -> None:
         try:
-            law(scene)
+            law(**given)
         except UnsatisfiedAssumption:
             raise
         except Exception:  # whatever goes wrong counts
-            count.failures.append(scene)
+            count.failures.append(given)
         count.scenes += 1
 
     start = time.perf_counter()
@@ -118,9 +124,11 @@ def write_page(path: Path, counts: list[Count], scenes: int) -> None:
     """Write the page; laws that were not counted this time keep their rows."""
     rows = {count.law: f"| {count.law} | {count.scenes} | {len(count.failures)} |" for count in counts}
     before = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-    lines = ["| law | scenes | failures |", "|---|---|---|"]
-    for law in (words_of(test) for test in laws([])):
-        lines += [rows[law]] if law in rows else [line for line in before if line.startswith(f"| {law} |")]
+    lines = []
+    for module, words in zip(MODULES, ("", LOADS), strict=True):
+        lines += [*words.splitlines(), "", "| law | scenes | failures |", "|---|---|---|"]
+        for law in (words_of(test) for test in laws(module, [])):
+            lines += [rows[law]] if law in rows else [line for line in before if line.startswith(f"| {law} |")]
     lines += [
         "",
         f"Answers by status, of {scenes} further scenes:",
@@ -142,7 +150,7 @@ def main() -> int:
     parser.add_argument("--failures", type=Path, help="file to pickle the scenes that failed into")
     options = parser.parse_args()
     console, counts = Console(stderr=True, soft_wrap=True), []
-    for test in laws(options.laws):
+    for test in (test for module in MODULES for test in laws(module, options.laws)):
         counts.append(counted(test, options.scenes))
         console.print(f"{counts[-1].seconds:6.1f} s  {counts[-1].scenes:4d} scenes, {len(counts[-1].failures)} failures: {counts[-1].law}")
     if options.failures:
