@@ -6,7 +6,7 @@ slip gradually at first and become sharp at the end.
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -141,6 +141,7 @@ class FollowedPath:
     viscosity: float
     exhausted: bool
     rounded: float = float("nan")  # value where the smoothing was ten times that of the end, of smooth joints
+    on_the_way: tuple[float, ...] = ()  # values of plateaus that the curve leaves, and at its end
 
     @classmethod
     def on(
@@ -168,19 +169,43 @@ def follow(
     more = max(len(joints.weights) / BIG, 1.0) ** 2
     viscosity = Falling(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
+    passed: list[tuple[Plateau, QuasiStaticPath]] = []
     while True:
         for point in path.advance_to(end, _effort(joints, settings)):
             send(point.progress, end, point.value)
         reached, progress, values = path.last.progress, *path.curve
         is_last = reached < end or end >= longest
-        if reached > 0.0 and (is_last or (end >= least and plateau.plateau_of(progress, values, end, values[-1]).is_flat)):
+        found = plateau.plateau_of(progress, values, reached, values[-1])
+        if found.is_known:
+            passed.append((found, path.copy()))
+        if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
             if is_last or ended[2].worst <= ACCEPTED_RESIDUAL:
                 break
         if is_last:
             return None
         end *= 2.0
-    return FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end)
+    last = FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end)
+    chosen = _plateau_left(passed, last.plateau) or last
+    on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)
+    return replace(chosen, on_the_way=(*on_the_way, last.plateau.value), iterations=path.iterations)
+
+
+def _plateau_left(passed: list[tuple[Plateau, QuasiStaticPath]], last: Plateau) -> FollowedPath | None:
+    """Return the path up to the best plateau that it passed if its curve has left this one for a doubtful value; otherwise None.
+
+    Friction may lock a thrust in, which blocks release by motions many times the settlement at which the curve was flat.
+    """
+    if not passed:
+        return None
+    best, path = min(passed, key=lambda one: one[0].doubt)
+    if not best.is_left_at(last):
+        return None
+    curve, ended = path.curve, certified_end(path.copy(), END_STRETCH * path.last.progress)
+    if ended[2].worst > ACCEPTED_RESIDUAL:
+        ended = limit_state_near(path)
+    early = FollowedPath.on(path, curve, ended, path.value(ended[1]), False)
+    return early if ended[2].worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None
 
 
 def follow_large(

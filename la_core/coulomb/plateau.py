@@ -12,6 +12,11 @@ import numpy as np
 FLAT = 5e-4  # of the value: change between the means over two successive stretches of a flat curve
 LEAST = 1e-3  # of the weight, or a multiplier: smaller values are judged by this
 ALIKE = 1e-2  # of the value: plateaus closer than this are one
+# Times its last change: what a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
+# changed it by about three quarters of the change before; such changes add up to three times the last one.
+UNFINISHED = 3.0
+EARLY = 1e-2  # of the value: largest doubt about a plateau that the curve leaves
+LEFT = 3.0  # times the doubt about the best plateau so far: the curve has left it
 TAIL = 0.05  # share of the travel at either end of the values that counts as stray: a jump in progress
 
 
@@ -43,6 +48,25 @@ class Plateau:
     def is_flat(self) -> bool:
         """Whether the curve is flat over the second half of its way."""
         return self.change <= FLAT * reference_size(self.mean)
+
+    @property
+    def unfinished(self) -> float:
+        """What the curve may still change."""
+        return self.change if self.is_flat else UNFINISHED * self.change
+
+    @property
+    def doubt(self) -> float:
+        """Uncertainty of the value that the curve itself shows."""
+        return float(np.fmax(self.unfinished, self.scatter))
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the value is known well enough to be reported although the curve leaves it."""
+        return self.doubt <= EARLY * reference_size(self.value)
+
+    def is_left_at(self, later: "Plateau") -> bool:
+        """Whether a plateau further on is so much more doubtful that the curve has left this one."""
+        return not later.doubt <= max(LEFT * self.doubt, EARLY * reference_size(self.value))
 
 
 def reference_size(value: float) -> float:

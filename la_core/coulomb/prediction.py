@@ -24,9 +24,6 @@ from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 from la_core.side_by_side import side_by_side
 
-# Times its last change: what a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
-# changed it by about three quarters of the change before; such changes add up to three times the last one.
-UNFINISHED = 3.0
 # Times the difference between paths of large structures, whose smoothing differs tenfold: on a wall of 60 blocks, mu 0.3, a smoothing
 # of 30, 10, 3, 1 and 0.3 mean contact forces gave 0.463, 0.461, 0.457, 0.449 and 0.446 W, and sharp joints 0.442 W.
 SMOOTHED = 5.0
@@ -134,11 +131,13 @@ def _disagree(followed: list[FollowedPath]) -> bool:
 def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath]) -> CoulombSolution:
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
-    groups = [list(range(len(followed)))] if (len(joints.weights) > LARGE) else plateau.groups([path.plateau.value for path in followed])
+    values = [path.plateau.value for path in followed]
+    groups = [list(range(len(followed)))] if len(joints.weights) > LARGE else plateau.groups(values)
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)
-    several = [float(np.mean([followed[i].plateau.value for i in group])) for group in groups] if len(groups) > 1 else []
+    values += chosen.on_the_way
+    several = [float(np.mean([values[i] for i in group])) for group in (plateau.groups(values) if chosen.on_the_way else [])]
     stride = chosen.last.progress - chosen.before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
@@ -165,7 +164,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
         iterations=0,
         steps=sum(len(path.progress) - 1 for path in followed),
         uncertainty=uncertainty * unit,
-        plateaus=np.array(several) * unit,
+        plateaus=np.array(several if len(several) > 1 else []) * unit,
         sliding_residual=chosen.certificate.sliding,
         travel=chosen.last.progress,
         viscosities=np.array([path.viscosity for path in followed]),
@@ -184,5 +183,4 @@ def _uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
     else:
         near = followed[-2:]
         differ = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    change = end.change if end.is_flat else UNFINISHED * end.change
-    return float(np.nanmax([differ, change, end.scatter, STEPS_SHARE * abs(end.value)]))
+    return float(np.nanmax([differ, end.doubt, STEPS_SHARE * abs(end.value)]))

@@ -12,6 +12,7 @@ structure forgets it, as it forgets most of its early history. The power of the 
 reaction without it, by the balance of power: R = R_with_drag + eta sum(M v^2), v = dq/dp.
 """
 
+import copy
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -136,6 +137,12 @@ class QuasiStaticPath:
         self._rate = np.zeros_like(rest.blocks)
         self._mark = self._older_mark = self.last
         self._length, self._limit = FIRST_STEP * joints.sag / finer, np.inf
+
+    def copy(self) -> "QuasiStaticPath":
+        """Return a path that goes on from here by itself."""
+        other = copy.copy(self)
+        other.points = list(self.points)
+        return other
 
     @property
     def curve(self) -> tuple[np.ndarray, np.ndarray]:

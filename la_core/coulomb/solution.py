@@ -28,7 +28,7 @@ class CoulombSolution:
     uncertainty : float
         Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes.
     plateaus : (K,) array
-        Values of all plateaus where the paths end on several; empty where they end on one.
+        Values of all plateaus where paths end on several or a curve leaves one; empty where there is one.
     interval : tuple of float
         Least and greatest value that the mechanism allows over all histories of friction.
     twists : (B, 6) array

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
+from verdict_scenes import drawn
 
 from la_core.coulomb import PredictionSettings, plateau, predict, prediction
 from la_core.limit import Drive, Status, solve_associated
@@ -64,3 +65,28 @@ def test_paths_that_end_apart_are_told_as_several_plateaus(monkeypatch: pytest.M
     assert several.value == pytest.approx(whole.value, rel=1e-3)
     assert several.uncertainty == pytest.approx(0.05 * whole.value, rel=0.05)
     assert several.status is Status.SOLVED
+
+
+@pytest.mark.parametrize(("doubts", "is_left"), [
+    ((1e-3, 9e-3), False),  # three times the doubt and more, but still known to 1 %
+    ((1e-3, 2e-2), True),
+    ((9e-3, 2e-2), False),  # less than three times the doubt
+    ((1e-3, np.nan), True),
+])  # fmt: skip
+def test_a_plateau_is_left_where_the_doubt_has_grown(doubts: tuple[float, float], is_left: bool) -> None:
+    early, later = (plateau.Plateau(0.2, 0.2, 0.0 * doubt, doubt * 0.2, 1.0) for doubt in doubts)
+    assert early.is_left_at(later) is is_left
+
+
+@pytest.mark.parametrize("number", [pytest.param(159, marks=pytest.mark.slow), 134])
+def test_a_plateau_that_the_curve_leaves_is_told(number: int) -> None:
+    """Random walls whose curves are flat for four travels and more, then move by 2 %: 159 has no plateau there, 134 has a better one."""
+    scene = drawn(number).scene
+    assembly = assemble(scene)
+    stiffness, associated = joint_stiffness(assembly, assembly.inset, {}), solve_associated(assembly, Drive.YIELDING)
+    found, finer = (predict(assembly, stiffness, associated, settings=PredictionSettings(pair)) for pair in ((1e-2, 1e-3), (1e-3, 1e-4)))
+    assert found.status is Status.SOLVED and found.certificate <= 1e-5
+    assert len(found.plateaus) == 2 and np.diff(found.plateaus) > 0.015 * abs(found.value)
+    assert found.plateaus[1] == pytest.approx(found.value, rel=1e-3)
+    assert finer.value == pytest.approx(found.value, abs=found.uncertainty)
+    assert finer.plateaus == pytest.approx(found.plateaus, rel=5e-3)
