@@ -66,13 +66,14 @@ def predict(
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
-    if len(joints.weights) > LARGE:
-        followed = _large_paths(joints, -rest.progress, settings, report)
-    else:
-        followed = _paths(joints, tangent, rest, settings, report)
-    if followed is None:
-        return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
+    followed = _paths(joints, tangent, rest, settings, report) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
+    if not followed or followed[-1].plateau.travel < first_travel(joints):
+        smooth = _smooth_paths(joints, -rest.progress, settings, report)
+        iterations += sum(path.iterations for path in smooth)
+        followed = smooth or followed
+    if not followed:
+        return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
@@ -93,8 +94,11 @@ def _value_at_rest(joints: ElasticJoints, rest: State) -> float:
 
 def _paths(
     joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, report: Reporter | None
-) -> list[FollowedPath] | None:
-    """Follow the paths of a small structure, each at least as far as those before; None where one cannot go on."""
+) -> list[FollowedPath]:
+    """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
+
+    No other follows a path whose effort ends before its first travel.
+    """
     progress = SharedProgress(joints, report, len(settings.viscosities))
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate((*settings.viscosities, settings.viscosities[-1] / 10.0), start=1):
@@ -103,13 +107,15 @@ def _paths(
         least = max((path.plateau.travel for path in followed), default=0.0)
         one = follow(joints, tangent, rest, viscosity, settings, least, progress.sender(viscosity, number))
         if one is None:
-            return None
+            return []
         followed.append(one)
+        if one.plateau.travel < first_travel(joints):
+            break
     return followed
 
 
-def _large_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath] | None:
-    """Follow the paths of a large structure side by side: none needs another. None where one cannot go on."""
+def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
+    """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on."""
     number = len(settings.viscosities)
     progress = SharedProgress(joints, report, number)
 
@@ -120,7 +126,7 @@ def _large_paths(joints: ElasticJoints, wedging: float, settings: PredictionSett
 
     made = side_by_side(followed, range(1, number + 1), progress.stop)
     paths = [path for path in made if path is not None]
-    return paths if len(paths) == number else None
+    return paths if len(paths) == number else []
 
 
 def _disagree(followed: list[FollowedPath]) -> bool:
@@ -132,7 +138,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
     values = [path.plateau.value for path in followed]
-    groups = [list(range(len(followed)))] if len(joints.weights) > LARGE else plateau.groups(values)
+    groups = plateau.groups(values) if np.isnan(followed[-1].rounded) else [list(range(len(followed)))]
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)

@@ -1,5 +1,7 @@
 """Smooth joints of large structures: their law, its derivative, its sharp limit, and the predictions that rest on them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scenes
@@ -143,3 +145,22 @@ def test_who_ends_one_path_ends_all(threads, monkeypatch) -> None:
     with pytest.raises(KeyboardInterrupt):
         predicted_as_large(monkeypatch, threads, report)
     assert len(reports) <= 5 + threads
+
+
+def test_a_structure_whose_sharp_path_is_cut_short_gets_smooth_joints(monkeypatch) -> None:
+    """The first path is said to have ended before its travel: no other follows, and the answer is that of smooth joints."""
+    scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
+    assembly = assemble(scene)
+    stiffness, associated = joint_stiffness(assembly, scene.inset, scene.yade), solve_associated(assembly, Drive.YIELDING)
+    original, cut = prediction.follow, []
+
+    def cut_short(*arguments):
+        one = original(*arguments)
+        cut.append(replace(one, plateau=replace(one.plateau, travel=0.9 * followed_path.first_travel(arguments[0]))))
+        return cut[-1]
+
+    monkeypatch.setattr(prediction, "follow", cut_short)
+    found, smooth = predict(assembly, stiffness, associated), predicted_as_large(monkeypatch, 1)
+    assert len(cut) == 1
+    assert (found.value, found.uncertainty, found.travel) == (smooth.value, smooth.uncertainty, smooth.travel)
+    assert found.iterations == smooth.iterations + cut[0].iterations
