@@ -69,10 +69,10 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
         is_worse = len(attempts) > 1 and attempt.error > attempts[-2][0].error
         if attempt.is_within(accuracy) or finer is None or is_worse:
             break
-        tried, level = model.with_scene(replace(model.scene, inset=finer[0])), finer[1]
+        tried, level = model.with_inset(finer[0]), finer[1]
     attempts.sort(key=lambda pair: -pair[0].error if math.isfinite(pair[0].error) else -math.inf)  # the best one is the answer
     record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
-    return replace(attempts[-1][1], scene=model.scene, accuracy=record)
+    return replace(attempts[-1][1], accuracy=record)
 
 
 def finer_paths() -> PredictionSettings:

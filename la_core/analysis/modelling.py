@@ -38,9 +38,9 @@ class StructuralModel:
     stiffness: JointStiffness
     least_gap: float
 
-    def with_scene(self, scene: Scene) -> "StructuralModel":
-        """Model a scene with the same blocks and another inset or other effects; its interfaces are known."""
-        return structural_model(scene, self.assembly.interfaces)
+    def with_inset(self, inset: float) -> "StructuralModel":
+        """Model the same scene with another shared inset, m, at least 0."""
+        return _at_inset(self.scene, self.assembly.with_inset(self.scene, inset), self.sharp)
 
 
 def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> StructuralModel:
@@ -53,6 +53,11 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
     sharp = assembly if scene.inset == 0.0 else assembly.with_inset(scene, 0.0)
     if scene.inset == 0.0:
         assembly = assembly.with_inset(scene, smallest_inset(assembly))
+    return _at_inset(scene, assembly, sharp)
+
+
+def _at_inset(scene: Scene, assembly: Assembly, sharp: Assembly) -> StructuralModel:
+    """Model a scene with its assemblies at the shared inset and for sharp arrises."""
     try:
         stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)
     except SceneError as error:

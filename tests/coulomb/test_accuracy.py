@@ -54,6 +54,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
     scene = with_accuracy(scenes.shipped(name), accuracy)
     analysis = analyse(scene)
     assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
+    assert (analysis.printed.coulomb is None) == (analysis.at_inset.coulomb is None)
     exact = expected_value(scene) * divisor(scene)
     sharp = analysis.sharp if analysis.sharp.coulomb is not None else analysis.at_inset  # see `LimitAnalysis.sharp`
     for answer in (analysis.at_inset.sharpest, sharp.sharpest):
