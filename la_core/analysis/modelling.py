@@ -39,7 +39,7 @@ class StructuralModel:
     least_gap: float
 
     def with_inset(self, inset: float) -> "StructuralModel":
-        """Model the same scene with another shared inset, m, at least 0."""
+        """Model the same scene with another shared inset, m, greater than 0."""
         return _at_inset(self.scene, self.assembly.with_inset(self.scene, inset), self.sharp)
 
 

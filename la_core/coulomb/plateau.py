@@ -51,7 +51,7 @@ class Plateau:
 
     @property
     def unfinished(self) -> float:
-        """What the curve may still change."""
+        """Amount by which the value may still change as the curve goes on."""
         return self.change if self.is_flat else UNFINISHED * self.change
 
     @property

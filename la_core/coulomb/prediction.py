@@ -138,12 +138,13 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
     values = [path.plateau.value for path in followed]
-    groups = plateau.groups(values) if np.isnan(followed[-1].rounded) else [list(range(len(followed)))]
+    is_smooth = bool(np.isfinite(followed[-1].rounded))
+    groups = [list(range(len(followed)))] if is_smooth else plateau.groups(values)
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)
-    values += chosen.on_the_way
-    several = [float(np.mean([values[i] for i in group])) for group in (plateau.groups(values) if chosen.on_the_way else [])]
+    met = np.array([*values, *chosen.on_the_way])
+    several = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist())]
     stride = chosen.last.progress - chosen.before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
