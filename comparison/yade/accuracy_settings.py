@@ -16,8 +16,11 @@ FIT, INERTIA = "fitted plateau", "inertia"
 HISTORY_OF_SPEED = 0.0033
 HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
 INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
-FASTEST, FAST_ACCURACY = 8.0, 0.01  # times the derived speed; the accuracy at which runs without history may be that fast
+# Runs without history may move faster than derived, at this accuracy that many times. Those with history may not: what they would save
+# goes to a further attempt, because the two speeds then differ too much.
+FASTEST, FAST_ACCURACY = 8.0, 0.01
 STOP_SHARE = 0.25  # of the accuracy, for the fitted plateau of a run that stops early
+LOOSEST_STOP = 0.002  # the same of runs with history, at most: two loosely known plateaus seem to differ by their speed
 SLOWER, MOST_SLOWER = 2.0, 8.0  # least and largest factor from one attempt to the next
 MOST_ATTEMPTS = 4
 
@@ -32,8 +35,10 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
     if record is None or record.settings or analysis.bounds[analysis.main].status is not Status.SOLVED:
         return analysis
     accuracy = record.asked
-    faster = HISTORY_SHARE * accuracy / HISTORY_OF_SPEED if may_slide(analysis) else max(1.0, FASTEST * accuracy / FAST_ACCURACY)
-    settings = {"travel_periods": TRAVEL_PERIODS / min(faster, FASTEST), "stop_uncertainty": STOP_SHARE * accuracy}
+    pace, stop = min(max(1.0, FASTEST * accuracy / FAST_ACCURACY), FASTEST), STOP_SHARE * accuracy
+    if may_slide(analysis):
+        pace, stop = min(HISTORY_SHARE * accuracy / HISTORY_OF_SPEED, 1.0), min(stop, LOOSEST_STOP)
+    settings = {"travel_periods": TRAVEL_PERIODS / pace, "stop_uncertainty": stop}
     return replace(analysis, accuracy=replace(record, settings=_left_open(scene, settings)))
 
 

@@ -20,6 +20,7 @@ from comparison.campaign.cases import expand
 from comparison.campaign.definition import load_campaign
 from comparison.cli.study_verbs.campaign import find_campaign
 from comparison.judge.effects_table import effects_summary
+from comparison.judge.requested_accuracy import percent
 from la_core import text_table
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse
@@ -200,7 +201,7 @@ def test_every_requested_accuracy_of_the_page_is_kept_and_a_coarse_wall_costs_le
     assert all(map(benchmark_accuracy.is_kept, rows))
     walls = [row for row in rows if row[0] == f"`{benchmark_accuracy.WALL}`"]
     seconds = {row[1]: benchmark_accuracy.as_number(row[4]) + benchmark_accuracy.as_number(row[7]) for row in walls}
-    assert seconds["1 %"] < seconds["0.2 %"] / 3.0
+    assert seconds["1 %"] < seconds[percent(benchmark_accuracy.FINE)] / 3.0
 
 
 def test_an_accuracy_that_is_missed_is_named() -> None:

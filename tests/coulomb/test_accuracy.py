@@ -130,10 +130,17 @@ def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float 
 
 
 def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
-    periods = [made_up("two_blocks", one).accuracy.settings["travel_periods"] for one in ACCURACIES]  # type: ignore[union-attr]
-    assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS > periods[0]
+    chosen = [made_up("two_blocks", one).accuracy.settings for one in ACCURACIES]  # type: ignore[union-attr]
+    periods = [settings["travel_periods"] for settings in chosen]
+    assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS
     quick = made_up("two_pads").accuracy
     assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
+
+
+def test_friction_that_slides_is_not_moved_faster_than_derived_for_a_coarse_accuracy() -> None:
+    loosest = made_up("two_blocks", max(ACCURACIES)).accuracy
+    assert loosest is not None and loosest.settings["travel_periods"] == TRAVEL_PERIODS
+    assert loosest.settings["stop_uncertainty"] == accuracy_settings.LOOSEST_STOP
 
 
 def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
@@ -148,7 +155,7 @@ def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> Non
 
 
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
-    analysis = made_up()
+    analysis = made_up("two_pads")
     slower = accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT)
     assert slower is not None and slower.accuracy is not None
     assert slower.accuracy.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
