@@ -51,6 +51,7 @@ SETTINGS = {
 }
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
 ALIKE = 1e-6  # relative: a smaller difference is none
+FAR = 0.01  # relative: a difference that would decide a verdict
 
 
 @dataclass(frozen=True)
@@ -228,16 +229,29 @@ def page_part(folder: Path = GALLERY) -> str:
 
 
 def conclusions(results: list[Result]) -> str:
-    """What the table says, in two sentences."""
+    """What the table says, in a few sentences."""
     off = [result.deviation(DEFAULT) for result in results]
     each = sum(result.runs[DEFAULT].seconds for result in results) / len(results)
     return sentences(
         [
             f"By default nine predictions in ten are within {percent(float(np.quantile(off, 0.9)))} of the reference and all "
             f"{len(results)} within {percent(max(off))}, for {number_text(each, 2)} s a wall on average.",
+            *_far(results),
             f"The stated uncertainty {_held(results, DEFAULT)}; that of coarser paths {_held(results, COARSER)}.",
         ]
     )
+
+
+def _far(results: list[Result]) -> Iterator[str]:
+    """What the walls state that are far from the reference, if there are any."""
+    far = [result for result in results if result.deviation(DEFAULT) > FAR]
+    if far:
+        stated = min(result.runs[DEFAULT].uncertainty / result.scale for result in far)
+        least = min(result.case.per_course * result.case.courses for result in far)
+        yield (
+            f"{len(far)} walls are off by more than {percent(FAR)}: they have {least} blocks and more, and each states at least "
+            f"{percent(stated)}, because its paths cost all their effort before the curve is flat."
+        )
 
 
 def _held(results: list[Result], name: str) -> str:
