@@ -35,7 +35,7 @@ from la_core.analysis.case_file import write_case
 from la_core.coulomb import elastic_joints, interval, predict, quasi_static_path, tangent
 from la_core.limit import associated, conic
 from la_core.limit.problem import Drive
-from la_core.model import assembly, joint_stiffness
+from la_core.model import assembly, joints
 from la_core.scene.scene import Scene
 
 SIZES: dict[tuple[str, str], tuple[int, ...]] = {
@@ -66,7 +66,7 @@ BUILD = {
     "elastic matrices": (elastic_joints.ElasticJoints, "__init__"),
     "tangent's pattern": (tangent.Tangent, "__init__"),
     "interval's matrices": (interval, "scaled_problem"),
-    "stiffness": (joint_stiffness, "joint_stiffness"),
+    "stiffness": (joints, "joint_stiffness"),
     "model of an analysis": (stage, "structural_model"),
     "matrices of an analysis": (one_pass, "scaled_problem"),
 }
@@ -90,7 +90,7 @@ def one_answer(method: str, plane: bool, size: int) -> dict[str, Any]:
     bound = associated.solve_associated(model, Drive.YIELDING)
     if method == "associated":
         return {"blocks": len(model.blocks), "status": bound.status.value, "iterations": bound.iterations}
-    answer = predict(model, joint_stiffness.joint_stiffness(model, model.inset, scene.yade), bound)
+    answer = predict(model, joints.joint_stiffness(model, model.inset, scene.yade), bound)
     return {"blocks": len(model.blocks), "status": answer.status.value, "iterations": answer.iterations}
 
 

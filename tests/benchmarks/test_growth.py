@@ -62,6 +62,12 @@ def percent(share: float) -> str:
     return benchmark_growth.share({"outside": share}, "outside")
 
 
+@pytest.mark.parametrize("method", ["associated", "Coulomb", "all of associated", "all of Coulomb"])
+def test_what_is_timed_is_a_part_of_the_whole(method: str) -> None:
+    measured = benchmark_growth.measure(method, True, 20)
+    assert measured["status"] == "solved" and measured["build"] > 0.0 and measured["solver"] > 0.0 and measured["rest"] >= 0.0
+
+
 def test_the_page_shows_what_was_measured() -> None:
     page = benchmark_growth.markdown(made_up(), "a machine")
     fits = [report.fit((100, 200, 400), [size**power for size in (100, 200, 400)]) for power in (1.5, 1.0, 1.5, 1.0, 1.0)]
