@@ -132,7 +132,7 @@ def yade_step(plane: bool, size: int, folder: Path) -> dict[str, Any]:
 
 def yade_verdict(plane: bool, size: int, folder: Path) -> dict[str, Any]:
     """A whole run to its plateau; seconds are those of the whole process."""
-    found = effects.in_yade(PROTOCOL_COST, written(scale.wall(size, plane, reach=False), folder))
+    found = effects.in_yade(PROTOCOL_COST, written(scale.wall(size, plane, reach=False), folder), "--verdict")
     kept = {name: found[name] for name in ("blocks", "steps", "status")}
     run, watching = found["protocol"][0], found["watching"][0]
     memory = {"peak": found["memory"], "memory": found["memory"] - found["memory_before"]}

@@ -105,6 +105,12 @@ def test_the_figure_names_methods_with_their_exponents_and_tells_them_apart_with
 
 
 @pytest.mark.yade
+def test_a_verdict_is_timed_to_its_plateau(tmp_path: Path) -> None:
+    measured = benchmark_growth.yade_verdict(True, 20, tmp_path)
+    assert measured["status"] == "plateau" and 0.0 < measured["watched"] < 1.0
+
+
+@pytest.mark.yade
 @pytest.mark.slow
 def test_a_finer_time_step_gives_the_driver_no_more_work(tmp_path: Path) -> None:
     """Its rows and states follow the settlement: what it adds to YADE's own time is a share that falls with every step."""

@@ -1,7 +1,9 @@
-"""What a verdict costs in YADE, and a bare loop of as many steps: `/usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N]`, JSON.
+"""What a verdict costs in YADE, and a bare loop of as many steps.
 
-Runs in YADE's own interpreter: the whole protocol, from bodies to plateau, then as many rounds as asked for of the protocol against the
-same bodies and engines without the driver, gravity and settlement each in a single `O.run`: once with the support's speed set as the driver
+    /usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N | --verdict]
+
+Prints JSON. Runs in YADE's own interpreter. With --verdict: all attempts of a run, to its plateau. Otherwise the protocol at one speed, from
+bodies to plateau, then as many rounds as asked for of the protocol against the same bodies and engines without the driver, gravity and settlement each in a single `O.run`: once with the support's speed set as the driver
 set it, and once at a constant speed to the same travel, a motion that costs YADE itself less. CPU seconds.
 """
 
@@ -21,7 +23,7 @@ for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
 sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
-from yade_scripts import bodies, case, driving, protocol, recorder, settings  # noqa: E402
+from yade_scripts import attempts, bodies, case, driving, protocol, recorder, settings  # noqa: E402
 
 
 @dataclass
@@ -76,9 +78,36 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
     return time.process_time() - began
 
 
-def measure(path: Path, rounds: int) -> dict:
+def verdict(path: Path) -> dict:
+    """All attempts of a run."""
     memory_before = peak_memory()
-    one = case.from_fields(exchange.read(path, exchange.CASE_FIELDS))
+    one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
+    seconds, watching = [], []
+    with Path(os.devnull).open("w") as nowhere:
+
+        def attempt(changed: case.Case, chosen: settings.Settings) -> Watched:
+            run, spent = driven(changed, chosen, nowhere)
+            seconds.append(spent)
+            watching.append(run.watching)
+            return run
+
+        made = attempts.make(one, settings.derive(one), attempt)
+    return {
+        "total": time.process_time(),  # of the whole process so far, loading YADE and building the models included
+        "protocol": [sum(seconds)],
+        "watching": [sum(watching)],
+        "status": made.last.status.value,
+        "steps": made.steps,
+        "blocks": len(one.role),
+        "memory": peak_memory(),
+        "memory_before": memory_before,
+    }
+
+
+def measure(path: Path, rounds: int) -> dict:
+    """The protocol at one speed, with and without the driver."""
+    memory_before = peak_memory()
+    one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
     chosen = settings.derive(one)
     with Path(os.devnull).open("w") as nowhere:
         run, seconds = driven(one, chosen, nowhere)
@@ -114,6 +143,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Measure what a verdict costs in YADE, and a bare loop of as many steps.")
     parser.add_argument("case", type=Path)
     parser.add_argument("--rounds", type=int, default=0)
+    parser.add_argument("--verdict", action="store_true", help="all attempts, as a run of the program makes them")
     options = parser.parse_args()
-    print(json.dumps(measure(options.case, options.rounds)), flush=True)
+    print(json.dumps(verdict(options.case) if options.verdict else measure(options.case, options.rounds)), flush=True)
     os._exit(0)
