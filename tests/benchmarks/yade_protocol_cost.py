@@ -2,7 +2,7 @@
 
     /usr/bin/python3 yade_protocol_cost.py case.h5 [--rounds N | --verdict]
 
-Prints JSON. Runs in YADE's own interpreter. With --verdict: all attempts of a run, to its plateau. Otherwise the protocol at one speed, from
+Prints JSON. Runs in the interpreter of YADE. With --verdict: all attempts of a run. Otherwise the protocol at one speed, from
 bodies to plateau, then as many rounds as asked for of the protocol against the same bodies and engines without the driver, gravity and
 settlement each in a single `O.run`: once with the support's speed set as the driver set it, and once at a constant speed to the same
 travel, a motion that costs YADE itself less. CPU seconds.
