@@ -24,6 +24,7 @@ from comparison.studies.cost_limit_analysis import coulomb, shared_inset
 from comparison.studies.cost_yade import run_once
 from comparison.yade.process import find_yade
 from comparison.yade.run_record import read_run
+from la_core.coulomb import PredictionSettings
 from la_core.exchange.fields import SUPPORT
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene.scene import Scene
@@ -33,7 +34,6 @@ SPEED, TRAVEL = 0.002, 0.35e-3  # m/s, m: about where YADE finds its plateau ste
 REST, RAMP = 0.05, 0.02  # s: at rest under gravity, then until the support has its speed
 DROPPED = 0.3  # of the travel, before the fit
 STEPS = (2e-3, 1e-3, 5e-4)  # s of LMGC90
-COULOMB_STEPS = 8
 ALERT = 1e-3  # m: gap up to which LMGC90 looks for contacts; below any between blocks without a joint
 
 
@@ -63,9 +63,9 @@ def predict(name: str) -> Iterator[Run]:
     """Our own verdict on either set of contact points."""
     scene = SCENES[name]()
     for setting, inset in (("inset", shared_inset(scene)), ("sharp", 0.0)):
-        coulomb(scene, inset, COULOMB_STEPS)  # to warm up
+        coulomb(scene, inset, PredictionSettings())  # to warm up
         spent = _stopwatch()
-        outcome = coulomb(scene, inset, COULOMB_STEPS)
+        outcome = coulomb(scene, inset, PredictionSettings())
         value = outcome.value / scene.weight
         yield Run(name, "limit analysis", setting, outcome.status, value, predicted=value, **spent())
 
@@ -81,7 +81,7 @@ def yade(name: str) -> Iterator[Run]:
     weight = scene.weight
     yield Run(
         name, "YADE", "derived settings", outcome.status, outcome.value / weight, run.scatter() * outcome.value / weight,
-        coulomb(scene, shared_inset(scene), COULOMB_STEPS).value / weight, run.result.asked_settlement, run.result.settlement,
+        coulomb(scene, shared_inset(scene), PredictionSettings()).value / weight, run.result.asked_settlement, run.result.settlement,
         int(run.result.steps), **seconds,
     )  # fmt: skip
 
@@ -99,7 +99,7 @@ def lmgc90(name: str, step: float) -> Iterator[Run]:
     slope, value = np.polyfit(settlement[fit], reaction[fit], 1).tolist()
     scatter = float(np.std(reaction[fit] - value - slope * settlement[fit]))
     seconds = spent()
-    predicted = coulomb(scene, 0.0, COULOMB_STEPS).value
+    predicted = coulomb(scene, 0.0, PredictionSettings()).value
     asked = SPEED * (len(settlement) * step - REST - RAMP / 2.0)
     yield Run(
         name, "LMGC90", words(step), "plateau", value / scene.weight, scatter / scene.weight, predicted / scene.weight,

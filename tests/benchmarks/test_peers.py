@@ -160,6 +160,10 @@ def test_a_number_has_two_digits_at_any_size() -> None:
     assert [number(value) for value in (713.0, 0.0996, 1.04, 3.14e-4, 0.0, math.nan)] == ["710", "0.10", "1.0", "3.1e-04", "0", "–"]
 
 
+def test_the_prediction_beside_the_peers_in_time_is_solved() -> None:
+    assert [(run.setting, run.status) for run in peers_dynamics.predict("arch_spreading")] == [("inset", SOLVED), ("sharp", SOLVED)]
+
+
 @pytest.fixture(scope="module")
 def record() -> tuple[list[Row], list[peers_dynamics.Run]]:
     stored = json.loads(PAGE.with_suffix(".json").read_text(encoding="utf-8"))
