@@ -10,6 +10,7 @@ import csv
 import json
 from collections import Counter, defaultdict
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import benchmark_accuracy
@@ -104,11 +105,15 @@ def counts(folder: Path) -> str:
     """How many cases agree, and which do not."""
     rows = campaign_rows(folder)
     verdicts = Counter(row["verdict"] for row in rows)
-    runs = {case.run.name for case in expand(load_campaign(find_campaign(Path("seed_paper"))))}
-    seconds = json.loads((folder / "seed_paper" / "campaign.json").read_text(encoding="utf-8"))["provenance"]["seconds"]
+    with (folder / "seed_paper" / "costs.csv").open(encoding="utf-8", newline="") as table:
+        spent = {row["case"]: float(row["seconds"]) for row in csv.DictReader(table)}
+    runs = {case.run.name: spent[case.name] for case in expand(load_campaign(find_campaign(Path("seed_paper"))))}
     others = [f"{count} {verdict}" for verdict, count in sorted(verdicts.items()) if verdict != "agree"]
-    lines = [f"{len(rows)} cases: {verdicts['agree']} agree, {listed(others or ['none differs'])}."]
-    lines.append(f"They need {len(runs)} runs of both methods, {number_text(seconds / 60.0, 2)} minutes on two cores.")
+    lines = [f"{len(rows)} cases: {verdicts['agree']} agree, {listed(others or ['no case is inconclusive, none disagrees'])}."]
+    minutes = number_text(sum(runs.values()) / 60.0, 2)
+    lines.append(f"They need {len(runs)} runs of both methods, which take {minutes} minutes one after another.")
+    apart = [abs(float(row["yade"]) / float(row["coulomb"]) - 1.0) for row in rows if row["yade"] and row["coulomb"]]
+    lines.append(f"YADE differs from the prediction by {percent(median(apart))} in the median and {percent(max(apart))} at most.")
     for verdict in sorted(set(verdicts) - {"agree"}):
         names = [f"`{row['case']}`" for row in rows if row["verdict"] == verdict]
         lines.append(f"{verdict.capitalize()}: {listed(names)}.")
