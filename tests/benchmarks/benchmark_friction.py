@@ -250,7 +250,7 @@ def _far(results: list[Result]) -> Iterator[str]:
         least = min(result.case.per_course * result.case.courses for result in far)
         yield (
             f"{len(far)} walls are off by more than {percent(FAR)}: they have {least} blocks and more, and each states at least "
-            f"{percent(stated)}, because its paths cost all their effort before the curve is flat."
+            f"{percent(stated)}."
         )
 
 
