@@ -70,6 +70,7 @@ class Protocol:
     _start_time: float = 0.0
     _last_time: float = 0.0
     _end_time: float = 0.0
+    _end_step: int = 0
     _next_pose: float = 0.0
     _origin: float = 0.0
     _at_rest: int = 0
@@ -107,7 +108,7 @@ class Protocol:
             self._settle()
         if self.status is None:
             self._judge()
-        self.steps = Omega().iter
+        self.steps = max(Omega().iter, self._end_step)
         if self.case.recording == "plateau":
             self.record.keep_plateau(self.plateau.start)
 
@@ -196,8 +197,8 @@ class Protocol:
             self._pause()
 
     def _pause(self) -> None:
-        """End the stage with this step; its end time is computed, because YADE's clock may not have counted the step yet."""
-        self._end_time = Omega().time + self.settings.time_step
+        """End the stage with this step; its end is computed, because YADE goes on in its own thread and may not have counted the step."""
+        self._end_time, self._end_step = Omega().time + self.settings.time_step, Omega().iter + 1
         Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
