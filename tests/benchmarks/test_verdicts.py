@@ -5,6 +5,7 @@ import math
 from collections import Counter
 from typing import Any
 
+import benchmark_verdicts
 import pytest
 from benchmark_verdicts import moved, numbers, page
 from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, drawn
@@ -37,15 +38,16 @@ def entry(number: int, verdict: str, yade: float | None, again: float | None = N
     return {"number": number, "kind": "wall", "motion": "down", "friction": 0.5} | values | second
 
 
-def test_the_page_counts_what_moved_and_what_stays_open() -> None:
+def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     entries = [entry(0, "agree", 0.1, 0.10005), entry(1, "agree", 0.1, 0.1003), entry(2, "inconclusive", 0.1003), entry(3, "disagree", 0.2)]
     assert moved(entries[0]) == pytest.approx(0.5) and moved(entries[1]) == pytest.approx(3.0) and moved(entries[2]) is None
     nothing = entry(4, "agree", 0.0, 0.0) | {"yade_uncertainty": 0.0}
     assert moved(nothing) == 0.0 and moved(nothing | {"again": nothing | {"yade": 1e-9}}) == math.inf
+    monkeypatch.setattr(benchmark_verdicts, "SEEN", frozenset((1, 2)))
     record = {"seed": 1, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}}
     text = page(json.loads(json.dumps(record)))
     assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
-    assert "Without them 2 of 4 agree." in text
+    assert "(1, 2). Without them 1 of 2 agree." in text
     assert "Inconclusive although the reactions agree within 0.5%: 1." in text
     assert "Scenes that move by more: 1." in text and "In 1 of them" in text
     assert "why 2" in text and "why 3" in text and "why 0" not in text

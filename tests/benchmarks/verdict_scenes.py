@@ -18,7 +18,8 @@ from la_core.limit import Drive, Status, solve_associated
 from la_core.model import assemble
 from la_core.scene import Scene
 
-SEED, SCENES = 20261122, 200
+SEED, SCENES = 20261123, 200
+EARLIER_SEED = 20261122  # its scenes have led to changes of both methods; tests keep them
 KINDS = ("wall", "leaning wall", "inclined beds", "lintel", "two leaves")
 MOTIONS = ("down", "oblique", "turning")
 LEAST_BLOCKS, MOST_BLOCKS = 10, 40
@@ -51,12 +52,12 @@ class Drawn:
     scene: Scene
 
 
-def drawn(number: int) -> Drawn:
+def drawn(number: int, seed: int = SEED) -> Drawn:
     """Return the random scene of a number from 0 to SCENES - 1."""
     kind, motion = KINDS[number % len(KINDS)], MOTIONS[number // len(KINDS) % len(MOTIONS)]
     attempt = 0
     while True:
-        random = np.random.default_rng((SEED, number, attempt))
+        random = np.random.default_rng((seed, number, attempt))
         attempt += 1
         try:
             scene = la_core.build(tables(random, kind, motion), f"verdict_{number:03d}")
