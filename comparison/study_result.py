@@ -138,7 +138,7 @@ class SensitivityResult(Tabled):
         return number_text(None if value is None else value / self.study.divisor, 5)
 
 
-def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False) -> CostResult:
+def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False, workers: int = 1) -> CostResult:
     """Measure error against time for all methods and settings, as `crosscheck cost` does.
 
     Parameters
@@ -149,6 +149,8 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False) -> C
         Whether to include YADE.
     quiet : bool
         Whether to write no progress to stderr.
+    workers : int
+        Number of runs of YADE that go on side by side; their seconds are then those of a busier machine.
 
     Returns
     -------
@@ -163,7 +165,7 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False) -> C
         YADE is asked for and not installed.
     """
     with narration(quiet) as told:
-        study = study_cost(scene if isinstance(scene, Scene) else load(scene), yade, told)
+        study = study_cost(scene if isinstance(scene, Scene) else load(scene), yade, told, workers)
     stored = cost_dict(study)
     return CostResult(stored["rungs"], stored["references"], study)
 

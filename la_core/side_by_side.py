@@ -20,7 +20,9 @@ def threads() -> int:
     return max(1, int(given)) if given.isdigit() else cores()
 
 
-def side_by_side(function: Callable[[Item], Made], items: Iterable[Item], stop: Callable[[], None] = lambda: None) -> list[Made]:
+def side_by_side(
+    function: Callable[[Item], Made], items: Iterable[Item], stop: Callable[[], None] = lambda: None, at_once: int | None = None
+) -> list[Made]:
     """Return what a function makes of every item, in their order; one after another where there is one thread.
 
     Parameters
@@ -31,8 +33,11 @@ def side_by_side(function: Callable[[Item], Made], items: Iterable[Item], stop: 
         Items.
     stop : callable
         Called where one call fails or the user interrupts the program; the other calls then have to end soon.
+    at_once : int, optional
+        Number of calls at once; None takes the number of threads.
     """
-    if threads() == 1:
+    at_once = at_once or threads()
+    if at_once == 1:
         return [function(item) for item in items]
     errors: list[BaseException] = []
 
@@ -44,7 +49,7 @@ def side_by_side(function: Callable[[Item], Made], items: Iterable[Item], stop: 
             stop()
             raise
 
-    with ThreadPoolExecutor(threads()) as pool:
+    with ThreadPoolExecutor(at_once) as pool:
         futures = [pool.submit(call, item) for item in items]
         try:
             wait(futures)

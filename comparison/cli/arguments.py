@@ -122,6 +122,8 @@ def _add_cost(add: AddVerb) -> None:
     cost.add_argument("scenes", metavar="SCENE", nargs="+", help=SCENE_HELP)
     cost.add_argument("-o", "--output", type=Path, metavar="DIR", default=COSTS, help=f"folder of figures and results (default: {COSTS})")
     cost.add_argument("--no-yade", action="store_true", help=NO_YADE_HELP)
+    beside = "runs of YADE that go on side by side; their seconds are then those of a busier machine (default: 1)"
+    cost.add_argument("--workers", type=count, metavar="N", default=1, help=beside)
     cost.add_argument("--long", action="store_true", help=LONG_HELP)
 
 

@@ -4,6 +4,7 @@ A rung of the ladder is one method with one setting.
 """
 
 import dataclasses
+import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -19,12 +20,14 @@ from comparison.numbers import with_uncertainty
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, coulomb, shared_inset
 from la_core.coulomb import PredictionSettings
 from la_core.scene import Scene
+from la_core.side_by_side import side_by_side
 from la_core.text_table import ROUND_OFF, number_text
 
 REPEATS, ENOUGH = 3, 10.0  # runs of a rung; seconds after which it does not run again
 FINEST = PredictionSettings((1e-3, 1e-4), finer=10.0)  # reference where no exact value is known
 LEAST_ERROR = 1e-10  # two solutions of one programme differ by as much: smaller errors count as this error
 USABLE = ("solved", "plateau", "inaccurate")
+Measured = tuple[Method, MethodOutcome, list[float], list[tuple[float, float]]]  # a rung, its outcome, seconds of every run
 
 
 @dataclass(frozen=True)
@@ -100,8 +103,16 @@ class CostStudy:
     rungs: tuple[CostPoint, ...]
 
 
-def measure_study(scene: Scene, methods: Sequence[Method], progress: Callable[[int, str], None]) -> CostStudy:
+def measure_study(
+    scene: Scene,
+    methods: Sequence[Method],
+    progress: Callable[[int, str], None],
+    workers: int = 1,
+    stop: Callable[[], None] = lambda: None,
+) -> CostStudy:
     """Run every rung, REPEATS times where it is quick, and return the study.
+
+    Rungs that may run beside others run after those that may not.
 
     Parameters
     ----------
@@ -110,12 +121,20 @@ def measure_study(scene: Scene, methods: Sequence[Method], progress: Callable[[i
     methods : sequence of Method
         The rungs, in the order in which they run.
     progress : callable
-        Called before each rung with its number, from 0, and its name.
+        Called before each rung with the number of those begun before it, and its name.
+    workers : int
+        Number of rungs that run side by side, where they may.
+    stop : callable
+        Called where one of these fails or the user interrupts the program: `progress`, or the rungs themselves, then have to raise.
     """
-    measured = []
-    for k, method in enumerate(methods):
-        progress(k, f"{method.family}, {method.setting}")
-        measured.append((method, *_measure(method)))
+    begun = itertools.count()
+
+    def measured_by(method: Method) -> Measured:
+        progress(next(begun), f"{method.family}, {method.setting}")
+        return method, *_measure(method)
+
+    measured = [measured_by(method) for method in methods if not method.beside]
+    measured += side_by_side(measured_by, [method for method in methods if method.beside], stop, workers)
     references = _references(scene, [(method, outcome) for method, outcome, *_ in measured])
     rungs = [_rung(scene, *record, references[record[0].target][0]) for record in measured]
     best = [rung for target in references for rung in front([other for other in rungs if other.target == target])]

@@ -60,12 +60,15 @@ class Method:
         ASSOCIATED or PREDICTION: the answer that the method aims at.
     run : callable
         Runs the method once and returns its result.
+    beside : bool
+        Whether it may run beside others, after those that may not: in a process of its own.
     """
 
     family: str
     setting: str
     target: str
     run: Callable[[], MethodOutcome]
+    beside: bool = False
 
 
 def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:

@@ -50,10 +50,10 @@ def yade_methods(scene: Scene, yade: Yade, folder: Path, progress: Callable[[dic
     for setting, (label, factors) in FACTORS.items():
         for factor in factors:
             name = f"{label} x {factor:g}"
-            yield Method("YADE", name, PREDICTION, partial(run, name, 1.0, setting, factor))
+            yield Method("YADE", name, PREDICTION, partial(run, name, 1.0, setting, factor), beside=True)
     for factor in INSET_FACTORS:
         name = f"inset x {factor:g}"
-        yield Method("YADE", name, PREDICTION, partial(run, name, factor))
+        yield Method("YADE", name, PREDICTION, partial(run, name, factor), beside=True)
 
 
 def run_once(

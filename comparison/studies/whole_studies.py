@@ -1,7 +1,9 @@
 """The studies of one scene as a whole: every rung of the cost study, the references and runs of the sensitivity study."""
 
 import tempfile
+import threading
 from pathlib import Path
+from typing import Any
 
 from comparison.progress import Narration
 from comparison.studies.cost import CostStudy, measure_study, prediction_inset
@@ -18,7 +20,7 @@ from la_core.scene import Scene
 References = dict[str, tuple[float, int | None]]
 
 
-def study_cost(scene: Scene, with_yade: bool, narration: Narration) -> CostStudy:
+def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int = 1) -> CostStudy:
     """Run every setting of every method on a scene.
 
     Raises SceneError for a structure without an answer.
@@ -31,21 +33,35 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration) -> CostStudy
         Whether to include YADE.
     narration : Narration
         Receives the progress.
+    workers : int
+        Number of runs of YADE that go on side by side.
     """
+    stopped = threading.Event()
+
+    def hear(report: dict[str, Any]) -> None:
+        _end_if(stopped)
+        if workers == 1:  # the progress of several runs is none of the scene's
+            narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
+
+    def begin(number: int, words: str) -> None:
+        _end_if(stopped)
+        narration.fraction(scene.name, number / count, f"rung {number + 1} of {count}: {words}")
+
     status = solve_associated(assemble(scene), drives(scene)[0]).status
     if status is not Status.SOLVED:
         raise SceneError(str(scene.path), f"limit analysis ends as {status}, so the study has no reference value")
     with tempfile.TemporaryDirectory() as runs:
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
         if with_yade:
-            yade = find_yade()
-            methods += yade_methods(
-                scene, yade, Path(runs), lambda report: narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
-            )
+            methods += yade_methods(scene, find_yade(), Path(runs), hear)
         count = len(methods)
-        return measure_study(
-            scene, methods, lambda k, words: narration.fraction(scene.name, k / count, f"rung {k + 1} of {count}: {words}")
-        )
+        return measure_study(scene, methods, begin, workers, stopped.set)
+
+
+def _end_if(stopped: threading.Event) -> None:
+    """End a rung where another one has failed, or the user has interrupted the program."""
+    if stopped.is_set():
+        raise InterruptedError("another rung has ended the study")
 
 
 def study_sensitivity(scene: Scene, narration: Narration) -> tuple[Sensitivity, References]:

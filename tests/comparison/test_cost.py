@@ -2,13 +2,17 @@
 
 import json
 import math
+import threading
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scenes
+from faulty_runs import PATIENCE
 
 from comparison.cli.commands import main
+from comparison.errors import YadeFailedError
 from comparison.studies import cost
 from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
@@ -98,6 +102,46 @@ def test_the_front_is_what_nothing_beats_in_time_and_error() -> None:
     assert [one.pareto for one in found] == [True, False, True, False, True, False]
     assert math.isnan(found[-1].error)
     assert all(isinstance(one, CostPoint) and one.total == pytest.approx(one.solve, rel=1e-6) for one in found)
+
+
+def test_rungs_that_may_run_side_by_side_and_keep_their_order() -> None:
+    """Two rungs that wait for each other only end where both run at once."""
+    both = threading.Barrier(2)
+    order: list[str] = []
+
+    def outcome(value: float) -> MethodOutcome:
+        return MethodOutcome(value, "plateau", 0.0, 1.0)
+
+    def meeting(value: float) -> MethodOutcome:
+        both.wait(PATIENCE)
+        return outcome(value)
+
+    cone = Method("cone programme", "made up", ASSOCIATED, lambda: MethodOutcome(1.0, "solved", 0.0, 1.0))
+    methods = [Method("YADE", "first", PREDICTION, partial(meeting, 1.0), beside=True), cone]
+    methods += [
+        Method("YADE", "second", PREDICTION, partial(meeting, 2.0), beside=True),
+        Method("Coulomb", "own", PREDICTION, partial(outcome, 3.0)),
+    ]
+    found = measure_study(scenes.shipped("two_pads"), methods, lambda number, words: order.append(f"{number} {words}"), workers=2)
+    assert [rung.setting for rung in found.rungs] == ["made up", "own", "first", "second"]
+    assert sorted(order)[:2] == ["0 cone programme, made up", "1 Coulomb, own"] and len(order) == 4
+
+
+def test_a_rung_that_fails_ends_those_beside_it() -> None:
+    stopped, begun = threading.Event(), threading.Event()
+
+    def fails() -> MethodOutcome:
+        assert begun.wait(PATIENCE)
+        raise YadeFailedError("YADE ended with exit code 1")
+
+    def goes_on() -> MethodOutcome:
+        begun.set()
+        assert stopped.wait(PATIENCE)
+        raise InterruptedError("another rung has ended the study")
+
+    methods = [Method("YADE", "long", PREDICTION, goes_on, beside=True), Method("YADE", "broken", PREDICTION, fails, beside=True)]
+    with pytest.raises(YadeFailedError, match="exit code 1"):
+        measure_study(scenes.shipped("two_pads"), methods, lambda number, words: None, workers=2, stop=stopped.set)
 
 
 def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() -> None:

@@ -21,7 +21,7 @@ def execute(context: Context) -> int:
     scenes = [load_scene(shipped.find(name)) for name in options.scenes]
     refuse_names(scenes)
     with Narration(context.narrator) as narration:
-        ladders = [climb_and_draw(scene, options.output, not options.no_yade, narration) for scene in scenes]
+        ladders = [climb_and_draw(scene, options.output, not options.no_yade, narration, options.workers) for scene in scenes]
     if options.json:
         context.print_json({"ladders": [cost_dict(ladder) for ladder in ladders]})
     else:
@@ -32,12 +32,12 @@ def execute(context: Context) -> int:
     return AGREE
 
 
-def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration) -> CostStudy:
+def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narration, workers: int = 1) -> CostStudy:
     """Run every setting of every method on a scene, and write the figure and the numbers into a folder.
 
-    with_yade, narration: as in `study_cost`. Raises SceneError for a structure without an answer.
+    with_yade, narration, workers: as in `study_cost`. Raises SceneError for a structure without an answer.
     """
-    ladder = study_cost(scene, with_yade, narration)
+    ladder = study_cost(scene, with_yade, narration, workers)
     folder.mkdir(parents=True, exist_ok=True)
     save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
     stored = cost_dict(ladder) | {"provenance": describe()}
