@@ -90,6 +90,7 @@ def conclusions(measured: Sequence[dict[str, Any]]) -> str:
             times["Coulomb"] and f"The time of Coulomb's prediction grows as {times['Coulomb']}; few sizes were fitted, so this is rough.",
             step and f"One step of YADE grows as {step}.",
             times["YADE"] and f"A whole run of YADE, to its verdict, grows as {times['YADE']}.",
+            _memory_per_block(measured),
             *(_solver_share(measured, law) for law in ("Coulomb", "associated")),
             *(_driver_cost(one) for one in measured if one["method"] == "driver"),
         ]
@@ -104,6 +105,19 @@ def _powers(measured: Sequence[dict[str, Any]], method: str, quantity: str) -> s
         growth = fit([one["blocks"] for one in rows], [one[quantity] for one in rows])
         found += [f"N^({growth}) {words}"] if growth else []
     return " and ".join(found)
+
+
+def _memory_per_block(measured: Sequence[dict[str, Any]]) -> str:
+    """What one more block takes of the memory between the smallest and the largest size of each method."""
+    found = []
+    for method, words in (("associated", "a bound"), ("Coulomb", "the prediction"), ("YADE", "YADE")):
+        for dimension in ("plane", "3D"):
+            of_both = [one for one in measured if (one["method"], one["dimension"]) == (method, dimension)]
+            rows = sorted((one["blocks"], one["memory"]) for one in of_both)
+            if len(rows) > 1:
+                (few, least), (many, most) = rows[0], rows[-1]
+                found.append(f"{words} {1024.0 * (most - least) / (many - few):,.0f} KiB ({dimension}, {few:,} to {many:,} blocks)")
+    return f"One more block takes of the memory: {'; '.join(found)}." if found else ""
 
 
 def _solver_share(measured: Sequence[dict[str, Any]], law: str) -> str:

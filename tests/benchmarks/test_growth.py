@@ -86,6 +86,7 @@ def test_the_conclusions_quote_what_was_measured_and_leave_out_what_was_not() ->
     words = report.conclusions(made_up())
     assert f"The time of one bound grows as N^({power}) in the plane." in words
     assert f"A whole run of YADE, to its verdict, grows as N^({power}) in space." in words
+    assert "a bound 102 KiB (plane, 100 to 400 blocks); YADE 102 KiB (3D, 100 to 400 blocks)." in words  # 0.1 MiB
     assert "Coulomb" not in words and report.conclusions([]) == ""
 
 
