@@ -11,11 +11,20 @@ from protocol_scenes import wall
 from verdict_scenes import EARLIER_SEED, drawn
 
 from comparison.workflow.one_scene import run_scene
-from comparison.yade import read_results
-from la_core.scene import same_structure
+from comparison.yade import Run, read_results
+from la_core.coulomb import CoulombSolution
+from la_core.scene import Scene, same_structure
 from yade_scripts import settings
 
 PARTS = ("scatter", "fit", "rate", "stiffness")
+
+
+def by_both_methods(scene: Scene, folder: Path) -> tuple[Run, CoulombSolution]:
+    """Run a scene by both methods; return YADE's run and the Coulomb prediction."""
+    run_scene(scene, folder, Silent(), with_yade=True, figures=lambda results: {})
+    results = read_results(folder)
+    assert results.analysis.coulomb is not None
+    return results.recorded, results.analysis.coulomb
 
 
 @pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third"])
@@ -52,10 +61,8 @@ def test_a_wall_that_rattles_is_run_again_with_critical_damping(cross_checked: C
 @pytest.mark.yade
 def test_friction_that_feeds_a_swing_does_not_hide_the_plateau(tmp_path: Path) -> None:
     """A wall, friction 0.87, pulled obliquely: its blocks flutter, and without damping of the swing the reaction has no plateau."""
-    run_scene(drawn(95, EARLIER_SEED).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    run, coulomb = results.recorded, results.analysis.coulomb
-    assert run.status == "plateau" and coulomb is not None
+    run, coulomb = by_both_methods(drawn(95, EARLIER_SEED).scene, tmp_path)
+    assert run.status == "plateau"
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
     assert run.settings["swing_damping"] > 0.0 and run.uncertainty <= 0.01 * run.reaction
 
@@ -64,10 +71,8 @@ def test_friction_that_feeds_a_swing_does_not_hide_the_plateau(tmp_path: Path) -
 @pytest.mark.yade
 def test_a_single_jump_calls_for_critical_damping(tmp_path: Path) -> None:
     """A leaning wall, friction 1.2: under light damping one jump of a block by inertia, which no scatter of the plateau shows."""
-    run_scene(scenes.load(wall("leaning", 1.2, 2).text), tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    run, coulomb = results.recorded, results.analysis.coulomb
-    assert run.settings["damping_ratio"] == pytest.approx(1.0) and "blocks rattle" in run.result.message and coulomb is not None
+    run, coulomb = by_both_methods(scenes.load(wall("leaning", 1.2, 2).text), tmp_path)
+    assert run.settings["damping_ratio"] == pytest.approx(1.0) and "blocks rattle" in run.result.message
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty + 5e-3 * coulomb.value
 
 
@@ -75,10 +80,8 @@ def test_a_single_jump_calls_for_critical_damping(tmp_path: Path) -> None:
 @pytest.mark.yade
 def test_a_wall_whose_joints_still_strain_gets_stiffer_ones_and_comes_to_its_plateau(tmp_path: Path) -> None:
     """A leaning wall, friction 0.7: over one travel at the derived stiffness the reaction falls by 7 % above its plateau."""
-    run_scene(scenes.load(wall("leaning", 0.7, 1).text), tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    run, coulomb = results.recorded, results.analysis.coulomb
-    assert run.status == "plateau" and coulomb is not None
+    run, coulomb = by_both_methods(scenes.load(wall("leaning", 0.7, 1).text), tmp_path)
+    assert run.status == "plateau"
     assert run.settings["stiffening"] > 4.0
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
     assert run.uncertainty <= 0.02 * run.reaction
@@ -88,10 +91,8 @@ def test_a_wall_whose_joints_still_strain_gets_stiffer_ones_and_comes_to_its_pla
 @pytest.mark.yade
 def test_a_plateau_that_the_reaction_leaves_is_kept(tmp_path: Path) -> None:
     """A wall of two leaves, friction 0.96: a thrust across it is locked in, and released as blocks turn; the reaction falls by a fifth."""
-    run_scene(drawn(64, EARLIER_SEED).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    run, coulomb = results.recorded, results.analysis.coulomb
-    assert run.status == "plateau" and "the reaction leaves it" in run.result.message and coulomb is not None
+    run, coulomb = by_both_methods(drawn(64, EARLIER_SEED).scene, tmp_path)
+    assert run.status == "plateau" and "the reaction leaves it" in run.result.message
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
     assert run.poses.settlement[-1] == run.record.settlement[-1] == run.result.settlement  # the record ends with the plateau
     assert run.result.asked_settlement == pytest.approx(run.result.settlement, rel=1e-3)
@@ -101,12 +102,10 @@ def test_a_plateau_that_the_reaction_leaves_is_kept(tmp_path: Path) -> None:
 @pytest.mark.yade
 def test_joints_four_times_stiffer_show_the_same_plateau(tmp_path: Path) -> None:
     """The wall of the last test: its stiffer joints release the thrust within half the settlement, which once was before the first fit."""
-    usual, stiffer = tmp_path / "usual", tmp_path / "stiffer"
-    run_scene(drawn(64, EARLIER_SEED).scene, usual, Silent(), with_yade=True, figures=lambda results: {})
-    first = read_results(usual).recorded
-    scene = same_structure(drawn(64, EARLIER_SEED).scene, {"yade.stiffening": 4.0 * first.settings["stiffening"]}, "stiffer")
-    run_scene(scene, stiffer, Silent(), with_yade=True, figures=lambda results: {})
-    second = read_results(stiffer).recorded
+    scene = drawn(64, EARLIER_SEED).scene
+    first, _ = by_both_methods(scene, tmp_path / "usual")
+    stiffer = same_structure(scene, {"yade.stiffening": 4.0 * first.settings["stiffening"]}, "stiffer")
+    second, _ = by_both_methods(stiffer, tmp_path / "stiffer")
     assert second.status == "plateau" and second.settings["stiffening"] > 3.9 * first.settings["stiffening"]
     assert abs(second.reaction - first.reaction) <= first.uncertainty <= 0.01 * first.reaction
 
@@ -115,10 +114,8 @@ def test_joints_four_times_stiffer_show_the_same_plateau(tmp_path: Path) -> None
 @pytest.mark.yade
 def test_weights_leave_no_trace_of_how_they_came(tmp_path: Path) -> None:
     """Where weights come at once, this scene rests on 0.6 % less, and friction keeps 2 % of it to the plateau."""
-    run_scene(drawn(139, EARLIER_SEED).scene, tmp_path, Silent(), with_yade=True, figures=lambda results: {})
-    results = read_results(tmp_path)
-    run, coulomb = results.recorded, results.analysis.coulomb
-    assert coulomb is not None and run.settings["gravity_ramp"] > 0.0
+    run, coulomb = by_both_methods(drawn(139, EARLIER_SEED).scene, tmp_path)
+    assert run.settings["gravity_ramp"] > 0.0
     at_rest = run.record.reaction[run.record.stage == 0][-1]
     assert at_rest == pytest.approx(coulomb.at_rest, rel=1e-3)  # blocks count as resting with unbalanced forces of 1e-3 of their weight
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
