@@ -76,3 +76,15 @@ def begun(folder: Path) -> list[str]:
 def finished(folder: Path) -> dict[str, int]:
     """Cases of a campaign's folder that are finished, with when."""
     return {path.parent.name: path.stat().st_mtime_ns for path in folder.glob("cases/*/outcome.json")}
+
+
+def written(tmp_path: Path, text: str) -> Path:
+    """Write a campaign file and return its path."""
+    path = tmp_path / "campaign.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def sweep(text: str, scene: str = "two_pads") -> str:
+    """Text of a campaign file with one sweep, without YADE."""
+    return f'yade = false\n[[sweep]]\nscene = "{scene}"\n{text}\n'

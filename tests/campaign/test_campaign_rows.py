@@ -1,0 +1,108 @@
+"""What a campaign's report makes of its rows: order, counts, lines, and changes of mechanism."""
+
+import math
+import random
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from made_up_campaigns import INSET, MU, campaign, changed
+
+from comparison.campaign.columns import METHODS
+from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
+from comparison.campaign.report import rows as report_rows
+from comparison.campaign.report.compare import compare_tables
+from comparison.campaign.report.report import stored_campaign_report
+from comparison.campaign.row_groups import lines, sweeps_of
+from comparison.campaign.row_values import bounds, deviation, worst_first
+
+pytestmark = pytest.mark.slow
+
+ROUND_OFF = 1e-9  # of a slope: difference quotients of numbers of order one
+
+
+def test_the_worst_come_first_whatever_their_order_and_their_unit(tmp_path: Path) -> None:
+    table, draw = campaign(tmp_path, "three axes"), random.Random(3)
+    rows = [row | {"yade": row["coulomb"] * draw.uniform(0.9, 1.1)} for row in table.rows]
+    rows[4] |= {"yade": None, "verdict": "inconclusive"}
+    rows[5] |= {"yade": None, "verdict": "disagree"}
+    found = worst_first(rows)
+    apart = [deviation(row) for row in found[:-2]]
+    assert apart == sorted((value for value in apart if value is not None), reverse=True) and len(apart) == len(rows) - 2
+    assert [row["verdict"] for row in found[-2:]] == ["disagree", "inconclusive"]
+    assert worst_first(draw.sample(rows, len(rows))) == found
+    reactions = ("least", "coulomb", "yade", "yade_uncertainty", "weight")
+    heavier = [row | {name: 8.0 * row[name] for name in reactions if row[name] is not None} for row in rows]
+    assert [row["case"] for row in worst_first(heavier)] == [row["case"] for row in found]
+
+
+def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; 0.5 % of 400, and 2
+    assert deviation(row) == pytest.approx(1.0)
+    assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
+    assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
+
+
+def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
+    table = changed(changed(campaign(tmp_path), 0, verdict="disagree"), 1, state="failed", verdict=None)
+    found = {item["word"]: item["count"] for item in report_rows.counts(table)}
+    assert found == {"agree": len(table.rows) - 2, "disagree": 1, "failed": 1} and sum(found.values()) == len(table.rows)
+
+
+def test_mechanisms_are_told_by_equality_alone(tmp_path: Path) -> None:
+    """Other labels, equal where the first were, give the same letters, changes and maps."""
+    table = campaign(tmp_path, "two axes")
+    new = {"30-low": "x", "12-high": "y"}
+    renamed = replace(
+        table, rows=[row | {f"{method}_mechanism": new[row[f"{method}_mechanism"]] for method in METHODS} for row in table.rows]
+    )
+    first, second = (stored_campaign_report(one) for one in (table, renamed))
+    assert first["mechanism_changes"] == second["mechanism_changes"]
+    assert {new[name]: letter for name, letter in letters(sweeps_of(table))["scene0"].items()} == letters(sweeps_of(renamed))["scene0"]
+
+
+def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_both_sides(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    found = list(mechanism_changes_along(sweeps_of(table)))
+    assert {(change.parameter, change.method, change.low, change.high) for change in found} == {
+        (MU, "limit", 0.4, 0.5), (MU, "yade", 0.4, 0.5)
+    }  # fmt: skip
+    assert len(found) == 2 * len(table.axes[INSET])
+    for change in found:
+        share = 1.002 if change.method == "yade" else 1.0
+        assert change.slope_before == pytest.approx(-0.3 * share, rel=ROUND_OFF)
+        assert change.slope_after == pytest.approx(-0.1 * share, rel=ROUND_OFF)
+
+
+def test_a_parameter_that_does_not_vary_or_goes_with_another_is_no_axis(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    rows = [row | {INSET: 0.001, "stone.density": 2000.0 + 1000.0 * row[MU]} for row in table.rows]
+    found = sweeps_of(replace(table, axes=table.axes | {INSET: [0.001], "stone.density": []}, rows=rows))
+    assert [sweep.parameters for sweep in found] == [[MU], [MU]]
+
+
+def test_lines_hold_every_row_of_a_sweep_once_and_rise(tmp_path: Path) -> None:
+    (sweep,) = sweeps_of(campaign(tmp_path, "three axes"))
+    for parameter in sweep.parameters:
+        found = lines(sweep, parameter)
+        assert sorted(row["case"] for line in found for row in line.rows) == sorted(row["case"] for row in sweep.rows)
+        for line in found:
+            assert [row[parameter] for row in line.rows] == sorted(row[parameter] for row in line.rows)
+
+
+def test_cases_that_share_a_run_are_one_case_to_both_methods_and_their_run_is_paid_once(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "classic")
+    table = replace(table, rows=[row | {"folder": table.rows[0]["folder"]} for row in table.rows])
+    assert [len(sweep.rows) for sweep in sweeps_of(table)] == [1]
+    (total,) = report_rows.totals(table)
+    assert (total["cases"], total["yade_seconds"]) == (len(table.rows), "4")
+    apart = campaign(tmp_path, "classic")
+    for before, after in ((table, table), (table, apart), (apart, table)):
+        assert {cost.method: (cost.cases, cost.before, cost.after) for cost in compare_tables(before, after).costs}["YADE"] == (1, 4.0, 4.0)
+
+
+def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_reaction_begin_there(tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0]
+    assert bounds(row) == (row["least"] / 1000.0, row["greatest"] / 1000.0)
+    assert bounds(row | {"greatest": None}) == (row["least"] / 1000.0, math.inf)
+    assert bounds(row | {"unit": "", "least": 0.7, "greatest": None}) == (-math.inf, 0.7)

@@ -1,0 +1,194 @@
+"""The run of a campaign: finished cases are kept, failures are told, and the command ends with what the cases came to."""
+
+import dataclasses
+import json
+import os
+import signal
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from campaigns import QUICK, Inline, begun, finished, run, sweep, written
+from conftest import Silent
+from faulty_runs import INTERRUPTED
+
+from comparison.campaign import job, table
+from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
+from comparison.cli.commands import main
+from comparison.errors import FolderInUseError
+from comparison.run_folder import alone_in
+from comparison.workflow.one_scene import read_results
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+
+def test_finished_cases_are_not_run_again_and_a_new_value_adds_its_own_alone(tmp_path: Path, plain_figures: None) -> None:
+    out, engine = tmp_path / "out", Inline()
+    first = run(QUICK, out, engine)
+    bytes_before = (out / "results.csv").read_bytes()
+    again = Inline()
+    assert run(QUICK, out, again).rows == first.rows and again.done == []
+    assert (out / "results.csv").read_bytes() == bytes_before
+    longer = run(QUICK.replace("[0.4, 0.5]", "[0.4, 0.45, 0.5]"), out, again)
+    assert again.done == ["two_pads_friction=0.45"]
+    assert [row["case"] for row in longer.rows][2:] == [f"two_pads_friction={mu}" for mu in (0.4, 0.45, 0.5)]
+    (out / "cases" / "two_blocks_friction=0.3" / "report.html").unlink()
+    (out / "cases" / "two_blocks_friction=0.6" / "outcome.json").write_text("{}")
+    repaired = Inline()
+    assert run(QUICK, out, repaired).rows == first.rows
+    assert repaired.done == ["two_blocks_friction=0.3", "two_blocks_friction=0.6"]
+
+
+def test_a_case_that_fails_is_told_with_its_reason_and_tried_again_by_the_next_call(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    text = sweep('vary = { "effects.elasticity" = ["auto", "none"] }', "wall_low_friction")  # only the answer tells that joints slide
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
+    assert main(["campaign", str(written(tmp_path, text)), "-o", str(out)]) == 3
+    said = capsys.readouterr()
+    assert "wall_low_friction_elasticity=none: failed: " in said.err and "effects.elasticity" in said.out
+    done, failed = table.read_table(out).rows
+    assert (done["state"], failed["state"]) == ("done", "failed")
+    assert failed["reason"].startswith("wall_low_friction.toml: effects.elasticity")  # where the program lies is left out
+    assert table.read_table(out).failures == [failed]
+    again = Inline()
+    run(text, out, again)
+    assert again.done == ["wall_low_friction_elasticity=none"]
+
+
+def test_no_path_of_this_machine_is_in_a_reason(tmp_path: Path) -> None:
+    scene = load_scene(find("two_pads"))
+    own = Job(scene, tmp_path / "case", False, {}, "", LOADED)
+    beside = dataclasses.replace(own, scene=dataclasses.replace(scene, path=Path("mine.toml")))
+    reason = f"{own.folder}/two_pads/case.h5: of {scene.path}"
+    assert failure(reason, own)["answers"]["reason"] == "two_pads/case.h5: of two_pads.toml"
+    assert failure("a. b/c. d", beside)["answers"]["reason"] == "a. b/c. d"
+
+
+def test_what_another_version_would_make_is_not_stored_as_this_one_s(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+
+    def install(at: Job) -> None:
+        if len(begun(out)) == 2:
+            monkeypatch.setattr(job, "code", lambda: "newer")
+
+    found = run(QUICK, out, Inline(install))
+    assert [row["state"] for row in found.rows] == ["done", "done", "failed", "failed"]
+    assert [row["reason"] for row in found.failures] == [OTHER_CODE] * 2
+    assert len(finished(out)) == 2 and not list(out.glob("cases/two_pads*/two_pads"))
+    monkeypatch.undo()
+    again = Inline()
+    assert [row["state"] for row in run(QUICK, out, again).rows] == ["done"] * 4 and len(again.done) == 2
+
+
+def test_a_worker_that_loaded_another_version_stores_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "LOADED", "older")
+    outcome = run_job(Job(load_scene(find("two_pads")), tmp_path / "case", False, {}, "", LOADED), Silent())
+    assert (outcome["state"], outcome["answers"]["reason"]) == ("failed", OTHER_CODE)
+    assert not (tmp_path / "case").exists()
+
+
+def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    def with_a_run(*place: Any) -> SimpleNamespace:
+        results = read_results(*place)
+        twists = results.analysis.bounds[results.analysis.main].twists
+        return SimpleNamespace(scene=results.scene, analysis=results.analysis, run=SimpleNamespace(mechanism=lambda: twists))
+
+    run(QUICK, tmp_path / "fresh" / "out")
+    monkeypatch.setattr(job, "read_results", with_a_run)
+    found = run(QUICK, tmp_path / "used" / "out")
+    assert found.rows[0]["associated_mechanism"] and found.rows[0]["yade_mechanism"] is None
+    assert (tmp_path / "used/out/results.csv").read_bytes() == (tmp_path / "fresh/out/results.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "code"),
+    [(["agree"], 0), (["agree", None], 0), (["agree", "inconclusive"], 4), (["inconclusive", "disagree"], 1), (["disagree", "failed"], 3)],
+)
+def test_the_gravest_case_decides_the_exit_code(verdicts: list[str | None], code: int, tmp_path: Path) -> None:
+    from comparison.cli.study_verbs.campaign import exit_code
+
+    rows = [{"state": "failed", "verdict": None} if verdict == "failed" else {"state": "done", "verdict": verdict} for verdict in verdicts]
+    assert exit_code(table.CampaignTable("", {}, rows, [], {}, tmp_path)) == code
+
+
+def test_the_command_prints_its_table_or_one_json_object_and_nothing_else(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
+    command = ["campaign", str(written(tmp_path, QUICK)), "-o", str(tmp_path / "out")]
+    assert main([*command, "--json", "-q"]) == 0
+    said = capsys.readouterr()
+    found = json.loads(said.out)
+    assert said.err == "" and [row["case"] for row in found["rows"]] == sorted(begun(tmp_path / "out"))
+    assert main(command) == 0
+    said = capsys.readouterr()
+    assert "4 of them finished before" in said.err and "4 cases: 3 not compared, 1 expected value met" in said.out and "0.36765" in said.out
+
+
+def test_a_case_s_folder_is_one_of_crosscheck_run(tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    row = run(QUICK, out).rows[0]
+    assert main(["report", str(out / row["folder"]), "-q"]) == 0
+    assert "two_blocks" in capsys.readouterr().out
+
+
+def test_two_campaigns_in_one_folder_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    with alone_in(out):
+        assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == 3
+    assert "in use by another crosscheck process" in capsys.readouterr().err
+
+
+def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figures: None) -> None:
+    out = tmp_path / "out"
+
+    def interrupt(job) -> None:
+        if len(begun(out)) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(QUICK, out, Inline(interrupt))
+    assert [row["case"] for row in table.read_table(out).rows] == begun(out)
+    again = Inline()
+    assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
+
+
+def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+
+    def end(at: Job) -> None:
+        if len(begun(out)) == 2:
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline(end))
+    elsewhere: list[int] = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: elsewhere.append(number))
+    try:
+        assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == INTERRUPTED
+        assert elsewhere == [] and "error: stopped" in capsys.readouterr().err
+        assert [row["case"] for row in table.read_table(out).rows] == begun(out)
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert elsewhere == [signal.SIGTERM]
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_the_report_is_written_while_the_folder_is_held(tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    def conclude(found: table.CampaignTable) -> None:
+        with pytest.raises(FolderInUseError), alone_in(found.folder):
+            pass
+        concluded.append(len(found.rows))
+
+    concluded: list[int] = []
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline())
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.write_campaign_report", conclude)
+    assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(tmp_path / "out"), "-q"]) == 0
+    assert concluded == [4]
