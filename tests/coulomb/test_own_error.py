@@ -1,0 +1,67 @@
+"""The error that a prediction states itself, and its certificate."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from coulomb_problems import PLATEAU, SCENES, answer, every_scene, great_wall, problem
+
+from la_core.coulomb import (
+    ACCEPTED_RESIDUAL,
+    PredictionSettings,
+    predict,
+)
+from la_core.coulomb.certificate import certify
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest
+from la_core.coulomb.tangent import Tangent
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+
+FRICTIONS = (0.01, 0.1, 0.6, 5.0, 1000.0)
+
+
+@pytest.mark.parametrize("mu", FRICTIONS)
+@pytest.mark.parametrize("name", ["two_blocks", "stack_bond_wall"])
+def test_columns_that_nothing_presses_weigh_what_they_weigh_whatever_the_friction(name, mu) -> None:
+    """Statics: the head joints are unloaded, so half, or a third, of the weight rests on the settling base."""
+    scene = scenes.shipped(name)
+    assembly, stiffness = problem(scene)
+    assembly = replace(assembly, points=replace(assembly.points, friction=np.full(len(assembly.points), mu)))
+    solution = predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING))
+    assert solution.status is Status.SOLVED
+    assert solution.value / assembly.weight == pytest.approx({"two_blocks": 1.0 / 2.0, "stack_bond_wall": 1.0 / 3.0}[name], abs=1e-6)
+
+
+@pytest.mark.parametrize(("mu", "split"), [(0.3, 1.6), (0.6, 1.6), (0.6, 1.2), (0.8, 1.2)])
+def test_stated_uncertainty_holds_against_finer_paths(mu, split) -> None:
+    """Viscosities and steps ten times finer; all 128 walls: tests/benchmarks/benchmark_friction.py."""
+    scene = great_wall(mu, split)
+    assembly, solution = answer(scene)
+    finer = PredictionSettings((1e-3, 1e-4), finer=10.0)
+    reference = predict(assembly, problem(scene)[1], solve_associated(assembly, Drive.YIELDING), settings=finer)
+    assert abs(solution.value - reference.value) <= solution.uncertainty <= PLATEAU * solution.value
+
+
+@every_scene
+def test_end_of_the_path_is_certified(name) -> None:
+    _, solution = answer(SCENES[name]())
+    assert solution.certificate <= ACCEPTED_RESIDUAL
+    assert solution.uncertainty >= 0.0
+    assert len(solution.path_value) == len(solution.path_settlement) > 10
+    assert (np.diff(solution.path_settlement) > 0.0).all()
+
+
+def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
+    """A step across a jump, or a state in motion, is no limit state: its power balance misses."""
+    assembly, stiffness = problem(great_wall(0.6, 1.6))
+    joints = ElasticJoints(assembly, stiffness)
+    rest, _ = come_to_rest(joints, tangent := Tangent(joints))
+    assert rest is not None
+    path = QuasiStaticPath(joints, tangent, rest, Falling(1e-2, 1e-2, 1.0))
+    for _ in path.advance_to(0.01):
+        pass
+    early = certify(joints, path.before, path.last)
+    assert early.power > 100.0 * ACCEPTED_RESIDUAL and early.equilibrium > ACCEPTED_RESIDUAL  # strain still changes, the drag acts
+    assert max(early.cone, early.parting, early.sliding) <= ACCEPTED_RESIDUAL  # the law of the joints holds in every state

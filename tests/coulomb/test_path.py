@@ -1,0 +1,70 @@
+"""The path under increments of the support's motion: from rest to the plateau."""
+
+import numpy as np
+import pytest
+import scenes
+from coulomb_problems import PLATEAU, answer, problem, pushed, small_wall
+
+from la_core.coulomb import (
+    CoulombSolution,
+    EquilibriumPath,
+    follow_path,
+)
+from la_core.model.assembly import Assembly
+from la_core.scene.scene import Scene
+
+RISE = 1e-3  # of the reaction at rest: what an unconverged step may add to a falling curve
+
+
+def path_of(scene: Scene, increments: int) -> tuple[Assembly, CoulombSolution, EquilibriumPath]:
+    assembly, solution = answer(scene)
+    stiffness = problem(scene)[1]
+    return assembly, solution, follow_path(assembly, stiffness, stiffness.travel, increments)
+
+
+@pytest.mark.parametrize("name", ["two_blocks", "arch_settling", "wall_third", "wall_half"])
+def test_path_leads_from_rest_to_the_plateau(name) -> None:
+    _, solution, path = path_of(scenes.shipped(name), 12)
+    assert len(path.value) == 13 and path.settlement[0] == 0.0
+    assert path.value[0] == solution.at_rest
+    assert path.value[-1] == pytest.approx(solution.value, rel=PLATEAU)
+
+
+@pytest.mark.parametrize("name", ["arch_settling", "arch_spreading", "trilith"])
+def test_reaction_falls_from_rest_to_the_plateau(name) -> None:
+    _, _, path = path_of(scenes.shipped(name), 12)
+    assert (np.diff(path.value) <= RISE * path.value[0]).all()
+    assert path.value[-1] < path.value[0]
+    assert (np.diff(path.settlement) > 0.0).all()
+
+
+def test_block_that_does_not_hang_keeps_its_reaction_all_the_way() -> None:
+    _, _, path = path_of(scenes.shipped("two_blocks"), 12)
+    assert path.value == pytest.approx(path.value[0], rel=PLATEAU)
+
+
+@pytest.mark.parametrize("name", ["wall_third", "wall_half"])
+def test_more_increments_do_not_change_the_plateau(name) -> None:
+    scene = scenes.shipped(name)
+    assembly, stiffness = problem(scene)
+    few, many = (follow_path(assembly, stiffness, stiffness.travel, increments).value[-1] for increments in (6, 18))
+    assert few == pytest.approx(many, rel=PLATEAU)
+
+
+def test_path_under_a_live_load_starts_without_it_and_rises_to_the_multiplier() -> None:
+    _, solution, path = path_of(pushed(), 8)
+    assert path.value[0] == 0.0
+    assert path.value[-1] == pytest.approx(solution.value, rel=PLATEAU)
+
+
+def test_path_counts_what_it_solves() -> None:
+    assembly, stiffness = problem(small_wall())
+    path = follow_path(assembly, stiffness, stiffness.travel, 4)
+    assert len(path.solves) == 5 and path.solves[0] == 0 and (path.solves[1:] > 0).all() and path.seconds > 0.0
+
+
+def test_path_that_breaks_off_is_shorter(monkeypatch) -> None:
+    assembly, stiffness = problem(small_wall())
+    monkeypatch.setattr("la_core.coulomb.implicit_step.MOST_ITERATIONS", 0)
+    path = follow_path(assembly, stiffness, stiffness.travel, 4)
+    assert len(path.value) == len(path.settlement) == len(path.converged) < 5

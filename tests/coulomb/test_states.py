@@ -1,0 +1,134 @@
+"""States at the end of a prediction: equilibrium, cones, no dilation, the balance of work, and the interval of their mechanism."""
+
+import math
+
+import numpy as np
+import pytest
+from coulomb_problems import (
+    DIGIT,
+    FOUND,
+    PLATEAU,
+    SCENES,
+    STRAIN,
+    answer,
+    bounds,
+    every_scene,
+    great_wall,
+    small_wall,
+    unit,
+    value,
+)
+
+from la_core.coulomb import (
+    ACCEPTED_RESIDUAL,
+    interval,
+)
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.measures import residuals
+
+NO_DILATION = 0.02  # of the support's speed: elastic strain rate at loaded sliding joints; associated flow would part at mu |u_t|
+BALANCE = 2e-2  # of the input: elastic energy that the last step still stores, and the dilation that is left
+DRIVES = {
+    "up": (0.0, 0.0, 1.0),
+    "out": (1.0, 0.0, 0.0),
+    "in": (-1.0, 0.0, 0.0),
+    "askew": (0.4, 0.0, -1.0),
+}
+
+
+@every_scene
+def test_state_is_in_equilibrium_and_within_the_cone(name) -> None:
+    assembly, solution = answer(SCENES[name]())
+    multiplier = solution.value if assembly.has_live_load else 0.0
+    assert residuals.equilibrium_residual(assembly, solution.forces, multiplier) == solution.equilibrium_residual <= ACCEPTED_RESIDUAL
+    assert residuals.cone_violation(assembly, solution.forces) == solution.cone_violation <= ACCEPTED_RESIDUAL
+    reaction = residuals.multiplier(assembly, solution.forces) if assembly.has_live_load else residuals.reaction(assembly, solution.forces)
+    assert solution.value == pytest.approx(reaction, abs=FOUND * unit(assembly))
+
+
+@every_scene
+def test_value_lies_between_the_associated_bounds_and_within_its_interval(name) -> None:
+    assembly, solution = answer(SCENES[name]())
+    near = STRAIN * unit(assembly)
+    if assembly.has_live_load:
+        assert solution.value <= solve_associated(assembly, Drive.LIVE).value + near
+    else:
+        least, greatest = (solve_associated(assembly, drive) for drive in (Drive.YIELDING, Drive.PUSHING))
+        assert least.value - near <= solution.value
+        if greatest.status is Status.SOLVED:
+            assert solution.value <= greatest.value + near
+    low, high = solution.interval
+    assert low <= high + near and low - near <= solution.value <= high + near
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_support_may_move_anywhere(drive) -> None:
+    assembly, solution = answer(small_wall(settlement=DRIVES[drive]))
+    assert solve_associated(assembly, Drive.YIELDING).value <= solution.value + FOUND * assembly.weight
+
+
+@pytest.mark.parametrize(("axis", "point"), [((0.0, 1.0, 0.0), (1.2, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+                                             ((0.0, 0.0, 1.0), (1.6, 0.15, 0.0)), ((0.0, 1.0, 0.2), (0.9, 0.0, -0.4))])  # fmt: skip
+def test_support_may_turn_about_any_axis(axis, point) -> None:
+    assembly, solution = answer(small_wall(settlement={"axis": axis, "point": point}, plane=False))
+    low, high = solution.interval
+    associated, near = solve_associated(assembly, Drive.YIELDING).value, STRAIN * assembly.weight
+    assert associated - near <= solution.value
+    assert math.isnan(low) or low - near <= solution.value <= high + near  # unknown where its ends move with the threshold
+
+
+def test_far_axis_is_a_translation() -> None:
+    far = 1e4
+    assembly, solution = answer(small_wall(settlement={"axis": (0.0, 1.0, 0.0), "point": (-far, 0.0, 0.0)}))
+    assert solution.value / (assembly.weight * far) == pytest.approx(value(small_wall()), rel=PLATEAU)
+
+
+@pytest.mark.parametrize("name", ["wall", "crossing beams", "live load"])
+def test_mechanism_does_not_dilate(name) -> None:
+    """At sliding loaded points the opening is elastic; the associated mechanism parts there at mu |u_t|."""
+    assembly, solution = answer(SCENES[name]())
+    associated = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+
+    def opening(twists: np.ndarray, forces: np.ndarray) -> float:
+        """Greatest opening where points slide under load, over the fastest sliding."""
+        velocity = assembly.relative_velocity(twists)
+        parting = np.sum(velocity * assembly.normal, axis=1)
+        slip = np.linalg.norm(velocity - parting[:, None] * assembly.normal, axis=1)
+        loaded = np.sum(forces * assembly.normal, axis=1) > 0.01 * assembly.mean_weight
+        sliding = loaded & (slip > 0.1 * slip.max())
+        return float(np.abs(parting[sliding]).max() / slip.max()) if sliding.any() else 0.0
+
+    assert opening(solution.twists, solution.forces) < NO_DILATION
+    assert opening(associated.twists, associated.forces) > 3.0 * NO_DILATION
+
+
+@pytest.mark.parametrize("name", ["wall", "crossing beams", "live load"])
+def test_work_of_the_weights_goes_into_the_support_and_friction(name) -> None:
+    """Weights and live load put in what the support takes out and friction dissipates."""
+    assembly, solution = answer(SCENES[name]())
+    velocity = assembly.relative_velocity(solution.twists)
+    slip = velocity - np.sum(velocity * assembly.normal, axis=1)[:, None] * assembly.normal
+    dissipated = -float(np.sum(solution.forces * slip))
+    weights = float(np.sum(assembly.dead_load * solution.twists))
+    put_in = weights + solution.value * float(np.sum(assembly.live_load * solution.twists))
+    taken = 0.0 if assembly.has_live_load else solution.value
+    assert dissipated > 0.0
+    scale = abs(weights) + abs(solution.value)
+    assert put_in - taken == pytest.approx(dissipated, abs=BALANCE * scale)
+    tangential = np.linalg.norm(solution.forces - np.sum(solution.forces * assembly.normal, axis=1)[:, None] * assembly.normal, axis=1)
+    assert dissipated <= float(np.sum(tangential * np.linalg.norm(slip, axis=1))) + FOUND * scale
+
+
+@pytest.mark.parametrize("threshold", [0.01, 0.03, 0.1])
+@pytest.mark.parametrize(
+    ("mu", "split", "expected"), [(0.6, 1.6, (0.0613, 0.0833)), (0.6, 1.2, (0.1287, 0.1750)), (0.3, 1.6, (0.0765, 0.0833))]
+)
+def test_interval_does_not_depend_on_the_threshold_within_a_decade(mu, split, expected, threshold, monkeypatch) -> None:
+    monkeypatch.setattr(interval, "THRESHOLDS", (threshold, threshold))
+    assert bounds(great_wall(mu, split)) == pytest.approx(expected, abs=DIGIT)
+
+
+@pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+def test_interval_of_a_plane_wall_is_the_same_in_3d(plane) -> None:
+    assert bounds(great_wall(0.6, 1.6, plane)) == pytest.approx((0.0613, 0.0833), abs=DIGIT)
