@@ -17,9 +17,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+import mesh_files as meshes
 import numpy as np
 import on_path  # noqa: F401  before what it makes importable
-import test_mesh as meshes
 import wall_drawings
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 

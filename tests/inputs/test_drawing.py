@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import mesh_files as meshes
 import numpy as np
 import pytest
 import wall_drawings as drawn
@@ -239,8 +240,6 @@ def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: P
 
 @pytest.mark.parametrize("unit", [1.0, 1000.0])
 def test_bodies_become_a_scene_without_typing(unit: float, tmp_path: Path) -> None:
-    import test_mesh as meshes
-
     bodies = {name: unit * 2.0 * np.asarray(vertices) for name, (vertices, _) in meshes.wall().items()}
     (tmp_path / "bodies.obj").write_text(meshes.obj(bodies))
     assert main(["new", "-q", "--from", str(tmp_path / "bodies.obj")]) == 0

@@ -1,0 +1,229 @@
+"""Defects of imported bodies and their files are named, and nothing outside of the scene's folder is read."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import make_rubble_wall
+import numpy as np
+import pytest
+from mesh_files import (
+    BOX_FACES,
+    Corners,
+    as_compas,
+    as_obj,
+    as_old_compas,
+    as_ply_folder,
+    as_stl_folder,
+    corners,
+    obj,
+    ply,
+    refusal,
+    scene_text,
+    stl,
+    wall,
+    written,
+)
+
+from la_core.errors import SceneError
+from la_core.scene.generators import mesh, mesh_surface
+from la_core.scene.scene import load_scene
+
+DAMAGES = 20  # a format
+CUBE = corners((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+FLIPPED = (BOX_FACES[0][::-1], *BOX_FACES[1:])
+
+
+def pyramid_dent(depth: float) -> tuple[Corners, tuple[tuple[int, ...], ...]]:
+    """A cube whose top is a pyramid that points down by `depth`."""
+    top = tuple((a, b, 8) for a, b in ((4, 5), (5, 6), (6, 7), (7, 4)))
+    return np.vstack([CUBE, [0.5, 0.5, 1.0 - depth]]), (BOX_FACES[0], *BOX_FACES[2:], *top)
+
+
+def folded_roof() -> tuple[Corners, tuple[tuple[int, ...], ...]]:
+    """A cube with two corners of its top raised by 0.2 and the diagonal that makes a valley, 0.2 / sqrt(1.08) below the ridge's planes."""
+    vertices = CUBE.copy()
+    vertices[[5, 7], 2] += 0.2
+    return vertices, (BOX_FACES[0], (4, 5, 6), (4, 6, 7), *(t for a, b, c, d in BOX_FACES[2:] for t in ((a, b, c), (a, c, d))))
+
+
+def two_cubes() -> tuple[Corners, tuple[tuple[int, ...], ...]]:
+    return np.vstack([CUBE, CUBE + np.array([3.0, 0.0, 0.0])]), (*BOX_FACES, *(tuple(k + 8 for k in face) for face in BOX_FACES))
+
+
+BODIES: dict[str, tuple[tuple[Corners, Sequence[Sequence[int]]], str]] = {
+    "open": ((CUBE, BOX_FACES[1:]), "is open: 4 of its 12 edges lack a partner"),
+    "one face turned": ((CUBE, FLIPPED), "has inconsistent normals: 4 of its 12 edges run the same way in both faces"),
+    "three faces at an edge": (
+        (np.vstack([CUBE, [0.5, -0.5, 0.5]]), (*BOX_FACES, (0, 1, 8))),
+        "is open: 2 of its 14 edges lack a partner",
+    ),
+    "a face twice": ((CUBE, (*BOX_FACES, BOX_FACES[1], BOX_FACES[1][::-1])), "4 of its 12 edges belong to more than two faces"),
+    "dented": (pyramid_dent(0.3), "is not convex: its deepest dent, near (0.5, 0.5, 0.7), lies 0.3 m below its convex hull"),
+    "valley": (folded_roof(), "is not convex: its deepest dent, near (0.5, 0.5, 1), lies 0.192 m below its convex hull"),
+    "two shells": (two_cubes(), "consists of 2 separate shells"),
+    "flat": ((CUBE * [1.0, 1.0, 0.0], BOX_FACES), "is degenerate: it has no volume"),
+    "a point": ((CUBE * 0.0, BOX_FACES), "is degenerate: every face has shrunk to a line or a point"),
+    "not a number": ((CUBE * [1.0, 1.0, float("nan")], BOX_FACES), "has a coordinate that is not a number"),
+}
+
+
+@pytest.mark.parametrize(("body", "rule"), BODIES.values(), ids=BODIES)
+def test_a_defect_is_named_with_file_and_body(body: tuple[Corners, Sequence[Sequence[int]]], rule: str, tmp_path: Path) -> None:
+    path = written(tmp_path, "bad.obj", obj({"cornerstone": body[0]}, body[1]), fixed=[])
+    message = refusal(path)
+    assert 'mesh "bad.obj": body "cornerstone"' in message
+    assert rule in message
+
+
+def test_a_cup_with_walls_too_thin_to_see_is_no_cube() -> None:
+    """Every corner is within the tolerance of a cube's surface, but the walls, 1/20,000 thick, hold no more than they are."""
+    thin = 5e-5
+    inner = corners((thin, thin, thin), (1.0 - thin, 1.0 - thin, 1.0))
+    sides = [face for face in BOX_FACES if face != BOX_FACES[1]]
+    rim = [(a, b, b + 8, a + 8) for a, b in ((4, 5), (5, 6), (6, 7), (7, 4))]
+    faces = [*sides, *(tuple(k + 8 for k in face[::-1]) for face in sides), *rim]
+    with pytest.raises(ValueError, match=r"is folded: its faces enclose 0\.00025 of the volume of its convex hull"):
+        mesh_surface.convex_shape(mesh_surface.surface("cup", np.vstack([CUBE, inner]), faces))
+
+
+def test_an_inverted_body_is_the_same_body() -> None:
+    """All faces turned inwards is a matter of convention, not a defect."""
+    inward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, [face[::-1] for face in BOX_FACES]))
+    outward = mesh_surface.convex_shape(mesh_surface.surface("b", CUBE, BOX_FACES))
+    assert inward.faces == outward.faces
+
+
+def test_single_precision_is_no_dent(tmp_path: Path) -> None:
+    """Irregular stones 30 m from the origin, in single precision."""
+    for k, vertices in enumerate(make_rubble_wall.stones()):
+        text = make_rubble_wall.obj({"stone": vertices + 30.0})
+        points = np.array([[float(x) for x in line.split()[1:]] for line in text.splitlines() if line.startswith("v ")])
+        faces = [[int(x) - 1 for x in line.split()[1:]] for line in text.splitlines() if line.startswith("f ")]
+        path = written(tmp_path, f"stones/stone {k}.stl", stl(points, faces))
+    path.write_text(scene_text("stones", fixed=["stone 0"], support=["stone 1"]))
+    assert len(load_scene(path).blocks) == len(make_rubble_wall.stones())
+
+
+GOOD = obj({name: vertices for name, (vertices, _) in wall().items()})
+HUGE_PROMISE = ply(CUBE).replace("vertex 8", "vertex 99999999999").replace("ascii", "binary_little_endian")
+FILES = {
+    "empty group": ("x.obj", GOOD + "o nothing\n", {}, 'body "nothing": is empty: it has no faces'),
+    "no body": ("x.obj", "v 0 0 0\n", {}, 'mesh "x.obj": contains no body with faces'),
+    "a corner too high": (
+        "x.obj",
+        "o a\nv 0 0 0\nf 1 2 3\n",
+        {},
+        "line 3, `f 1 2 3`, cannot be read: the face refers to vertex 2, but only 1 are defined above it",
+    ),
+    "a face with two corners": ("x.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", {}, "a face has at least three corners"),
+    "words for numbers": ("x.obj", "v 0 zero 0\n", {}, "line 1, `v 0 zero 0`, cannot be read"),
+    "not JSON": ("x.json", "{", {}, "not an assembly as COMPAS writes it"),
+    "JSON of something else": ("x.json", "[1, 2]", {}, "not an assembly as COMPAS writes it"),
+    "JSON without end": ("x.json", "[" * 100_000, {}, "not an assembly as COMPAS writes it"),
+    "not PLY": ("x.ply", "nothing of the kind", {}, "not a whole PLY file"),
+    "not STL": ("x.stl", b"\xff" * 200, {}, "not a whole STL file"),
+    "a huge promise": (
+        "x.ply",
+        ply(CUBE).replace("vertex 8", "vertex 99999999999").replace("ascii", "binary_little_endian"),
+        {},
+        "not a whole PLY file",
+    ),
+    "a pattern without body": ("x.obj", GOOD, {"fixed": ["grond"]}, "fixed = 'grond': no name of a body matches; did you mean \"ground\"?"),
+    "two roles": (
+        "x.obj",
+        GOOD,
+        {"fixed": ["ground"], "support": ["*"]},
+        'body "ground": matches a pattern of `fixed` and one of `support`',
+    ),
+    "a control character": ("x.obj", GOOD.replace("o pad", "o p\x07d"), {"fixed": ["ground"]}, "must be printable text"),
+    "another format": ("x.3ds", GOOD, {}, "`file` must end in .obj, .ply, .stl, .json, or be a folder of .ply or .stl files"),
+    "no scale": ("x.obj", GOOD, {"scale": 0.0}, "mesh[0].scale = 0.0: must be greater than 0"),
+    "no axis": ("x.obj", GOOD, {"turn": {"axis": [0.0, 0.0, 0.0], "degrees": 1.0}}, "must not be the zero vector"),
+}
+
+
+@pytest.mark.parametrize(("file", "content", "entries", "rule"), FILES.values(), ids=FILES)
+def test_a_bad_file_or_table_is_refused(file: str, content: str | bytes, entries: dict[str, Any], rule: str, tmp_path: Path) -> None:
+    assert rule in refusal(written(tmp_path, file, content, **entries))
+
+
+@pytest.mark.parametrize("write", [as_obj, as_ply_folder, as_stl_folder, as_compas])
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.98])
+def test_a_truncated_file_is_refused(write: Callable[[Path], Path], share: float, tmp_path: Path) -> None:
+    scene = write(tmp_path)
+    cut = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != scene)[0]
+    cut.write_bytes(cut.read_bytes()[: int(share * cut.stat().st_size)])
+    assert cut.name in refusal(scene) or "no name of a body matches" in refusal(scene)
+
+
+@pytest.mark.parametrize("write", [as_obj, as_ply_folder, as_stl_folder, as_compas, as_old_compas])
+def test_a_file_with_damaged_bytes_is_read_or_refused_and_nothing_else(write: Callable[[Path], Path], tmp_path: Path) -> None:
+    chance, scene = np.random.default_rng(0), write(tmp_path)
+    path = sorted(path for path in tmp_path.rglob("*") if path.is_file() and path != scene)[0]
+    whole, refused = path.read_bytes(), 0
+    for _ in range(DAMAGES):
+        damaged, place = bytearray(whole), int(chance.integers(len(whole)))
+        damaged[place : place + int(chance.integers(20))] = chance.bytes(int(chance.integers(1, 6)))
+        path.write_bytes(damaged)
+        try:
+            load_scene(scene)
+        except SceneError:
+            refused += 1
+    assert refused > DAMAGES / 2
+
+
+def test_a_missing_reader_is_named_with_the_extra_and_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = as_stl_folder(tmp_path)
+    monkeypatch.setattr(mesh.importlib.util, "find_spec", lambda name: None)
+    message = refusal(path)
+    assert 'install the extra "mesh"' in message and "pip install" in message
+
+
+ESCAPES = {
+    "absolute": ("/etc/wall.obj", "must be a path relative to the scene file"),
+    "drive": ("C:/wall.obj", "must be a path relative to the scene file"),
+    "backslash": ("..\\\\wall.obj", "must be a path relative to the scene file"),
+    "above": ("../wall.obj", "leads out of the scene's folder by `..`"),
+    "above by a detour": ("a/../../wall.obj", "leads out of the scene's folder by `..`"),
+    "address": ("https://example.org/wall.obj", "is an address"),
+    "missing": ("nowhere.obj", "cannot be read: No such file or directory; the path is relative to the scene file"),
+    "missing folder": ("nowhere", "neither a mesh file nor a folder of them"),
+}
+
+
+@pytest.mark.parametrize(("file", "reason"), ESCAPES.values(), ids=ESCAPES)
+def test_nothing_outside_of_the_scene_s_folder_is_read(file: str, reason: str, tmp_path: Path) -> None:
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (tmp_path / "wall.obj").write_text(GOOD)
+    (inner / "scene.toml").write_text(scene_text(file.replace("\\\\", "\\")))
+    assert reason in refusal(inner / "scene.toml")
+
+
+def test_a_link_out_of_the_scene_s_folder_is_refused(tmp_path: Path) -> None:
+    inner = tmp_path / "inner"
+    path = written(inner, "wall.obj", GOOD)
+    (tmp_path / "wall.obj").write_text(GOOD)
+    (inner / "wall.obj").unlink()
+    (inner / "wall.obj").symlink_to(tmp_path / "wall.obj")
+    assert "a link that leads out" in refusal(path)
+    (inner / "stones").mkdir()
+    (inner / "stones" / "a.ply").symlink_to(tmp_path / "wall.obj")
+    path.write_text(scene_text("stones"))
+    assert "a link that leads out" in refusal(path)
+
+
+def test_size_and_number_of_bodies_are_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = as_obj(tmp_path)
+    monkeypatch.setattr(mesh, "MOST_BLOCKS", 3)
+    assert f"contains {len(wall())} bodies; at most 3 are allowed" in refusal(path)
+    monkeypatch.setattr(mesh, "LARGEST_FILE", 100)
+    assert "larger than 100 bytes" in refusal(path)
+
+
+def test_a_ball_is_no_block(tmp_path: Path) -> None:
+    ring = np.linspace(0.0, 2.0 * np.pi, mesh_surface.MOST_CORNERS, endpoint=False)
+    front = np.stack([np.cos(ring), 0.0 * ring, np.sin(ring)], axis=1)
+    faces = make_rubble_wall.obj({"drum": np.vstack([front, front + np.array([0.0, 1.0, 0.0])])})
+    assert "has 2000 corners; simplify it" in refusal(written(tmp_path, "x.obj", faces, fixed=[]))
