@@ -21,6 +21,7 @@ ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in on
 GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
 EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
+LATE_POSES = 0.1  # of the way so far: largest distance between states from there on, so that a plateau holds several
 JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
 
@@ -239,8 +240,9 @@ class Protocol:
             self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
         if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:  # a lifted support begins below 0
             self.record.store_pose()
-            apart = settings.plateau_travel / EARLY_POSES if travelled < settings.plateau_travel else settings.max_travel / settings.poses
-            self._next_pose += min(self._next_pose, apart)
+            is_early = travelled < settings.plateau_travel
+            apart = settings.plateau_travel / EARLY_POSES if is_early else LATE_POSES * (travelled - self._origin)
+            self._next_pose += min(self._next_pose, apart, settings.max_travel / settings.poses)
         self.progress("settlement", min(1.0, travelled / settings.max_travel), row.settlement, row.reaction, "")
         if self._servo is not None and travelled >= settings.max_travel:
             self._judge()

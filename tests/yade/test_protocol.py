@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 import scenes
 from conftest import CrossChecked, Silent
@@ -119,3 +120,14 @@ def test_weights_leave_no_trace_of_how_they_came(tmp_path: Path) -> None:
     at_rest = run.record.reaction[run.record.stage == 0][-1]
     assert at_rest == pytest.approx(coulomb.at_rest, rel=1e-3)  # blocks count as resting with unbalanced forces of 1e-3 of their weight
     assert abs(run.reaction - coulomb.value) <= run.uncertainty + coulomb.uncertainty
+
+
+@pytest.mark.yade
+def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) -> None:
+    """Stiff joints may show their plateau anywhere on the way: states a fixed distance apart once left one on it, and no mechanism."""
+    stiff = same_structure(
+        scenes.shipped("two_pads"), {"yade.stiffening": 64.0, "yade.stop_uncertainty": 1e-9, "yade.record_rows": 600}, "stiff"
+    )
+    run, _ = by_both_methods(stiff, tmp_path)
+    way = run.poses.settlement[run.poses.settlement >= run.settings["plateau_travel"]]
+    assert way[-1] > 10.0 * way[0] and np.max(np.diff(way) / way[1:]) <= 0.15
