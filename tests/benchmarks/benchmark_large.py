@@ -1,0 +1,155 @@
+"""Large plane structures by both methods, to a verdict: what each method says and how long a user waits.
+
+    python tests/benchmarks/benchmark_large.py [--scenes NAME ...] [--threads N] [--folder DIR] [--record FILE]
+
+A scene that the record holds is not run again. `--page` writes the page from the record and runs nothing.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import argparse
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from growth_report import table
+from rich.console import Console
+
+import la_core
+from comparison.judge.requested_accuracy import percent
+from comparison.numbers import exists, format_number, with_uncertainty
+from comparison.progress import Narration
+from comparison.provenance import describe
+from comparison.run_folder import write_text
+from comparison.verdict import mark_of
+from comparison.workflow import run_scene
+from la_core.scene import Scene, same_structure
+
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
+FRICTION, DENSITY = 0.4, 1800.0  # -, kg/m3
+BLOCK, BRICK = (0.4, 0.2, 0.2), (0.25, 0.12, 0.08)  # length, depth, height, m
+WINDOWS = [((left, low), (left + 1.0, high)) for left in (1.0, 4.0, 7.0) for low, high in ((0.72, 1.84), (2.48, 3.44))]
+HEADINGS = (
+    "scene",
+    "blocks",
+    "mu",
+    "Coulomb R/W",
+    "YADE R/W",
+    "apart",
+    "verdict",
+    "limit analysis, s",
+    "YADE, s",
+    "steps of YADE",
+    "whole run, min",
+)
+INTRODUCTION = """\
+# Large structures by both methods
+
+Plane structures of 60 to 1,500 blocks whose right third settles, by both methods to a verdict, on a machine that does nothing else. The
+first three are walls in running bond; *brick facade* has five windows and a door under lintels. Seconds are wall time; YADE's are those
+of all its attempts. A whole run adds reading, checks and numbers. Written by `python tests/benchmarks/benchmark_large.py --threads 2`."""
+
+
+def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:
+    """A plane wall in running bond, the right third of whose foundation settles. size: of a block, m; more: keys of the wall."""
+    length = per_course * size[0]
+    footing = {"height": 0.3, "settling": [round(2.0 * length / 3.0, 3), length]}
+    bond = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": list(size), "per_course": per_course, "courses": courses}
+    tables = {
+        "title": "Right third of a foundation settles",
+        "stone": {"density": DENSITY},
+        "joint": {"friction": FRICTION},
+        "wall": [bond | {"footing": footing} | more],
+        "settlement": {"direction": [0.0, 0.0, -1.0]},
+    }
+    return la_core.build(tables, "large")
+
+
+def facade() -> Scene:
+    """A brick facade of about 1,500 blocks with five windows and a door."""
+    openings = [{"from": list(low), "to": list(high), "bearing": BRICK[0]} for low, high in WINDOWS]
+    openings[2]["from"] = [4.0, 0.0]  # the door
+    return wall(BRICK, 36, 50, opening=openings)
+
+
+SCENES: dict[str, Callable[[], Scene]] = {
+    "10 x 6 wall": lambda: wall(BLOCK, 10, 6),
+    "250 blocks": lambda: wall(BLOCK, 15, 16),
+    "1,000 blocks": lambda: wall(BLOCK, 31, 32),
+    "brick facade": facade,
+}
+
+
+def measured(name: str, threads: int, folder: Path) -> dict[str, Any]:
+    """Return the entry of one scene; reactions over the weight."""
+    scene = same_structure(SCENES[name](), {"yade.threads": threads} if threads > 1 else {}, name.replace(" ", "_").replace(",", ""))
+    start = time.perf_counter()
+    with Narration(Console(stderr=True)) as narration:
+        summary = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=lambda _: {})
+    minutes = (time.perf_counter() - start) / 60.0
+    coulomb, yade, weight = summary["limit_analysis"]["coulomb"], summary["yade"], summary["weight"]
+    shared = coulomb.get("shared_inset") or coulomb
+    values = {
+        "coulomb": shared["reaction"], "coulomb_uncertainty": shared["uncertainty"],
+        "yade": yade["reaction"], "yade_uncertainty": yade["uncertainty"],
+    }  # fmt: skip
+    return {name: value / weight if exists(value) else None for name, value in values.items()} | {
+        "name": name, "blocks": summary["free_blocks"], "friction": scene.friction, "weight": weight, "threads": threads,
+        "verdict": summary["verdict"], "reason": summary["reason"], "coulomb_status": shared["status"], "yade_status": yade["status"],
+        "coulomb_seconds": coulomb["seconds"], "yade_seconds": yade["seconds"], "steps": yade["steps"], "minutes": minutes,
+    }  # fmt: skip
+
+
+def page(record: dict[str, Any]) -> str:
+    """Return the page of a record."""
+    entries = [record["scenes"][name] for name in SCENES if name in record["scenes"]]
+    reasons = [f"- **{entry['name']}** is {entry['verdict']}: {entry['reason']}" for entry in entries if entry["reason"]]
+    threads = ", ".join(f"{entry['name']} {entry['threads']}" for entry in entries)
+    parts = [
+        INTRODUCTION,
+        table(HEADINGS, [_row(entry) for entry in entries]),
+        "\n".join(reasons) or "Every structure agrees.",
+        f"Threads of YADE: {threads}. Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _row(entry: dict[str, Any]) -> list[str]:
+    known = exists(entry["coulomb"]) and exists(entry["yade"])
+    return [
+        entry["name"],
+        f"{entry['blocks']:,}",
+        format_number(entry["friction"], 3),
+        with_uncertainty(entry["coulomb"], entry["coulomb_uncertainty"]) if exists(entry["coulomb"]) else entry["coulomb_status"],
+        with_uncertainty(entry["yade"], entry["yade_uncertainty"]) if exists(entry["yade"]) else entry["yade_status"],
+        percent(abs(entry["yade"] - entry["coulomb"]) / abs(entry["yade"])) if known and entry["yade"] else "–",
+        mark_of(entry["verdict"]),
+        format_number(entry["coulomb_seconds"], 2),
+        format_number(entry["yade_seconds"], 2),
+        f"{entry['steps']:,}",
+        format_number(entry["minutes"], 2),
+    ]
+
+
+def main() -> None:
+    """Run what the record lacks, and write record and page after every scene."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scenes", nargs="*", choices=list(SCENES), default=list(SCENES), help="names of scenes (default: all)")
+    parser.add_argument("--threads", type=int, default=1, help="threads of YADE (default: 1)")
+    parser.add_argument("--folder", type=Path, default=Path("crosscheck-large"), help="folder of all runs")
+    parser.add_argument("--record", type=Path, default=GALLERY / "large.json", help="the record; the page lies beside it")
+    parser.add_argument("--page", action="store_true", help="write the page alone")
+    options = parser.parse_args()
+    record = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {"versions": {}, "scenes": {}}
+    versions = describe()
+    for name in () if options.page else (name for name in options.scenes if name not in record["scenes"]):
+        record["scenes"][name] = measured(name, options.threads, options.folder)
+        record["versions"] = {key: versions[key] for key in ("crosscheck", "python", "numpy", "machine")}
+        write_text(options.record, json.dumps(record, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+        print(" | ".join(_row(record["scenes"][name])), flush=True)
+    write_text(options.record.with_suffix(".md"), page(record))
+
+
+if __name__ == "__main__":
+    main()

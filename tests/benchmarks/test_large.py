@@ -1,0 +1,35 @@
+"""Large structures by both methods: what is built is as large as its page says, and the page shows what was recorded."""
+
+import benchmark_large
+import numpy as np
+from benchmark_large import SCENES, page
+
+from la_core.model import assemble
+
+
+def test_the_facade_has_about_1500_blocks_openings_and_a_third_that_settles() -> None:
+    scene = SCENES["brick facade"]()
+    assert 1450 <= scene.blocks.free.sum() <= 1550 and scene.friction == 0.4
+    assembly = assemble(scene)
+    assert assembly.support_speed == 1.0 and assembly.effects.plane
+    length, height = np.ptp(scene.blocks.vertices[:, 0]), np.ptp(scene.blocks.vertices[:, 2])
+    solid = scene.weight / (9.81 * benchmark_large.DENSITY * benchmark_large.BRICK[1])
+    assert 0.75 < solid / (length * height) < 0.95  # the rest are openings, and the footing
+
+
+def test_the_sizes_are_those_that_the_scenes_are_named_after() -> None:
+    sizes = {name: int(SCENES[name]().blocks.free.sum()) for name in ("10 x 6 wall", "250 blocks", "1,000 blocks")}
+    assert 60 <= sizes["10 x 6 wall"] <= 66 and abs(sizes["250 blocks"] - 250) <= 5 and abs(sizes["1,000 blocks"] - 1000) <= 20
+
+
+def test_the_page_shows_values_verdicts_and_reasons() -> None:
+    entry = {
+        "name": "250 blocks", "blocks": 248, "friction": 0.4, "weight": 1e4, "threads": 2, "verdict": "disagree", "reason": "they differ",
+        "coulomb_status": "solved", "yade_status": "plateau", "coulomb_seconds": 20.0, "yade_seconds": 120.0, "steps": 1234567,
+        "minutes": 2.5, "coulomb": 0.1, "coulomb_uncertainty": 1e-4, "yade": 0.11, "yade_uncertainty": 2e-4,
+    }  # fmt: skip
+    unfinished = entry | {"name": "1,000 blocks", "verdict": "inconclusive", "yade": None, "yade_status": "timeout"}
+    text = page({"versions": {"python": "3"}, "scenes": {"1,000 blocks": unfinished, "250 blocks": entry}})
+    assert text.index("| 250 blocks | 248 |") < text.index("| 1,000 blocks | 248 |")
+    assert "| 9.1 % | ✗ disagree | 20 | 120 | 1,234,567 | 2.5 |" in text and "| timeout | – | ? inconclusive |" in text
+    assert "**250 blocks** is disagree: they differ" in text
