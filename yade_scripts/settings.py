@@ -72,6 +72,7 @@ class Settings:
     time_limit: float  # s, longest wall time of the run
     stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
     least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more than that shows it earlier
+    plateau_share: float  # share of the travel that is covered at least before the run may stop on a plateau
     rattling: float  # mean unbalanced force over the mean block weight, above which blocks rattle
     quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
     servo_frequency: float  # of the servo of a live load, over the frequency of the structure as it sags under its weights
@@ -105,7 +106,7 @@ def derive(case: Case) -> Settings:
     # The case's numbers obey the same overrides: limit analysis with elastic joints needs them, too.
     # A wedged structure stands on a thrust in proportion to the stiffness, which is therefore that of limit analysis.
     set_default(least_stiffening=1.0 if "normal_stiffness" in overrides or chosen["wedging"] > 0.0 else STIFFENING)
-    set_default(stiffening=chosen["least_stiffening"], max_travel=case.travel)
+    set_default(stiffening=chosen["least_stiffening"], plateau_share=PLATEAU_SHARE, max_travel=case.travel)
     set_default(quick_speed=2.0, servo_frequency=0.1, servo_damping=1.0, added_mass=0.05, swing_damping=0.0)
     stiffness = {name: chosen["stiffening"] * getattr(case, name) for name in ("normal_stiffness", "shear_stiffness")}
     set_default(**stiffness)
@@ -129,7 +130,7 @@ def derive(case: Case) -> Settings:
     # The plateau of the undeformed geometry ends where turning blocks release a thrust, at a settlement in proportion to the root of the
     # sag: a run with joints stiffer than the travel demands looks for it earlier, and in smaller steps.
     root = _root_of_stiffness(chosen, chosen["least_stiffening"])
-    set_default(record_rows=round(ROWS * root), plateau_travel=PLATEAU_SHARE * chosen["max_travel"] / root)
+    set_default(record_rows=round(ROWS * root), plateau_travel=chosen["plateau_share"] * chosen["max_travel"] / root)
     set_default(ramp_time=2.0 * RAMP_SHARE * chosen["max_travel"] / chosen["speed"] / root)
     set_default(gravity_ramp=WEIGHT_PERIODS * period, gravity_time=GRAVITY_PERIODS * period)
     set_default(rest_energy=REST_SHARE * 0.5 * case.block_weight * len(case.free) * sag)

@@ -55,7 +55,8 @@ UNITS = {  # by unit: keys whose own names are clear, with as much of their path
     "s": "yade.time_step yade.ramp_time yade.gravity_ramp yade.gravity_time yade.time_limit",
     "J": "yade.rest_energy",
     "periods": "yade.travel_periods",
-    "-": "yade.damping_ratio yade.threads yade.stiffening yade.least_stiffening yade.quick_speed yade.rattling yade.servo_frequency "
+    "-": "yade.damping_ratio yade.threads yade.stiffening yade.least_stiffening yade.plateau_share yade.quick_speed yade.rattling "
+    "yade.servo_frequency "
     "yade.servo_damping yade.added_mass yade.swing_damping yade.time_step_share yade.gravity_damping yade.rest_unbalanced "
     "yade.plateau_uncertainty yade.plateau_drift yade.stop_uncertainty yade.reaction_floor yade.settings_uncertainty zone.ratio",
 }

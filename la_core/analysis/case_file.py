@@ -27,6 +27,7 @@ LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat aft
 # What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
+MOST_SHARE = 0.6  # of the travel, before a run may stop: the rest shows the plateau
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -122,14 +123,17 @@ def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
 def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the stiffness of YADE's joints over that of limit analysis, where the path needed more than one travel to become flat.
 
-    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Empty where the path needed one travel,
+    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
+    path would make steps too short: YADE may then stop only after as much more of its travel. Empty where the path needed one travel,
     where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that YADE
-    learns from a prediction: a setting, not a value.
+    learns from a prediction: settings, not values.
     """
     scene, coulomb = analysis.scene, analysis.coulomb
     if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
         return {}
-    return {"least_stiffening": min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)}
+    enough = STIFFENING_PER_TRAVEL * coulomb.travel
+    longer = {"plateau_share": min(exchange.PLATEAU_SHARE * enough / MOST_STIFFENING, MOST_SHARE)} if enough > MOST_STIFFENING else {}
+    return {"least_stiffening": min(enough, MOST_STIFFENING)} | longer
 
 
 def read_first_prediction(path: Path) -> str:

@@ -2,7 +2,7 @@
 
 POSES = 40  # states of a YADE run over its full travel
 TRAVEL_PERIODS = 1200.0  # duration of the full travel in YADE over the period of the structure's sag under its weights
-PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop
+PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
 RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it stays within the face it touches
 # Settings of a YADE run that a case file may contain in `scene/settings`; `yade_scripts.settings` explains each.
 SETTINGS = (
@@ -10,10 +10,10 @@ SETTINGS = (
     "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_ramp", "gravity_time",
     "rest_unbalanced", "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
     "stop_uncertainty", "reaction_floor", "settings_uncertainty", "threads", "time_limit", "stiffening", "least_stiffening",
-    "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
+    "plateau_share", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
 )  # fmt: skip
 # Runs of version 0.2.0 do not have these.
 LATER_SETTINGS = (
     "stiffening", "least_stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
-    "gravity_ramp", "threads",
+    "gravity_ramp", "threads", "plateau_share",
 )  # fmt: skip

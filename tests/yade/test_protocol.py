@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,9 @@ from verdict_scenes import EARLIER_SEED, drawn
 
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import Run, read_results
+from la_core.analysis import case_file
 from la_core.coulomb import CoulombSolution
+from la_core.exchange import PLATEAU_SHARE
 from la_core.scene import Scene, same_structure
 from yade_scripts import settings
 
@@ -131,3 +134,19 @@ def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) 
     run, _ = by_both_methods(stiff, tmp_path)
     way = run.poses.settlement[run.poses.settlement >= run.settings["plateau_travel"]]
     assert way[-1] > 10.0 * way[0] and np.max(np.diff(way) / way[1:]) <= 0.15
+
+
+@pytest.mark.parametrize("travel", [1.0, 2.0, 8.0, 16.0, 64.0])
+def test_a_run_may_stop_only_after_a_share_of_the_way_that_the_path_needed(travel: float) -> None:
+    """Travel over sag counts: up to 32 times the stiffness, then more of the travel, and at most 0.6 of it."""
+    scene = scenes.shipped("two_pads")
+    sets = case_file._stiffening(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=travel)))  # type: ignore[arg-type]
+    if travel == 1.0:
+        assert sets == {}
+        return
+    least_way = sets["least_stiffening"] * sets.get("plateau_share", PLATEAU_SHARE)
+    assert least_way == pytest.approx(4.0 * travel * PLATEAU_SHARE) and sets["least_stiffening"] <= 32.0
+    far = case_file._stiffening(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=1000.0)))  # type: ignore[arg-type]
+    assert far["plateau_share"] == 0.6
+    stiff = same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")
+    assert case_file._stiffening(SimpleNamespace(scene=stiff, coulomb=SimpleNamespace(travel=travel))) == {}  # type: ignore[arg-type]
