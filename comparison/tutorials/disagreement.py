@@ -2,8 +2,8 @@
 # # 5. Reading disagreement
 #
 # A cross-check is worth its price on the day it says no. Here it is made to say no three times, each time by a mistake that people make.
-# There are three verdicts. *Agree*: every check passed. *Disagree*: one failed, so something is wrong. *Inconclusive*: nothing is known to
-# be wrong, but agreement cannot be claimed. The verdict is a word; the reason is what you work with.
+# A structure that stands gets one of three verdicts. *Agree*: every check passed. *Disagree*: one failed, so something is wrong.
+# *Inconclusive*: nothing is known to be wrong, but agreement cannot be claimed. The verdict is a word; the reason is what you work with.
 
 # %%
 import comparison
@@ -74,7 +74,7 @@ third.plot("reaction").save("disagreement-too-fast.png")
 # %% [markdown]
 # The support is gone before the block can follow: the block rattles, and the reaction swings instead of settling. The run is refused;
 # its last value is not quoted. Slow down and look again, before you blame either method: at 0.4 mm/s the two agree, as the first
-# walk-through shows.
+# tutorial shows.
 
 # %% [markdown]
 # ## Question
