@@ -1,0 +1,107 @@
+"""`crosscheck solve` answers with values, a path or the blocks that fall, and JSON comes alone."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import every_shipped_scene
+
+from comparison.cli.commands import main
+from la_core.scene import shipped
+
+SOLVED_KEYS = {
+    "status", "reaction", "reaction_max", "reaction_sharp", "equilibrium_residual", "cone_violation", "duality_gap", "seconds"
+}  # fmt: skip
+
+
+def test_solve_prints_one_json_object_and_nothing_else(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["weight"] == pytest.approx(2158.2)
+    assert (answer["free_blocks"], answer["interfaces"], answer["contact_points"]) == (1, 2, 4)
+    assert answer["effects"]["plane"] is True
+    associated = answer["limit_analysis"]["associated"]
+    assert associated.keys() >= SOLVED_KEYS
+    assert associated["status"] == "solved"
+    assert associated["reaction"] == pytest.approx(363.297, abs=1e-3)  # the inset moves every lever arm: 0.101 / 0.6 of W
+    assert associated["reaction_sharp"] == pytest.approx(359.7, abs=1e-3)
+    coulomb = answer["limit_analysis"]["coulomb"]
+    assert coulomb["status"] == "solved"
+    assert coulomb["reaction"] == pytest.approx(associated["reaction"], rel=1e-6)  # no joint slides
+    assert coulomb["reaction_interval"] == pytest.approx([associated["reaction"]] * 2, rel=1e-6)
+    assert coulomb["dilatancy_residual"] <= 1e-3 and coulomb["iterations"] > 0 and coulomb["seconds"] > 0.0
+    assert not {"yade", "checks", "verdict"} & answer.keys()
+
+
+def _overhanging(folder: Path) -> Path:
+    """Two pads that both lie left of the block's centroid."""
+    text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    path = folder / "overhang.toml"
+    path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
+    return path
+
+
+def test_solve_of_a_structure_that_cannot_stand_names_what_falls(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", str(_overhanging(tmp_path)), "--json"]) == 5
+    associated = json.loads(capsys.readouterr().out)["limit_analysis"]["associated"]
+    assert associated["status"] == "infeasible"
+    assert associated["reaction"] is None and associated["duality_gap"] is None
+    assert associated["falling"] == ["block"]
+
+
+def test_a_scene_that_misses_its_expected_value_disagrees(tmp_path: Path) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace("0.1666666667", "0.1766666667"))
+    assert main(["solve", str(path), "-q"]) == 1
+
+
+def test_a_live_load_gives_a_multiplier_and_no_yade_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "pushed.toml"
+    path.write_text("""
+title = "Block pushed sideways"
+[stone]
+density = 2000.0
+[joint]
+friction = 0.4
+[[block]]
+name = "ground"
+role = "fixed"
+box = { from = [-1.0, 0.0, -0.1], to = [2.0, 1.0, 0.0] }
+[[block]]
+name = "block"
+box = { from = [0.0, 0.0, 0.0], to = [1.0, 1.0, 0.5] }
+[live]
+direction = [1.0, 0.0, 0.0]
+""")
+    assert main(["solve", str(path), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)["limit_analysis"]
+    assert answer["associated"]["multiplier"] == pytest.approx(0.4, abs=1e-8)
+    assert answer["coulomb"]["multiplier"] == pytest.approx(0.4, abs=1e-6)
+    assert "reaction" not in answer["associated"] and "reaction" not in answer["coulomb"]
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+
+
+def test_colours_and_narration_obey_the_environment(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "comparison", "solve", "two_pads", "-q"]
+    environment = {**os.environ, "NO_COLOR": "1", "FORCE_COLOR": ""}
+    answer = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    assert "\x1b[3" not in answer.stdout
+    assert answer.stderr == ""
+
+
+@every_shipped_scene
+def test_every_shipped_scene_reproduces_what_is_expected_of_it(name: str) -> None:
+    assert main(["solve", name, "-q"]) == 0
+
+
+def test_a_path_is_followed_where_it_is_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pads", "--path", "--json", "-o", str(tmp_path / "path.svg")]) == 0
+    path = json.loads(capsys.readouterr().out)["limit_analysis"]["path"]
+    assert len(path["settlement"]) == len(path["reaction"]) == 26 and path["settlement"][0] == 0.0
+    assert path["reaction"][-1] == pytest.approx(363.297, rel=1e-3)
+    assert (tmp_path / "path.svg").is_file()
+    assert main(["solve", "two_pads", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["limit_analysis"]["path"] is None

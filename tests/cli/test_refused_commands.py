@@ -1,0 +1,102 @@
+"""A command that is refused, or fails, says why in one message and ends with the exit code of that kind."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from comparison.cli.commands import main
+from la_core.scene import shipped
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("friction = 0.6", "fricton = 0.6"), ("fricton", "friction")),
+        (("friction = 0.6", "friction = -0.6"), ("joint.friction", "-0.6")),
+        (("friction = 0.6", "friction = nan"), ("joint.friction", "nan")),
+        (("[settlement]", "[settlement"), ("TOML",)),
+    ],
+)
+def test_a_bad_scene_ends_with_code_2_and_one_message(
+    change: tuple[str, str], words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(shipped.find("two_pads").read_text().replace(*change))
+    for command in (["solve", str(path)], ["run", str(path), "-o", str(tmp_path / "out")], ["show", str(path)]):
+        assert main(command) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert captured.err.startswith("error: ") and captured.err.count("\n") == 1
+        assert "bad.toml" in captured.err and all(word in captured.err for word in words)
+    assert not (tmp_path / "out").exists()
+
+
+def test_unknown_scenes_and_commands_end_with_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "two_pds"]) == 2
+    assert "two_pads" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as stop:
+        main(["frobnicate"])
+    assert stop.value.code == 2
+
+
+def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = tmp_path / "two_pads.toml"
+    shutil.copy(shipped.find("two_pads"), copy)
+    assert main(["run", "two_pads", str(copy), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert "same name" in capsys.readouterr().err
+
+
+def test_an_expected_value_of_the_wrong_kind_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "wrong.toml"
+    for line in ("multiplier = 3.0", ""):
+        path.write_text(shipped.find("two_pads").read_text().split("[expected]")[0] + f'[expected]\nkind = "exact"\n{line}\n')
+        assert main(["solve", str(path)]) == 2
+        assert "reaction_over_weight" in capsys.readouterr().err
+
+
+def test_a_bad_scene_is_refused_before_the_first_one_runs(tmp_path: Path) -> None:
+    path = tmp_path / "floating.toml"
+    lifted = ("from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5]", "from = [0.0, 0.0, 3.0], to = [1.0, 0.2, 3.5]")
+    path.write_text(shipped.find("two_pads").read_text().replace(*lifted))
+    assert main(["run", "two_pads", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_fault_of_the_program_is_never_taken_for_a_disagreement(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("comparison.cli.scene_verbs.solve.limit_analysis_alone", lambda *arguments: 1 / 0)
+    assert main(["solve", "two_pads"]) == 3
+    assert "ZeroDivisionError" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ('title   = "', 'title   = "\\u0000', "title"),
+        ("friction = 0.6", "friction = 1e300", "friction"),
+        ("density = 2000.0", "density = 1e-300", "density"),
+        ("gravity = [0.0, 0.0, -9.81]", "gravity = [0.0, 0.0, -1e-200]", "gravity"),
+        ("[settlement]", "deep = " + "[" * 20_000 + "\n[settlement]", "TOML"),
+    ],
+)
+def test_absurd_values_are_refused_with_a_sentence(
+    old: str, new: str, word: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "absurd.toml"
+    text = shipped.find("two_pads").read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-yade"]) == 2
+    assert word in capsys.readouterr().err
+
+
+def test_a_path_needs_friction_that_does_not_dilate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "scene.toml"
+    text = shipped.find("two_pads").read_text() + '\n[effects]\nfriction = "associated"\n'
+    scene.write_text(text)
+    assert main(["solve", str(scene), "--path"]) == 2
+    scene.write_text(text + "[path]\nincrements = 5\n")
+    assert main(["solve", str(scene)]) == 2
+    assert "[path]" in capsys.readouterr().err

@@ -1,0 +1,71 @@
+"""`crosscheck run` writes every file, finds it again, and redoes what is changed, damaged or missing."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from comparison.cli.commands import main
+from la_core.scene import shipped
+
+
+def test_run_without_yade_writes_every_file_and_then_finds_it_cached(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
+    assert "report.html" in capsys.readouterr().out
+    for name in ("two_pads/scene.toml", "two_pads/case.h5", "two_pads/comparison.json", "report.html", "report.md", "report.json"):
+        assert (out / name).exists(), name
+    summary = json.loads((out / "two_pads" / "comparison.json").read_text())
+    assert summary["yade"] is None and summary["verdict"] == "expected value met"
+    before = (out / "two_pads" / "case.h5").stat().st_mtime_ns
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade"]) == 0
+    assert capsys.readouterr().err.count("cached") == 2
+    assert (out / "two_pads" / "case.h5").stat().st_mtime_ns == before
+    assert main(["report", str(out)]) == 0
+
+
+def test_a_changed_scene_is_solved_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = tmp_path / "mine.toml", tmp_path / "out"
+    text = shipped.find("two_pads").read_text().split("[expected]")[0]
+    path.write_text(text)
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    path.write_text(text.replace("density = 2200.0", "density = 1100.0"))
+    capsys.readouterr()
+    assert main(["run", str(path), "-o", str(out), "--no-yade"]) == 0
+    assert "cached" not in capsys.readouterr().err
+    assert json.loads((out / "mine" / "comparison.json").read_text())["weight"] == pytest.approx(1079.1)
+
+
+def test_a_half_written_case_is_recognised_and_redone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
+    case = out / "two_pads" / "case.h5"
+    case.write_bytes(case.read_bytes()[: case.stat().st_size // 2])
+    assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
+    assert json.loads((out / "two_pads" / "comparison.json").read_text())["verdict"] == "expected value met"
+
+
+def test_without_yade_on_the_machine_limit_analysis_is_kept_and_the_exit_code_is_3(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CROSSCHECK_YADE", str(tmp_path / "nowhere"))
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "-o", str(out)]) == 3
+    captured = capsys.readouterr()
+    assert "apt-get install yade python3-h5py" in captured.err
+    summary = json.loads((out / "two_pads" / "comparison.json").read_text())
+    assert summary["limit_analysis"]["associated"]["status"] == "solved"
+    assert summary["yade"]["status"] == "missing" and summary["verdict"] == "inconclusive"
+    assert main(["doctor"]) == 3
+    assert "apt-get install yade" in capsys.readouterr().out
+
+
+def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "trilith", "-o", str(out), "--no-yade", "-q"]) == 0
+    (out / "trilith" / "case.h5").write_bytes(b"not HDF5")
+    capsys.readouterr()
+    assert main(["report", str(out), "--json"]) == 3
+    captured = capsys.readouterr()
+    assert [c["scene"] for c in json.loads(captured.out)["comparisons"]] == ["two_pads"]
+    assert "trilith" in captured.err

@@ -1,0 +1,61 @@
+"""`crosscheck scenes` and `crosscheck show` tell what there is before anything is solved."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from comparison.cli.commands import main
+from comparison.studies import TimeEstimate, estimated_times
+from la_core.analysis import structural_model
+from la_core.scene import load_scene, shipped
+
+GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
+
+
+def test_scenes_lists_every_shipped_scene_with_its_source(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scenes", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)["scenes"]
+    assert [scene["name"] for scene in listed] == shipped.names()
+    assert all(scene["title"] and scene["source"] for scene in listed)
+    assert main(["scenes"]) == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("two_pads", "facade", "wall_third"))
+
+
+def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", "two_pads", "-o", str(tmp_path / "a.png"), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["dimensions"] == pytest.approx([1.0, 0.2, 0.5]) and facts["densities"] == [2200.0]
+    assert set(facts["estimated_seconds"]) == {"limit_analysis", "yade"}
+    assert main(["show", "ferris_tin_loi_1", "-q", "-o", str(tmp_path / "a.png")]) == 0
+    printed = capsys.readouterr().out
+    assert "limit analysis takes" in printed and "YADE takes" in printed
+
+
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "rubble_wall", "wall_third", "wall_tall", "facade"])
+def test_the_estimated_times_hold_the_measured_ones(name: str) -> None:
+    recorded = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))[name]["reduced"]
+    points = len(structural_model(load_scene(shipped.find(name))).assembly.points)
+    times = estimated_times(points)
+    assert times["yade"].least <= recorded["yade_seconds"] <= times["yade"].greatest
+    assert recorded["limit_analysis_seconds"] <= max(times["limit_analysis"].greatest, 1.0)
+    assert times["yade"].greatest == pytest.approx(9.0 * times["yade"].least)
+    assert str(TimeEstimate(0.1, 0.9)) == "less than 1 s" and str(TimeEstimate(400.0, 3700.0)) == "7 min to 1 h"
+
+
+def test_show_draws_and_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figure = tmp_path / "figure.png"
+    assert main(["show", "slab_four_corners", "-o", str(figure), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["free_blocks"], facts["contact_points"]) == (1, 16)
+    assert figure.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_figure_takes_the_format_of_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, beginning in (("f.png", b"\x89PNG"), ("f.svg", b"<?xml"), ("f.pdf", b"%PDF")):
+        assert main(["show", "two_pads", "-q", "-o", str(tmp_path / name)]) == 0
+        assert (tmp_path / name).read_bytes().startswith(beginning)
+    with pytest.raises(SystemExit) as stop:
+        main(["show", "two_pads", "-o", str(tmp_path / "figure.jpeg")])
+    assert stop.value.code == 2 and ".svg" in capsys.readouterr().err
