@@ -1,0 +1,72 @@
+"""Doubt that a method states never grows into an agreement."""
+
+import pytest
+import scenes
+from judged_runs import REACTION, coulomb_of, judged, named
+from runs import coulomb_run, perfect_run, with_answers
+
+from comparison.judge.tolerances import FLOOR, UNCERTAIN
+from comparison.verdict.check import Verdict
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.problem import Drive
+from la_core.model.joints import TRAVEL_OVER_SIZE
+
+
+@pytest.fixture(scope="module")
+def wall() -> LimitAnalysis:
+    """A wall whose joints slide."""
+    return analyse(scenes.shipped("wall_third"))
+
+
+def stating(analysis: LimitAnalysis, share: float) -> LimitAnalysis:
+    """The analysis with a prediction that states this uncertainty, as a share of its value."""
+    value = coulomb_of(analysis).value
+    return with_answers(analysis, coulomb=coulomb_of(analysis, uncertainty=share * value))
+
+
+@pytest.mark.parametrize("share", [0.02, 0.05, 0.1])
+def test_doubt_of_limit_analysis_is_no_agreement_and_names_limit_analysis_and_what_is_cheaper(wall: LimitAnalysis, share: float) -> None:
+    analysis = stating(wall, share)
+    check = named(REACTION, judged(analysis, coulomb_run(wall, reaction=(1.0 + 0.8 * share) * coulomb_of(wall).value)))
+    assert check.verdict is Verdict.INCONCLUSIVE
+    assert check.reason.startswith("Limit analysis states an uncertainty") and "YADE states" not in check.reason
+    assert "limit analysis" in check.next_step and "--try-harder" in check.next_step
+
+
+@pytest.mark.parametrize("share", [0.012, 0.045])
+def test_doubt_of_yade_is_no_agreement_and_names_yade(wall: LimitAnalysis, share: float) -> None:
+    value = coulomb_of(wall).value
+    check = named(REACTION, judged(wall, coulomb_run(wall, reaction=(1.0 + 0.8 * share) * value, uncertainty=share * value)))
+    assert check.verdict is Verdict.INCONCLUSIVE
+    assert check.reason.startswith("YADE states an uncertainty") and "YADE slower" in check.next_step
+
+
+@pytest.mark.parametrize(("off", "verdict"), [(0.9 * FLOOR, Verdict.AGREE), (1.1 * FLOOR, Verdict.INCONCLUSIVE)])
+def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: float, verdict: Verdict) -> None:
+    reaction = coulomb_of(wall).value / (1.0 - off)  # the floor is a share of YADE's reaction
+    check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=reaction)))
+    assert check.verdict is verdict and check.reason.startswith("Limit analysis states an uncertainty")
+
+
+def test_where_both_are_in_doubt_the_cheaper_one_comes_first(wall: LimitAnalysis) -> None:
+    value = coulomb_of(wall).value
+    check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=1.02 * value, uncertainty=0.05 * value)))
+    assert check.reason.index("Limit analysis states") < check.reason.index("YADE states")
+    assert "finer paths" in check.next_step
+
+
+def test_the_tolerance_is_both_uncertainties_and_a_floor_alike_where_joints_slide_and_where_not(wall: LimitAnalysis) -> None:
+    value = coulomb_of(wall).value
+    check = named(REACTION, judged(stating(wall, 0.004), coulomb_run(wall, uncertainty=0.003 * value)))
+    assert check.tolerance == pytest.approx((FLOOR + 0.004 + 0.003) * value)
+    arch = analyse(scenes.shipped("arch_spreading"))
+    least = arch.bounds[Drive.YIELDING].value
+    stated = coulomb_of(arch).uncertainty
+    check = named(REACTION, judged(arch, perfect_run(arch, uncertainty=0.003 * least)))
+    assert check.tolerance == pytest.approx((FLOOR + 0.003) * least + stated)
+
+
+def test_the_floor_is_what_the_travel_changes_in_a_lever_arm_of_half_a_block() -> None:
+    assert pytest.approx(TRAVEL_OVER_SIZE / 0.5) == FLOOR
+    assert UNCERTAIN >= FLOOR

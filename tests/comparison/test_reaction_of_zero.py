@@ -1,0 +1,75 @@
+"""Where the support leaves alone, reactions of zero agree, and noise is neither motion nor energy."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import scenes
+from judged_runs import REACTION, SIMILARITY, judged, named
+from runs import made_up_run, perfect_run
+
+from comparison.judge import energy
+from comparison.verdict.check import Verdict, overall
+from comparison.yade.run_record import Run
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.problem import Drive
+from la_core.measures import mechanism
+
+
+def leaving(blocks: int) -> LimitAnalysis:
+    """A stack of blocks that stands on the ground without the pad that settles: the pad leaves, and nothing moves."""
+    stack = [scenes.box(f"block {i}", (0.0, 0.0, 0.4 * i), (1.2, 0.2, 0.4 * (i + 1))) for i in range(blocks)]
+    ground = scenes.box("ground", (0.0, 0.0, -0.1), (1.0, 0.2, 0.0), "fixed")
+    pad = scenes.box("pad", (1.0, 0.0, -0.1), (1.2, 0.2, 0.0), "support")
+    return analyse(scenes.build(ground, pad, *stack, inset=1e-3))
+
+
+def with_noise(analysis: LimitAnalysis, run: Run, size: float) -> Run:
+    """The run with blocks that tremble by this share of the settlement."""
+    trembling = np.random.default_rng(17).standard_normal(run.poses.displacement.shape[1:]) * analysis.assembly.blocks.free[:, None]
+    displacement = run.poses.displacement + size * run.poses.settlement[:, None, None] * trembling
+    return dataclasses.replace(run, poses=dataclasses.replace(run.poses, displacement=displacement))
+
+
+@pytest.mark.parametrize("blocks", [1, 2, 4])
+@pytest.mark.parametrize("noise", [0.0, 1e-9, 1e-4, 5e-3])
+def test_two_reactions_of_zero_agree_whatever_trembles(blocks: int, noise: float) -> None:
+    analysis = leaving(blocks)
+    assert analysis.bounds[Drive.YIELDING].value == pytest.approx(0.0, abs=1e-6 * analysis.scene.weight)
+    run = perfect_run(analysis, reaction=2e-6 * analysis.scene.weight, uncertainty=3e-6 * analysis.scene.weight)
+    found = judged(analysis, with_noise(analysis, run, noise))
+    assert overall(found)[0] is Verdict.AGREE, [check for check in found if check.verdict is not Verdict.AGREE]
+
+
+def test_noise_is_no_motion_where_the_support_leaves_alone() -> None:
+    analysis = leaving(2)
+    run = with_noise(analysis, perfect_run(analysis), 5e-3)
+    assert not mechanism.moving(analysis.assembly.blocks, run.mechanism()).any()
+    assert named(SIMILARITY, judged(analysis, run)).reason.startswith("No block moves in either method")
+
+
+@pytest.mark.parametrize(("least", "verdict"), [(energy.LEAST_TURNOVER, Verdict.AGREE), (0.0, Verdict.INCONCLUSIVE)])
+def test_energy_that_hardly_anything_turned_over_is_noise(least: float, verdict: Verdict, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(energy, "LEAST_TURNOVER", least)
+    analysis = leaving(2)
+    run = with_noise(analysis, perfect_run(analysis), 1e-3)
+    record = {name: np.zeros(5) for name in ("kinetic_energy", "reaction")} | {"settlement": run.poses.settlement}
+    stiffness = {"normal_stiffness": analysis.stiffness.normal, "shear_stiffness": analysis.stiffness.shear}
+    recorded = made_up_run(record=record | {"stage": np.array([0, 1, 1, 1, 1])}).record
+    run = dataclasses.replace(run, record=recorded, settings=stiffness)
+    run.poses.forces[1:] *= 1.5  # forces that do not balance the weights: the work does not add up
+    (check,) = energy.check_energy(analysis.assembly, run)
+    assert check.verdict is verdict
+
+
+def test_a_block_that_moves_in_yade_alone_is_no_noise() -> None:
+    analysis = leaving(2)
+    run = with_noise(analysis, perfect_run(analysis), 0.5)
+    assert overall(judged(analysis, run))[0] is Verdict.DISAGREE
+
+
+def test_a_reaction_of_zero_that_is_not_zero_in_yade_disagrees() -> None:
+    analysis = leaving(2)
+    run = perfect_run(analysis, reaction=1e-3 * analysis.scene.weight)
+    assert named(REACTION, judged(analysis, run)).verdict is Verdict.DISAGREE

@@ -1,0 +1,25 @@
+"""Runs as the judge sees them: its checks by name, and a prediction with what a test changes."""
+
+import dataclasses
+
+from comparison.judge.run_checks import check_run
+from comparison.verdict.check import Check
+from comparison.yade import Results
+from comparison.yade.run_record import Run
+from la_core.analysis.result import LimitAnalysis
+from la_core.coulomb import CoulombSolution
+
+REACTION, SIMILARITY, MOVING = "reaction against prediction", "mechanism similarity", "moving blocks"
+
+
+def coulomb_of(analysis: LimitAnalysis, **changes: object) -> CoulombSolution:
+    assert analysis.coulomb is not None
+    return dataclasses.replace(analysis.coulomb, **changes)  # type: ignore[arg-type]
+
+
+def judged(analysis: LimitAnalysis, run: Run) -> list[Check]:
+    return check_run(Results(analysis, run))
+
+
+def named(name: str, found: list[Check]) -> Check:
+    return next(check for check in found if check.name.startswith(name))
