@@ -1,0 +1,123 @@
+"""Where joints slide, a run is judged by the prediction, whose interval and doubt excuse nothing."""
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+from judged_runs import case_of, verdict_of
+from runs import coulomb_run, perfect_run, with_answers
+
+from comparison.judge.run_checks import check_run
+from comparison.verdict.check import Verdict
+from comparison.yade import Results
+from la_core.analysis.result import LimitAnalysis
+from la_core.limit.associated import Status
+from la_core.limit.problem import Drive
+from la_core.scene.scene import Scene
+
+
+def test_where_joints_slide_the_associated_answer_is_called_a_bound_and_not_an_error() -> None:
+    scene, analysis = case_of("two_blocks")
+    analysis = dataclasses.replace(with_answers(analysis, coulomb=None), sharp=dataclasses.replace(analysis.sharp, coulomb=None))
+    run = perfect_run(analysis, reaction=0.5 * scene.weight)  # what friction without dilatancy gives
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "reaction against prediction")
+    assert check.verdict is Verdict.INCONCLUSIVE and "bound" in check.reason
+    assert verdict_of("reaction within bounds", check_run(Results(analysis, run))) is Verdict.AGREE
+
+
+@pytest.fixture(scope="module")
+def wall() -> tuple[Scene, LimitAnalysis]:
+    """A wall whose joints slide, in which friction's history decides within an interval."""
+    return case_of("wall_third")
+
+
+def test_a_run_that_follows_the_coulomb_prediction_agrees_in_everything(wall: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(Results(wall[1], coulomb_run(wall[1])))
+    assert {check.verdict for check in found} == {Verdict.AGREE}, [check for check in found if check.reason]
+    assert {"reaction within the mechanism's interval", "YADE's friction state", "steadiness of the plateau"} <= {c.name for c in found}
+
+
+@pytest.mark.parametrize(
+    ("factor", "prediction", "interval"),
+    [
+        (1.004, Verdict.AGREE, Verdict.AGREE),
+        (0.996, Verdict.AGREE, Verdict.AGREE),
+        (1.10, Verdict.DISAGREE, Verdict.AGREE),
+        (0.93, Verdict.DISAGREE, Verdict.AGREE),
+        (1.30, Verdict.DISAGREE, Verdict.DISAGREE),
+    ],
+)
+def test_within_its_interval_and_outside_nothing_excuses_a_difference(
+    wall: tuple[Scene, LimitAnalysis], factor: float, prediction: Verdict, interval: Verdict
+) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    found = check_run(Results(analysis, coulomb_run(analysis, reaction=factor * analysis.coulomb.value)))
+    assert verdict_of("reaction against prediction", found) is prediction
+    assert verdict_of("reaction within the mechanism's interval", found) is interval
+
+
+def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    run = coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
+    run.poses.displacement[:] = 0.0
+    run.poses.displacement[:, 3, 0] = run.poses.settlement
+    found = check_run(Results(analysis, run))
+    assert verdict_of("reaction within the mechanism's interval", found) is Verdict.INCONCLUSIVE
+    assert verdict_of("mechanism similarity", found) is Verdict.INCONCLUSIVE
+
+
+def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, LimitAnalysis]) -> None:
+    for scatter, named in ((0.001, False), (0.02, True)):
+        found = check_run(Results(wall[1], coulomb_run(wall[1], scatter=scatter)))
+        check = next(c for c in found if c.name == "steadiness of the plateau")
+        assert check.yade == pytest.approx(scatter, rel=0.05)
+        assert ("Stick-slip" in check.reason) is named
+        assert check.verdict is Verdict.AGREE
+
+
+def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple[Scene, LimitAnalysis]) -> None:
+    """The state that carries the most by friction is in equilibrium and within its cones, but its joints do not slide down."""
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    for factor, verdict in ((1.05, Verdict.INCONCLUSIVE), (1.0, Verdict.AGREE)):  # a remark where the reactions agree
+        run = coulomb_run(analysis, reaction=factor * analysis.coulomb.value)
+        run.poses.forces[:] = analysis.bounds[Drive.PUSHING].forces
+        check = next(c for c in check_run(Results(analysis, run)) if c.name == "YADE's friction state")
+        assert check.verdict is verdict and "not every joint slides that should" in check.reason
+
+
+@pytest.mark.parametrize(
+    ("changes", "factor", "reason"),
+    [
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.005, ""),
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.05, "no limit state (largest residual 2.0e-03)"),
+        ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.30, "no limit state (largest residual 2.0e-03)"),
+        ({"plateaus": np.array([1900.0, 2400.0])}, 1.005, ""),
+        ({"plateaus": np.array([1900.0, 2400.0])}, 1.30, "several plateaus (1900, 2400)"),
+        ({"uncertainty": 200.0}, 1.02, "Limit analysis states an uncertainty of 200 N (9.9%), too large"),
+    ],
+)
+def test_a_prediction_in_doubt_may_confirm_but_not_contradict_and_a_broad_one_does_neither(
+    wall: tuple[Scene, LimitAnalysis], changes: dict[str, Any], factor: float, reason: str
+) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    coulomb = dataclasses.replace(analysis.coulomb, **changes)
+    found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis, reaction=factor * coulomb.value)))
+    check = next(c for c in found if c.name == "reaction against prediction")
+    assert check.verdict is (Verdict.INCONCLUSIVE if reason else Verdict.AGREE) and reason in check.reason
+    assert Verdict.DISAGREE not in {c.verdict for c in found}
+
+
+def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    tolerances_of = []
+    for share in (0.0, 0.02):
+        coulomb = dataclasses.replace(analysis.coulomb, uncertainty=share * analysis.coulomb.value)
+        found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis)))
+        tolerances_of.append(next(c.tolerance for c in found if c.name == "reaction against prediction"))
+    assert tolerances_of[1] - tolerances_of[0] == pytest.approx(0.02 * analysis.coulomb.value, rel=1e-6)

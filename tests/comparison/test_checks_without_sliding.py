@@ -1,0 +1,161 @@
+"""Where no joint slides, a run that is right agrees in everything, and one that is wrong in one respect fails there."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import scenes
+from judged_runs import case_of, verdict_of
+from runs import TRAVEL, perfect_run, with_answers
+
+from comparison.judge import mechanisms
+from comparison.judge.run_checks import check_run
+from comparison.verdict.check import Verdict
+from comparison.yade import Results
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.measures import mechanism
+from la_core.model.assembly import Assembly
+from la_core.scene.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def arch() -> tuple[Scene, LimitAnalysis]:
+    return case_of("arch_spreading")
+
+
+def test_a_run_that_follows_limit_analysis_agrees_in_everything(arch: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(Results(arch[1], perfect_run(arch[1])))
+    assert {check.verdict for check in found} == {Verdict.AGREE}
+    assert {check.name.split(" along")[0] for check in found} == {
+        "settlement achieved", "displacements within the least gap", "equilibrium of the YADE state", "plane answer in space",
+        "balance", "reaction within bounds", "reaction against prediction", "mechanism similarity", "moving blocks",
+        "force sums over sections", "support's force",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.004, Verdict.AGREE), (0.996, Verdict.AGREE), (1.006, Verdict.DISAGREE)])
+def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnalysis], factor: float, verdict: Verdict) -> None:
+    _scene, analysis = arch
+    run = perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
+    assert verdict_of("reaction against prediction", check_run(Results(analysis, run))) is verdict
+
+
+def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    run = perfect_run(analysis, reaction=0.9 * analysis.bounds[Drive.YIELDING].value)
+    assert verdict_of("reaction within bounds", check_run(Results(analysis, run))) is Verdict.DISAGREE
+
+
+def test_a_run_that_does_not_know_its_reaction_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    value = analysis.bounds[Drive.YIELDING].value
+    run = perfect_run(analysis, reaction=1.02 * value, uncertainty=0.2 * value)
+    assert verdict_of("reaction against prediction", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
+
+
+def test_an_undefined_reaction_never_agrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    found = check_run(Results(analysis, perfect_run(analysis, reaction=math.nan)))
+    assert verdict_of("reaction within bounds", found) is Verdict.INCONCLUSIVE
+    assert verdict_of("reaction against prediction", found) is Verdict.INCONCLUSIVE
+
+
+def test_a_settlement_that_was_not_delivered_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    run = perfect_run(analysis, settlement=0.5 * TRAVEL)
+    assert verdict_of("settlement achieved", check_run(Results(analysis, run))) is Verdict.DISAGREE
+
+
+def test_a_contact_that_limit_analysis_does_not_know_disagrees_by_name(arch: tuple[Scene, LimitAnalysis]) -> None:
+    """A matter of finite displacements: small ones keep to the list."""
+    scene, small = arch
+    effects = dataclasses.replace(small.assembly.effects, displacement="finite")
+    analysis = small.with_effects(effects)
+    run = dataclasses.replace(perfect_run(analysis), extra_contacts=np.array([[0, 2]]))
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "contact lists")
+    assert check.verdict is Verdict.DISAGREE
+    assert scene.blocks.names[0] in check.reason and scene.blocks.names[2] in check.reason
+
+
+def test_a_tall_block_that_is_still_swaying_decides_nothing() -> None:
+    """Its whole weight on the fixed pad is out of balance by a tenth of a metre, which is little against its own 100 m."""
+    scene = scenes.build(
+        scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("settling pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
+        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 100.0)),
+        inset=1e-3,
+    )
+    analysis = analyse(scene)
+    run = perfect_run(analysis, reaction=0.0)
+    at_edge = np.isclose(analysis.assembly.points.position[:, 0], 0.4 - scene.inset)
+    run.poses.forces[:] = np.where(at_edge[:, None], [0.0, 0.0, scene.weight / at_edge.sum()], 0.0)
+    found = check_run(Results(analysis, run))
+    assert verdict_of("equilibrium of the YADE state", found) is Verdict.AGREE
+    assert verdict_of("balance along the mechanism", found) is Verdict.INCONCLUSIVE
+    assert not any(check.name.startswith("reaction") for check in found) and Verdict.DISAGREE not in {check.verdict for check in found}
+
+
+def test_a_state_out_of_equilibrium_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    run = perfect_run(analysis)
+    run.poses.forces[:, 0] += 0.5 * analysis.assembly.mean_weight
+    assert verdict_of("equilibrium", check_run(Results(analysis, run))) is Verdict.INCONCLUSIVE
+
+
+def test_another_mechanism_disagrees_where_no_joint_slides(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    run = perfect_run(analysis)
+    run.poses.displacement[:] = 0.0
+    run.poses.displacement[:, 3, 0] = np.linspace(0.0, TRAVEL, 5)
+    found = check_run(Results(analysis, run))
+    assert verdict_of("mechanism similarity", found) is Verdict.DISAGREE
+    assert verdict_of("moving blocks", found) is Verdict.DISAGREE
+
+
+def test_another_mechanism_that_does_the_same_work_agrees_and_is_named() -> None:
+    """Three equal voussoirs of a flat arch may hinge at either inner joint; the solver mixes both mechanisms."""
+    scene, analysis = case_of("flat_arch")
+    least = analysis.bounds[Drive.YIELDING]
+    one_hinge = solve_associated(_with_heavier_left(analysis), Drive.YIELDING).twists
+    assert mechanism.similarity(scene.blocks, one_hinge, least.twists) < mechanisms.SIMILAR
+    run = perfect_run(analysis)
+    run.poses.displacement[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, :3]
+    run.poses.rotation[:] = run.poses.settlement[:, None, None] * one_hinge[None, :, 3:]
+    check = next(c for c in check_run(Results(analysis, run)) if c.name == "mechanism similarity")
+    assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+
+
+def _with_heavier_left(analysis: LimitAnalysis) -> Assembly:
+    """The assembly with its first free block a little heavier, which singles out one of several mechanisms."""
+    load = analysis.assembly.dead_load.copy()
+    load[np.flatnonzero(analysis.assembly.blocks.free)[0]] *= 1.001
+    return dataclasses.replace(analysis.assembly, dead_load=load)
+
+
+def test_a_transverse_force_outside_its_range_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:
+    scene, analysis = arch
+    run = perfect_run(analysis)
+    support = int(np.flatnonzero(scene.blocks.role == 2)[0])
+    a, b = analysis.assembly.contact_blocks
+    at_support = (a == support) | (b == support)
+    run.poses.forces[:, at_support, 2] += 0.1 * scene.weight
+    assert verdict_of("support's force along z", check_run(Results(analysis, run))) is Verdict.DISAGREE
+
+
+def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene, LimitAnalysis]) -> None:
+    """Taking an inaccurate upper bound for none would let any great reaction pass."""
+    _scene, analysis = arch
+    for status, verdict in ((Status.INACCURATE, Verdict.INCONCLUSIVE), (Status.UNBOUNDED, Verdict.AGREE)):
+        greatest = dataclasses.replace(analysis.bounds[Drive.PUSHING], status=status)
+        doubtful = with_answers(analysis, bounds={**analysis.bounds, Drive.PUSHING: greatest})
+        assert verdict_of("reaction within bounds", check_run(Results(doubtful, perfect_run(analysis)))) is verdict
+
+
+def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
+    found = check_run(Results(arch[1], perfect_run(arch[1], uncertainty=math.nan)))
+    assert verdict_of("reaction within bounds", found) is Verdict.INCONCLUSIVE
+    assert verdict_of("reaction against prediction", found) is Verdict.INCONCLUSIVE

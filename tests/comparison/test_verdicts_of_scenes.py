@@ -1,0 +1,112 @@
+"""The verdict of a scene: the gravest check decides, a fall needs a proof, and an expected value a solved answer."""
+
+import dataclasses
+import math
+
+import pytest
+from judged_runs import case_of
+from runs import perfect_run, with_answers
+
+from comparison.judge import mechanisms, run_checks, sections, tolerances
+from comparison.judge import prediction as check_prediction
+from comparison.judge.run_checks import check_expected, check_run
+from comparison.verdict.check import Check, Verdict, overall
+from comparison.workflow import one_scene
+from comparison.yade import Results
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.associated import Status
+from la_core.scene.scene import Scene, load_scene
+from la_core.scene.shipped import find
+
+
+def test_alone_a_prediction_that_is_none_leaves_no_verdict_and_says_why() -> None:
+    _scene, analysis = case_of("two_pads")
+    assert analysis.coulomb is not None and not one_scene._judge(one_scene.SceneOutcome(Results(analysis), None, [], ""))
+    unsure = dataclasses.replace(analysis.coulomb, status=Status.INACCURATE, uncertainty=120.0, strain_residual=0.0, sliding_residual=2e-4)
+    failed = dataclasses.replace(analysis.coulomb, status=Status.FAILED, value=math.nan)
+    for coulomb, reason in (
+        (unsure, "ended as inaccurate: its value is 363.30 ± 120 N, and the largest residual of its limit state 2.0e-04."),
+        (failed, "ended as failed, so it has no value."),
+    ):
+        (check,) = one_scene._judge(one_scene.SceneOutcome(Results(with_answers(analysis, coulomb=coulomb)), None, [], ""))
+        assert check.verdict is Verdict.INCONCLUSIVE and check.reason == f"Coulomb limit analysis {reason}"
+
+
+@pytest.fixture(scope="module")
+def arch() -> tuple[Scene, LimitAnalysis]:
+    return case_of("arch_spreading")
+
+
+def test_a_run_without_a_plateau_is_inconclusive(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    assert overall(check_run(Results(analysis, perfect_run(analysis, status="no plateau"))))[0] is Verdict.INCONCLUSIVE
+    for status in ("timeout", "failed"):
+        assert overall(check_run(Results(analysis, perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
+
+
+def test_a_fall_that_limit_analysis_does_not_prove_is_inconclusive_with_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
+    verdict, reason = overall(check_run(Results(arch[1], perfect_run(arch[1], status="collapsed"))))
+    assert verdict is Verdict.INCONCLUSIVE and "thrust" in reason
+
+
+@pytest.mark.parametrize(("status", "verdict"), [("collapsed", Verdict.AGREE), ("plateau", Verdict.DISAGREE)])
+def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdict, tmp_path) -> None:
+    text = find("two_pads").read_text().replace('role = "fixed"', 'role = "support"').replace("source", "# source", 1)
+    text = text.replace("from = [0.5, 0.0, -0.1]", "from = [0.3, 0.0, -0.1]").replace("to = [1.0, 0.2, 0.0]", "to = [0.4, 0.2, 0.0]")
+    path = tmp_path / "overhang.toml"
+    path.write_text(text.replace("to = [0.4, 0.2, 0.0] }", "to = [0.3, 0.2, 0.0] }", 1).split("[expected]")[0])
+    scene = load_scene(path)
+    analysis = analyse(scene)
+    run = perfect_run(analysis, status=status)
+    found, reason = overall(check_run(Results(analysis, run)))
+    assert found is verdict
+    assert verdict is Verdict.AGREE or '"block"' in reason or "block would fall" in reason
+
+
+def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
+    scene, analysis = case_of("two_pads")
+    assert {check.verdict for check in check_expected(analysis)} == {Verdict.EXPECTED_MET}
+    assert scene.expected is not None
+    wrong = dataclasses.replace(scene, expected=scene.expected.model_copy(update={"reaction_over_weight": 0.17}))
+    assert Verdict.DISAGREE in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}
+
+
+def test_the_gravest_check_decides_and_gives_the_reason() -> None:
+    good, open_, bad = (Check("c", verdict, reason=verdict.value) for verdict in (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.DISAGREE))
+    assert overall([good, open_, bad]) == (Verdict.DISAGREE, "disagree")
+    assert overall([good, open_]) == (Verdict.INCONCLUSIVE, "inconclusive")
+    assert overall([]) == (None, "")
+
+
+def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
+    rooms = {
+        tolerances: ("FLOOR", "UNCERTAIN", "LEAST_REACTION", "UNBALANCED"),
+        run_checks: ("SETTLEMENT",),
+        check_prediction: ("STEADY", "CONSISTENT"),
+        mechanisms: ("SAME_MASS", "ADMISSIBLE"),
+        sections: ("SECTION", "ALONG"),
+    }
+    for module, names in rooms.items():
+        assert all(0.0 < getattr(module, name) <= 0.05 for name in names)
+
+
+def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:
+    """Limit analysis proves the fall, YADE ran out of time: nobody disagrees."""
+    text = find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    path = tmp_path / "overhang.toml"
+    path.write_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"))
+    scene = load_scene(path)
+    analysis = analyse(scene)
+    for status in ("timeout", "failed"):
+        assert overall(check_run(Results(analysis, perfect_run(analysis, status=status))))[0] is Verdict.INCONCLUSIVE
+
+
+def test_an_expected_value_is_never_met_by_an_answer_that_is_not_solved() -> None:
+    _scene, analysis = case_of("two_pads")
+    doubtful = {drive: dataclasses.replace(s, status=Status.INACCURATE) for drive, s in analysis.sharp.bounds.items()}
+    assert analysis.sharp.coulomb is not None
+    coulomb = dataclasses.replace(analysis.sharp.coulomb, status=Status.INACCURATE)
+    sharp = dataclasses.replace(analysis.sharp, bounds=doubtful, coulomb=coulomb)
+    verdicts = {check.verdict for check in check_expected(dataclasses.replace(analysis, sharp=sharp))}
+    assert verdicts == {Verdict.INCONCLUSIVE}
