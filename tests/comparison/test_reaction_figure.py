@@ -1,0 +1,171 @@
+"""The figure of the reaction shows every value and curve that is known, and names each of them once."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from figure_scenes import SCENES, scene_of, synthetic_run
+
+from comparison.figures import reaction as plot_reaction
+from comparison.figures import reaction_figure, save
+from comparison.yade import Results
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.coulomb.equilibrium_path import EquilibriumPath
+from la_core.limit.problem import Drive
+
+
+def test_a_greatest_reaction_far_above_is_named_and_not_drawn(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = analyse(scene)
+    whole, close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes
+    greatest, least = (1e-3 * analysis.bounds[drive].value for drive in (Drive.PUSHING, Drive.YIELDING))  # kN
+    assert close.get_ylim()[1] < greatest
+    assert "lies above" in close.get_title(loc="right")
+    assert close.get_ylim()[0] < least < close.get_ylim()[1]
+    assert whole.get_ylim()[1] > least + 0.4e-3 * scene.weight
+
+
+def test_a_run_without_plateau_has_no_line(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = analyse(scene)
+    run = synthetic_run(analysis, status="no plateau", reaction=np.nan, uncertainty=np.nan, slope=np.nan, plateau_start=np.nan)
+    (axes,) = reaction_figure(Results(analysis, run)).axes
+    assert "no plateau" in axes.get_title(loc="left")
+    assert not any("fitted" in str(line.get_label()) for line in axes.get_lines())
+
+
+CURVELESS: dict[str, Any] = {"path_settlement": np.zeros(0), "path_value": np.zeros(0)}
+
+
+def frictional(analysis: LimitAnalysis, share: tuple[float, float], value: float = 1.1) -> LimitAnalysis:
+    """The analysis with a Coulomb value of so many times the least reaction, its interval likewise, and no curve; and a short path."""
+    assert analysis.coulomb is not None
+    least = analysis.bounds[analysis.main].value
+    coulomb = replace(analysis.coulomb, value=value * least, interval=(share[0] * least, share[1] * least), **CURVELESS)
+    settlement = np.linspace(0.0, 8e-4, 9)
+    path = EquilibriumPath(
+        settlement, least * (value + 2.0 * np.exp(-settlement / 3e-5)), np.zeros(9), np.ones(9, bool), np.ones(9, int), 0.1
+    )
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb), path=path)
+
+
+def labels_of(axes: Any) -> dict[str, Any]:
+    return {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+
+
+@pytest.mark.parametrize(
+    ("share", "drawn"),
+    [
+        ((1.0, 1.3), True), ((1.0, np.inf), True), ((-np.inf, 1.3), True), ((1.1, 1.1 + 1e-6), False), ((np.nan, 1.3), False),
+        ((1.0, np.nan), False),
+    ],
+)  # fmt: skip
+def test_an_interval_is_a_band_unless_it_is_a_point_or_unknown(share: tuple[float, float], drawn: bool, tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), share)
+    figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
+    save(figure, tmp_path / "reaction.png")
+    least = 1e-3 * analysis.bounds[Drive.YIELDING].value  # kN
+    for axes in figure.axes:
+        band = labels_of(axes).get(plot_reaction.HISTORY)
+        assert (band is not None) == drawn
+        assert plot_reaction.COULOMB in labels_of(axes)
+        if band is not None:
+            seen = np.clip([band.get_y(), band.get_y() + band.get_height()], *axes.get_ylim())
+            assert seen == pytest.approx(np.clip(np.array(share) * least, *axes.get_ylim()))
+
+
+def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    figure = reaction_figure(Results(analysis, synthetic_run(analysis)))
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    beside = {
+        plot_reaction.LEAST: "$R_{\\min}$, associated: 0.33027 kN",
+        plot_reaction.COULOMB: "Coulomb prediction: 0.36330 kN",
+        plot_reaction.HISTORY: "value depends on friction's history",
+        plot_reaction.FITTED: "YADE's plateau: 0.350 ± 0.002 kN",
+        plot_reaction.GREATEST: "$R_{\\max}$, associated: 1.9581 kN",
+        r"$R_{\min}$ of sharp arrises": "sharp arrises: 0.32700 kN",  # W / 6
+        plot_reaction.ADMISSIBLE: "admissible",
+    }
+    for label in {label for axes in figure.axes for label in labels_of(axes)}:
+        shown = any(beside[label] in word for word in words) if label in beside else False
+        assert shown != (label in keys), label
+    assert {plot_reaction.LEAST, plot_reaction.COULOMB, plot_reaction.HISTORY, plot_reaction.FITTED}.isdisjoint(keys)
+
+
+def test_a_prediction_that_is_the_bound_shares_its_words(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 1.0), value=1.0)
+    figure = reaction_figure(Results(analysis))
+    words = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert any("associated, and Coulomb prediction" in word for word in words)
+    assert not any(word.startswith("Coulomb prediction") for word in words)
+
+
+@pytest.mark.parametrize("kind", ["plane", "live"])
+@pytest.mark.parametrize("known", [(), ("coulomb",), ("path",), ("coulomb", "path")])
+def test_what_limit_analysis_has_is_drawn_without_a_run(kind: str, known: tuple[str, ...], tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES[kind])
+    analysis = frictional(analyse(scene), (1.0, 1.3))
+    if "coulomb" not in known:
+        analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=None))
+    if "path" not in known:
+        analysis = replace(analysis, path=None)
+    figure = reaction_figure(Results(analysis))
+    save(figure, tmp_path / "reaction.png")
+    assert len(figure.axes) == (2 if "path" in known else 1)
+    for axes in figure.axes:
+        assert (plot_reaction.COULOMB in labels_of(axes)) == ("coulomb" in known)
+        assert any("path" in label for label in labels_of(axes)) == ("path" in known)
+    assert figure.axes[0].get_xlabel().startswith("mean displacement" if kind == "live" else "settlement")
+    if "path" in known:
+        assert figure.axes[0].get_xlabel().endswith("(mm)")
+        assert figure.axes[0].get_ylim()[0] < 0.0 < analysis.path.value.max() < 1e3 * figure.axes[0].get_ylim()[1]  # type: ignore[union-attr]
+
+
+def followed(analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis with a prediction's curve over 16 travels, which falls from three times its value to it along a line."""
+    analysis = replace(frictional(analysis, (1.0, 1.3)), path=None)
+    assert analysis.coulomb is not None
+    travel, value = analysis.stiffness.travel, analysis.coulomb.value
+    settlement = travel * np.array([0.0, 0.5, 16.0])
+    curve = {"path_settlement": settlement, "path_value": value * np.array([3.0, 1.0, 1.0])}
+    coulomb = replace(analysis.coulomb, uncertainty=3.0, plateaus=np.array([value, 2.0 * value]), **curve)
+    return replace(analysis, at_inset=replace(analysis.at_inset, coulomb=coulomb))
+
+
+@pytest.mark.parametrize("with_run", [False, True])
+def test_the_curve_of_the_prediction_is_drawn_as_far_as_yade_went_or_over_its_first_travel(with_run: bool, tmp_path: Path) -> None:
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    assert analysis.coulomb is not None
+    run = synthetic_run(analysis) if with_run else None
+    figure = reaction_figure(Results(analysis, run))
+    save(figure, tmp_path / "reaction.png")
+    travel, value = 1e3 * analysis.stiffness.travel, 1e-3 * analysis.coulomb.value
+    end = 1e3 * run.settling("settlement").max() if run is not None else travel
+    assert len(figure.axes) == 2
+    for axes in figure.axes:
+        at, values = labels_of(axes)[plot_reaction.CURVE].get_data()
+        assert at[-1] == pytest.approx(end) and len(at) == len(values)
+        assert values[-1] == pytest.approx(np.interp(end, [0.0, 0.5 * travel], [3.0 * value, value]))
+    low, high = figure.axes[0].get_ylim()
+    assert low < 0.0 and high > 3.0 * value
+
+
+def test_the_prediction_s_label_says_its_uncertainty_and_every_plateau(tmp_path: Path) -> None:
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    words = "".join(text.get_text() for axes in reaction_figure(Results(analysis)).axes for text in axes.texts)
+    assert "Coulomb prediction: 0.363 ± 0.003 kN\nseveral plateaus: 0.3633, 0.7266 kN" in words
+
+
+def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SCENES["plane"])
+    analysis = frictional(analyse(scene), (1.0, 5.0))
+    close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
+    assert close.get_ylim()[1] < 1.5 * analysis.bounds[Drive.YIELDING].value

@@ -1,0 +1,84 @@
+"""Words in figures name what pushes, and keep off lines, frames and each other."""
+
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+from figure_scenes import LIVE, SCENES, scene_of
+from matplotlib.text import Text
+from scenes import shipped
+
+from comparison.figures import scene_figures, structure
+from comparison.figures.animation import Story
+from comparison.figures.dissipation import dissipation_figure
+from comparison.figures.line_labels import ROW, Word, write_words
+from comparison.yade import Results
+from la_core.analysis.stage import analyse
+from la_core.limit.problem import Drive
+from la_core.measures import measure
+from la_core.scene.variants import variant
+
+
+@pytest.mark.parametrize("kind", ["live", "tilt"])
+def test_a_tilt_has_its_own_words(kind: str, tmp_path: Path) -> None:
+    """The figures of a tilt speak of its angle, those of a live load of that load."""
+    text = SCENES["live"]
+    assert LIVE in text
+    scene = scene_of(tmp_path, text.replace(LIVE, "[tilt]\naxis = [0.0, 1.0, 0.0]\n") if kind == "tilt" else text)
+    figures = {name: draw() for name, draw in scene_figures(Results(analyse(scene))).items()}
+    words = {name: " ".join(text.get_text() for text in figure.findobj(Text)) for name, figure in figures.items()}
+    assert all(("live load" in words[name]) == (kind == "live") for name in ("assembly", "reaction"))
+    axes = figures["reaction"].axes[0]
+    assert axes.get_ylabel() == ("tangent of the tilt angle" if kind == "tilt" else "multiplier of the live load")
+    second = [axis.get_ylabel() for axis in axes.child_axes]
+    assert second == (["tilt angle (degrees)"] if kind == "tilt" else [])
+    if kind == "tilt":
+        figures["reaction"].draw_without_rendering()
+        low, high = axes.child_axes[0].get_ylim()
+        assert np.tan(np.radians([low, high])) == pytest.approx(axes.get_ylim())
+
+
+@pytest.mark.parametrize(
+    ("push", "expected"), [("live load", "unit power of the live load"), ("push of the tilt", "unit power of the push of the tilt")]
+)
+def test_the_power_of_friction_is_told_per_power_of_what_pushes(push: str, expected: str, tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["live"].replace("friction = 0.6", "friction = 0.2")))
+    bound = analysis.bounds[Drive.LIVE]
+    measures = measure(analysis.assembly, bound.twists, bound.forces)
+    assert measures.dissipated_power > 0.0
+    figure = dissipation_figure(analysis.assembly, bound.twists, measures, push=push)
+    figure.draw_without_rendering()
+    assert sum(expected in text.get_text() for text in figure.findobj(Text)) == 2
+
+
+def test_words_keep_off_lines_and_each_other() -> None:
+    axes = structure.Figure().subplots()
+    axes.set_ylim(0.0, 1.0)
+
+    def word(low: float, high: float, name: str) -> Word:
+        return Word(low, high, name, "black", (name,))
+
+    # Words for "two" fit below it only, for "one" nowhere; the band's stand in its widest gap.
+    lines = [word(0.5, 0.5, "three"), word(0.5 - 0.2 * ROW, 0.5 - 0.2 * ROW, "one"), word(0.5 - 0.4 * ROW, 0.5 - 0.4 * ROW, "two")]
+    narrow = word(0.9, 0.9 + 0.9 * ROW, "narrow")
+    assert write_words(axes, [*lines, word(0.0, 0.5, "band"), narrow], (0.0, 1.0)) == {"three", "two", "band"}
+    at = {text.get_text(): text.xy[1] for text in axes.texts}
+    assert at["three"] == 0.5
+    assert at["band"] == pytest.approx((0.5 - 1.4 * ROW) / 2.0)
+    # The words of the upper line stand below it, for above is no room, and there those of the lower line may not be.
+    axes = structure.Figure().subplots()
+    upper, lower = 1.0 - 0.5 * ROW, 1.0 - 2.0 * ROW
+    assert write_words(axes, [word(upper, upper, "upper"), word(lower, lower, "lower")], (0.0, 1.0)) == {"upper", "lower"}
+    assert [text.get_va() for text in axes.texts] == ["top", "top"]
+
+
+def test_labels_of_an_animation_cover_neither_each_other_nor_the_frame() -> None:
+    """At mu = 0.3 both bounds lie close to the prediction."""
+    story = Story(Results(analyse(variant(shipped("two_blocks"), {"joint.friction": 0.3}))))
+    renderer = story.figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    below = story.line.axes
+    frame = below.get_window_extent(renderer)
+    boxes = [text.get_window_extent(renderer) for text in below.texts if text.get_text()]
+    assert boxes and all(frame.y0 <= box.y0 and box.y1 <= frame.y1 for box in boxes)
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
