@@ -1,0 +1,113 @@
+"""The pages of a report load nothing, escape everything, say what is missing, and are the same twice."""
+
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from made_up_comparisons import HOSTILE, comparison_of, frictional_comparison, page_and_markdown, values_part
+
+from comparison.report import report
+
+
+class Page(HTMLParser):
+    """Tags, every attribute that could load something, and the text of table cells."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.links: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "action", "srcset", "data")]
+        self.ids += [value or "" for name, value in attrs if name == "id"]
+
+
+def test_the_page_loads_nothing_and_escapes_everything(tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "assembly.png").write_bytes(b"not looked into")
+    page = report.write_report(tmp_path, [comparison_of()], {"python": HOSTILE})
+    read = Page(page.read_text(encoding="utf-8"))
+    assert not {"script", "link", "iframe", "object"} & set(read.tags)
+    assert read.tags.count("img") == 1
+    assert all(link.startswith(("data:image/png;base64,", "#")) for link in read.links)
+    assert {link[1:] for link in read.links if link.startswith("#")} <= set(read.ids)
+    assert "url(" not in page.read_text(encoding="utf-8")
+
+
+def test_every_markdown_table_keeps_its_columns(tmp_path: Path) -> None:
+    report.write_report(tmp_path, [comparison_of(), comparison_of(yade=None, verdict=None)], {"python": HOSTILE})
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "<script" not in text.replace(r"\<", "")
+    columns = 0
+    for before, line in zip(["", *text.splitlines()], text.splitlines(), strict=False):
+        if line.startswith("|"):
+            count = len(re.findall(r"(?<!\\)\|", line))
+            columns = columns if before.startswith("|") else count
+            assert count == columns, line
+    assert not re.search(r"\n\n\n\n", text)
+
+
+def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
+    bare = {"scene": "bare", "verdict": None}
+    page = report.write_report(tmp_path, [bare], {}).read_text(encoding="utf-8")
+    row = values_part(page)
+    assert "–" in row
+    assert not re.search(r">\s*0", row)
+    assert "Nothing was compared" in page
+
+
+def test_the_verdict_is_a_word_and_the_costs_are_shown(tmp_path: Path) -> None:
+    page = report.write_report(tmp_path, [comparison_of(verdict="agree", reason="")], {}).read_text(encoding="utf-8")
+    for words in (
+        "</span> agree",
+        "The two methods agree.",
+        "34233 steps",
+        "7 iterations",
+        "8.1",
+        "changes the associated reaction from 0.35970 kN",
+        "+1.0 %",
+    ):
+        assert words in page
+
+
+def test_json_is_strict_and_all_three_files_are_the_same_twice(tmp_path: Path) -> None:
+    names = ("report.html", "report.md", "report.json")
+    report.write_report(tmp_path, [comparison_of()], {"b": 1, "a": {"d": float("inf"), "c": 2}})
+    first = [(tmp_path / name).read_bytes() for name in names]
+    report.write_report(tmp_path, [comparison_of()], {"a": {"c": 2, "d": float("inf")}, "b": 1})
+    assert [(tmp_path / name).read_bytes() for name in names] == first
+    stored = json.loads(first[2], parse_constant=lambda word: pytest.fail(f"{word} is not JSON"))
+    assert stored["comparisons"][0]["yade"]["slope"] is None
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+
+
+def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "dissipation.png").write_bytes(b"not looked into")
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    assert "<figcaption>Where friction dissipates" in page
+    assert "(two%20pads/dissipation.png)" in markdown
+
+
+def test_the_report_says_what_was_left_out_why_and_what_that_saves(tmp_path: Path) -> None:
+    report.write_report(tmp_path, [comparison_of()], {})
+    for name in ("report.html", "report.md"):
+        page = (tmp_path / name).read_text(encoding="utf-8")
+        assert "saves 3 unknowns" in page and "took 0.25 s" in page
+
+
+def test_the_head_has_the_words_of_the_command_else_those_of_the_scenes(tmp_path: Path) -> None:
+    facts = {"project": "Town hall", "author": "A. Mason", "date": "2026-03-01"}
+    scenes = [comparison_of(scene=name, title=name, structure=None) for name in ("one", "two")]
+    for scene, own in zip(scenes, (facts, {**facts, "author": "B. Smith"}), strict=True):
+        scene["structure"] = own
+    assert report.report_head(tmp_path, scenes, {}) == {
+        "title": "Town hall", "project": "Town hall", "author": "", "date": "2026-03-01",
+    }  # fmt: skip
+    head = report.report_head(tmp_path, scenes[:1], {"title": "Crack", "author": "C. Wright"})
+    assert head == {"title": "Crack", "project": "Town hall", "author": "C. Wright", "date": "2026-03-01"}

@@ -1,0 +1,100 @@
+"""A report says of the structure what was put in, what reading changed, and what moves."""
+
+import html
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from made_up_comparisons import comparison_of, page_and_markdown
+
+from comparison.judge.summary import limit_analysis_summary
+from comparison.numbers import Units
+from comparison.report import report, structure_facts
+from comparison.report.plain_words import plain_words
+from comparison.yade import Results
+from la_core.analysis.stage import analyse
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+
+def leaves(data: Any) -> Iterator[Any]:
+    """Every value in a scene's data that is no table and no array."""
+    if isinstance(data, dict):
+        for value in data.values():
+            yield from leaves(value)
+    elif isinstance(data, list):
+        for value in data:
+            yield from leaves(value)
+    else:
+        yield data
+
+
+def test_every_input_of_the_facade_is_in_its_report_with_units_and_the_scene_file(tmp_path: Path) -> None:
+    results = Results(analyse(load_scene(find("facade"))))
+    summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "verdict": None}
+    (tmp_path / "facade").mkdir()
+    text = find("facade").read_text(encoding="utf-8")
+    (tmp_path / "facade" / "scene.toml").write_text(text, encoding="utf-8")
+    page = report.write_report(tmp_path, [summary], {}).read_text(encoding="utf-8")
+    (enclosed,) = re.findall(r"<pre>(.*?)</pre>", page, re.DOTALL)
+    assert html.unescape(enclosed).strip() == text.strip()
+    shown = html.unescape(re.sub(r"<[^>]*>", " ", page.replace(enclosed, "")))
+    given = list(leaves(tomllib.loads(text)))
+    assert len(given) > 60
+    assert [value for value in given if str(value) not in shown] == []
+    inputs = html.unescape(re.sub(r"<[^>]*>", " ", page[page.index('id="scene-1-inputs"') :]))
+    for words in (
+        "170 free, 1 fixed (ground), 1 on the moving support", "7200 × 400 × 5400 mm", "300 to 1800 × 400 × 300 mm", "1400 kg/m3",
+        "9.81 m/s2 downwards", "0.6 (31.0°)", "1 mm", "settling foundation: x 5.4 to 7.2 m", "(0, 0, −1)", "kN/mm", "154.26 kN",
+    ):  # fmt: skip
+        assert words in inputs, words
+
+
+def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() -> None:
+    results = Results(analyse(load_scene(find("two_blocks"))))
+    summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
+    told = " ".join(plain_words(summary, Units(summary["weight"])))
+    for words in (
+        "settles, 1 of the 2 blocks (50 % of the weight) moves.",
+        "The support then still carries",
+        "50",
+        "YADE was not run",
+        "friction coefficient",
+    ):
+        assert words in told, told
+    falls = {"limit_analysis": {"associated": {"status": "infeasible", "falling": ["a", "b"]}}}
+    told = ["The structure cannot stand under its own weight: 2 blocks fall (a, b).", "No forces between the blocks can hold it"]
+    assert [sentence.split(", so")[0] for sentence in plain_words(falls, Units(None))] == told
+    assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict names the blocks
+
+
+CHANGED = {
+    "drawings": [
+        {"file": "wall.dxf", "blocks": 40, "doubles": 6, "specks": 0, "loose_lines": 2, "in_openings": 0, "straightened": 0, "compounds": 3}
+        | {"ignored": {"TEXT": 4}}
+    ],
+    "repairs": {"tolerance": 0.003, "joint_width": 0.016, "largest_move": 0.0071, "moved_block": "block 7", "gaps_closed": 81}
+    | {"overlaps_closed": 9, "overlaps_cut": 1, "shortest_joint": 0.006}
+    | {"unclosed": [{"blocks": ["block 3", "block <4>"], "vertex": [1.25, 0.0, 2.5], "gap": -0.004}]},
+    "joints_dropped": 5,
+    "short_joints": 0,
+}
+CHANGES = (
+    "blocks from wall.dxf 40", "outlines drawn twice, dropped 6", "lines that enclose nothing, dropped 2", "several parts 3", "4 TEXT",
+    "wrong by 3 mm", "open joints closed, up to 16 mm wide 81", "overlapping faces parted 9", 'of "block 7" 7.1 mm', "too short to count 5",
+    "places that are not closed 1", '"block 3" and "block <4>", at (1.25, 0, 2.5) m overlap of 4 mm',
+)  # fmt: skip
+
+
+def test_the_report_lists_what_reading_changed_in_the_geometry(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of(geometry=CHANGED))
+    part = page[page.index('id="scene-1-geometry"') :]
+    shown = " ".join(html.unescape(re.sub(r"<[^>]*>", " ", part)).split())
+    for words in CHANGES:
+        assert words in shown, words
+    assert "changed in the geometry on reading" in markdown and "| 7.1 mm |" in markdown
+    assert "block <4>" not in page
+    unchanged, _ = page_and_markdown(tmp_path, comparison_of(geometry=None))
+    assert "scene-1-geometry" not in unchanged

@@ -1,0 +1,142 @@
+"""A report shows what each method found, how sure it is, and how far the other one is from it."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_up_comparisons import comparison_of, frictional_comparison, page_and_markdown, values_part
+
+from comparison.judge.summary import limit_analysis_summary
+from comparison.report import report, values
+from comparison.verdict.verdict_table import verdict_cells
+from la_core.analysis.stage import analyse
+from la_core.scene.scene import load_scene
+from la_core.scene.shipped import find
+
+
+def test_the_inset_of_yade_is_what_it_is_judged_by(tmp_path: Path) -> None:
+    comparison = comparison_of()
+    comparison["limit_analysis"]["associated"] |= {
+        "inset": 0.0,
+        "shared_inset": {"inset": 0.001, "reaction": 364.0, "reaction_max": 2150.0},
+    }
+    page = report.write_report(tmp_path, [comparison], {}).read_text(encoding="utf-8")
+    assert ">0.36400 kN<" in page and ">2.1500 kN<" in page
+    assert "−0.00050 kN (−0.14 %)" in page
+
+
+def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_it(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    row = values_part(page)
+    for words in ("0.3660 ± 0.0008 kN", "0.36330 to 0.37130 kN", "−0.00250 kN (−0.68 %)"):
+        assert words in row
+    assert "several plateaus:" not in row
+    assert "less R_min" not in row
+    (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
+    assert "| 0.3660 ± 0.0008 kN | 0.36330 to 0.37130 kN |" in top
+    assert top.endswith("| −0.00250 kN (−0.68 %) |")
+
+
+def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_plateaus() -> None:
+    comparison = frictional_comparison()
+    _, _, predicted, _, yade, *_ = verdict_cells(comparison)
+    assert (predicted, yade) == ("0.1696 ± 0.0003", "0.1684 ± 0.0001")
+    comparison["limit_analysis"]["coulomb"] |= {"plateaus": [366.0, 402.5], "status": "inaccurate"}
+    assert verdict_cells(comparison)[2] == "0.1696 ± 0.0003 inaccurate; several plateaus: 0.1696, 0.1865"
+
+
+def test_without_a_coulomb_answer_yade_is_held_against_the_bound(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, comparison_of())
+    row = values_part(page)
+    assert "0.00020 kN (+0.055 %)" in row
+    assert "YADE less R_min" in row
+    assert "| 0.00020 kN (+0.055 %) (less R\\_min) |" in markdown
+
+
+def test_every_method_says_what_it_is_worth_and_what_it_took(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    for text in (page, markdown):
+        for words in (
+            "7 iterations", "largest residual 1e-10", "2 paths, 1207 steps, 19 Newton iterations", "± 0.00075 kN", "half-width 0.004 kN",
+            "2 increments, 43 Newton iterations", "largest share of drag 4.5e-4", "1 increment not reached", "34233 steps",
+        ):  # fmt: skip
+            assert words in text
+    for seconds in ("0.010", "0.23", "0.57", "8.1"):
+        assert f'data-label="time, s">{seconds}</td>' in page
+    assert "Coulomb: power of the normal forces at parting joints, over the power put in" in page
+
+
+def test_an_uncertain_prediction_shows_all_its_plateaus_and_an_older_one_no_uncertainty(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    coulomb = comparison["limit_analysis"]["coulomb"]
+    coulomb["plateaus"] = [366.0, 402.5]
+    for text in page_and_markdown(tmp_path, comparison):
+        assert "several plateaus: 0.3660, 0.4025 kN" in text
+    for name in ("uncertainty", "plateaus", "viscosities", "steps", "travel"):
+        del coulomb[name]
+    page, markdown = page_and_markdown(tmp_path, comparison)
+    assert "| 0.36600 kN | 0.36330 to 0.37130 kN |" in markdown
+    assert "several plateaus:" not in page
+    row = values_part(page)
+    assert row.count("±") == 1  # YADE's
+
+
+def test_mechanisms_are_measured_by_method_and_unknown_ones_left_out(tmp_path: Path) -> None:
+    page, markdown = page_and_markdown(tmp_path, frictional_comparison())
+    table = page[page.index("Measures of the mechanisms") :]
+    table = table[: table.index("</table>")]
+    assert [name for name in ("associated", "Coulomb", "YADE") if f">limit analysis, {name}<" in table or f">{name}<" in table] == [
+        "associated",
+        "Coulomb",
+    ]
+    for words in ("0.05125 kN", "0.138", "0.912", "0.0815", "0.250"):
+        assert words in table
+        assert words.removesuffix(" kN") in markdown
+    assert "(Σp)²/(J Σp²)" in page
+
+
+def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"]["shared_inset"] = {"inset": 0.001, "reaction": 364.5, "reaction_interval": [363.5, 363.51]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    row = values_part(page)
+    assert ">0.36450 kN<" in row
+    assert "a point" in row
+    assert "−0.00100 kN" in row
+
+
+def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
+    comparison = frictional_comparison(unit="", yade=None)
+    answers = comparison["limit_analysis"]
+    for answer in (answers["associated"], answers["coulomb"], answers["path"]):
+        for name in [name for name in answer if name.startswith("reaction")]:
+            answer[name.replace("reaction", "multiplier")] = answer.pop(name)
+    answers["coulomb"]["multiplier_interval"] = [363.3, None]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "0.138" not in page
+    assert "363.30 to –" in page
+    assert "per unit power of the load" in page
+
+
+@pytest.mark.parametrize("empty", [None, {}])
+def test_older_files_and_empty_answers_are_shown(empty: Any, tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"] |= {"coulomb": empty, "path": empty}
+    comparison["mechanism_measures"] = {"coulomb": empty, "yade": {"moving_mass_share": 0.5}}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "less R_min" in page
+    del comparison["mechanism_measures"], comparison["limit_analysis"]["coulomb"], comparison["limit_analysis"]["path"]
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert "Measures of the mechanisms" not in page
+    comparison["limit_analysis"]["path"] = {"settlement": [], "reaction": [], "strain_residual": [], "converged": [], "solves": []}
+    comparison["limit_analysis"]["coulomb"] = {"status": "failed", "reaction": None, "reaction_interval": [None, None]}
+    page, _ = page_and_markdown(tmp_path, comparison)
+    assert ">failed<" in page
+    assert "0 increments" in page
+
+
+def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> None:
+    scene = load_scene(find("two_blocks"))
+    rows = {row["name"]: row for row in values.expected_rows(limit_analysis_summary(analyse(scene)))}
+    assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
+    assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
