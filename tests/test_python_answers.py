@@ -1,0 +1,100 @@
+"""Answers in Python are those of the command line, and hand out, show and draw what they hold."""
+
+import dataclasses
+import sys
+
+import numpy as np
+import pytest
+
+import comparison
+import la_core
+from comparison.cli.commands import main
+
+ROUND_OFF = 1e-6  # of the weight: residuals of a solved cone programme
+ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.9])
+def test_two_blocks_carry_their_closed_forms_under_any_friction(friction: float) -> None:
+    """Right block on the settling pad: W_b without dilatancy, W_b / (1 + mu^2) by the associated law."""
+    scene = la_core.variant(la_core.load("two_blocks"), {"joint.friction": friction})
+    answer = la_core.solve(scene)
+    assert answer.least_sharp / scene.weight == pytest.approx(0.5 / (1 + friction**2), abs=ROUND_OFF)
+    assert answer.coulomb / scene.weight == pytest.approx(0.5, abs=ELASTIC)
+    assert answer.least <= answer.interval[0] + ROUND_OFF * scene.weight
+
+
+@pytest.mark.parametrize("name", ["trilith", "wall_low_friction", "ferris_tin_loi_1"])
+def test_an_answer_prints_the_table_of_the_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["solve", name, "--long"])
+    shown = [line.split() for line in capsys.readouterr().out.splitlines() if line.strip() and "seconds" not in line and "─" not in line]
+    own = [line.split() for line in str(la_core.solve(la_core.load(name))).splitlines() if "seconds" not in line and "─" not in line]
+    assert len(own) > 8
+    assert own == [line for line in shown if line[0] not in ("expected", "prediction")]  # checks, and headings of the second table
+
+
+def test_an_answer_of_a_live_load_has_a_multiplier_and_no_reaction() -> None:
+    answer = la_core.solve(la_core.load("ferris_tin_loi_1"))
+    assert answer.coulomb <= answer.multiplier
+    assert np.isnan([answer.least, answer.greatest, answer.least_sharp]).all()
+
+
+def test_an_answer_cannot_be_changed() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        answer.scene = la_core.load("trilith")  # type: ignore[misc]
+    with pytest.raises(AttributeError):
+        answer.least = 0.0  # type: ignore[misc]
+
+
+def test_what_a_notebook_shows_is_escaped() -> None:
+    scene = la_core.variant(la_core.load("two_pads"), {"title": "<script>alert(1)</script>"})
+    for shown in (scene._repr_html_(), la_core.solve(scene)._repr_html_()):
+        assert "<script" not in shown and "&lt;script" in shown
+
+
+def test_answers_are_told_apart_and_a_key_is_a_text() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.solve(pads) != la_core.solve(pads)
+    with pytest.raises(la_core.SceneError, match="a key must be a text"):
+        la_core.variant(pads, {3: 1})  # type: ignore[dict-item]
+    with pytest.raises(la_core.SceneError, match="greater than or equal to 0"):
+        la_core.variant(pads, {"yade.speed": -1.0})
+
+
+def test_an_answer_hands_out_mechanism_forces_joints_and_path() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    blocks = answer.scene.blocks
+    assert answer.mechanism.shape == (len(blocks), 6) and answer.forces.shape == (4, 3)
+    (support,) = np.flatnonzero(blocks.role == 2)
+    assert answer.mechanism[support] == pytest.approx([0.0, 0.0, -1.0, 0.0, 0.0, 0.0])
+    assert answer.forces.sum(axis=0) == pytest.approx([0.0, 0.0, answer.scene.weight], abs=ROUND_OFF * answer.scene.weight)
+    fixed, settling = answer.joints
+    assert (fixed["block_a"], fixed["block_b"], fixed["state"]) == ("fixed pad", "block", "opening")
+    assert settling["normal"] == pytest.approx(answer.coulomb, rel=ELASTIC) and settling["x"] == pytest.approx(0.999, abs=2e-3)
+    settlement, value = la_core.solve(la_core.load("two_blocks")).path
+    assert len(settlement) == len(value) > 10 and value[-1] == pytest.approx(la_core.solve(la_core.load("two_blocks")).coulomb, rel=1e-2)
+
+
+def test_tables_of_pandas_are_made_where_it_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
+    pytest.importorskip("pandas")
+    table = answer.to_dataframe()
+    assert list(table.columns) == list(answer.joints[0]) and len(table) == 2
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(la_core.SceneError, match='install the extra "pandas"'):
+        answer.to_dataframe()
+
+
+def test_what_holds_arrays_shows_itself_in_one_line() -> None:
+    answer = la_core.solve(la_core.load("two_pads"))
+    assert repr(answer.analysis).startswith("<LimitAnalysis of two_pads: solved, bound 363.297, prediction 363.297 N")
+    assert "\n" not in repr(answer.analysis) + repr(answer.scene.blocks) and len(repr(answer.scene.blocks)) < 200
+
+
+def test_scenes_and_answers_draw_themselves() -> None:
+    scene = la_core.load("two_pads")
+    answer = la_core.solve(scene)
+    assert isinstance(scene.draw(), comparison.Picture) and isinstance(answer.plot("reaction"), comparison.Picture)
+    with pytest.raises(la_core.SceneError, match='did you mean "forces"'):
+        answer.plot("force")

@@ -1,0 +1,130 @@
+"""Runs, campaigns, studies, exports and animations are made, read, shown and refused from Python."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import comparison
+import la_core
+from comparison.figures import report_figures
+from comparison.studies import whole_studies
+from comparison.studies.cost_limit_analysis import limit_analysis_methods
+from comparison.yade import Results
+from la_core.exchange.checksummed_file import ExchangeError
+
+ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
+
+
+@pytest.mark.yade
+def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = comparison.run("two_pads", tmp_path, quiet=True)
+    assert capsys.readouterr().err == ""
+    assert result.verdict is comparison.Verdict.AGREE and result.reason == ""
+    assert result.yade is not None
+    assert result.yade.reaction == pytest.approx(result.answer.coulomb, rel=ELASTIC)
+    assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE, comparison.Verdict.EXPECTED_MET}
+    again = comparison.read(tmp_path / "two_pads")
+    assert (str(again), again.checks) == (str(result), result.checks)
+    for name in ("assembly", "dissipation"):
+        result.plot(name).save(tmp_path / f"{name}.svg")
+        assert (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("<path") > 5
+    untitled = comparison.Picture(report_figures(Results(result.answer.analysis, result.yade))["mechanisms"]())
+    assert untitled._repr_png_() == (result.folder / "mechanisms.png").read_bytes() != result.plot()._repr_png_()
+    assert "data:image/png;base64," in result._repr_html_()
+    with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
+        result.plot("mechanism")
+    assert result.report().is_file()
+    with pytest.raises(ValueError, match="one folder"):
+        result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
+    assert comparison.run("two_pads", tmp_path, yade=False, quiet=True).yade is None  # whatever lies there from before
+
+
+def test_a_folder_without_results_is_told_and_left_as_it_is(tmp_path: Path) -> None:
+    of_another = tmp_path / "letter.1.part"
+    of_another.touch()
+    for folder in (tmp_path, tmp_path / "nothere"):
+        with pytest.raises(ExchangeError, match="holds no results"):
+            comparison.read(folder)
+    assert list(tmp_path.iterdir()) == [of_another]
+
+
+@pytest.mark.parametrize("seconds", [-1, 0.0, math.nan, math.inf])
+def test_a_time_limit_that_is_none_is_refused_before_anything_runs(seconds: float, tmp_path: Path) -> None:
+    with pytest.raises(la_core.SceneError, match=r"time_limit = .*: must be a positive number of seconds"):
+        comparison.run("two_pads", tmp_path / "results", yade=False, time_limit=seconds, quiet=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -> None:
+    with pytest.raises(la_core.SceneError, match=r"x\.jpg: the file name of a figure must end in \.png, \.svg or \.pdf"):
+        comparison.draw(la_core.load("two_pads")).save(tmp_path / "x.jpg")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["..", "report.html", "a/b"])
+def test_a_scene_whose_name_is_no_folders_is_not_run(name: str, tmp_path: Path) -> None:
+    scene = dataclasses.replace(la_core.load("two_pads"), name=name)
+    with pytest.raises(la_core.SceneError, match="cannot name a folder"):
+        comparison.run(scene, tmp_path / "results", yade=False, quiet=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -> None:
+    frictions = 'title = "Friction"\nyade = false\n[[sweep]]\nscene = "pads"\nvary = { "joint.friction" = [0.4, 0.6] }\n'
+    (tmp_path / "friction.toml").write_text(frictions, encoding="utf-8")
+    (tmp_path / "pads.toml").write_text(la_core.load("two_pads").text, encoding="utf-8")
+    made = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "out", workers=1, quiet=True)
+    expected = la_core.solve(la_core.load("two_pads")).coulomb
+    assert [row["coulomb"] for row in made.rows] == pytest.approx([expected] * 2, rel=1e-6)  # the pads do not slide
+    assert made.title in repr(made) and "pads_friction=0.4" in repr(made) and len(repr(made).splitlines()) == 5
+    stored = comparison.read_campaign(tmp_path / "out")
+    assert stored.rows == made.rows and list(made.to_dataframe()["joint.friction"]) == [0.4, 0.6]
+    (tmp_path / "friction.toml").write_text(frictions.replace("0.6", "0.5"), encoding="utf-8")
+    other = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "other", workers=1, quiet=True)
+    found = comparison.compare(made, tmp_path / "other")
+    assert found.changed and (found.only_before, found.only_after) == (["pads_friction=0.6"], ["pads_friction=0.5"])
+    assert not comparison.compare(other, other).changed and found.summary in repr(found)
+    with pytest.raises(la_core.SceneError, match="workers"):
+        comparison.run_campaign(tmp_path / "friction.toml", workers=0)
+
+
+def test_results_are_exported_from_python(tmp_path: Path) -> None:
+    files = comparison.export(la_core.solve(la_core.load("two_pads")), tmp_path / "paraview")
+    assert files == [tmp_path / "paraview" / "structure.pvd"] and all(path.is_file() for path in files)
+
+
+def test_an_answer_is_animated_from_python(tmp_path: Path) -> None:
+    answer = la_core.solve(la_core.load("two_pads"), bounds_only=True)
+    path = comparison.animate(answer, tmp_path / "pads.gif", fps=1, quiet=True)
+    with Image.open(path) as movie:
+        assert getattr(movie, "n_frames", 1) > 2
+    for name, fps, rule in (("pads.avi", 1, "must end in .gif or .mp4"), ("pads.gif", 0, "fps = 0: must be a whole number from 1 to 50")):
+        with pytest.raises(la_core.SceneError, match=rule):
+            comparison.animate(answer, tmp_path / name, fps, quiet=True)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_studies_are_run_shown_and_drawn_from_python(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("comparison.studies.cost.REPEATS", 1)
+    few = ("cone programme", "associated", "classic iteration")
+    monkeypatch.setattr(
+        whole_studies, "limit_analysis_methods", lambda *given: [m for m in limit_analysis_methods(*given) if m.family in few]
+    )
+    pads = la_core.load("two_pads")
+    costs = comparison.cost(pads, yade=False, quiet=True)
+    assert {row["family"] for row in costs.rows} == set(few)
+    assert {row["target"] for row in costs.rows} == set(costs.references) == {"associated", "prediction"}
+    assert [row["value"] for row in costs.rows] == pytest.approx([1.0 / 6.0] * len(costs.rows), rel=ELASTIC)
+    assert len(repr(costs).splitlines()) == len(costs.rows) + 3 and "cone programme" in costs._repr_html_()
+    runs = comparison.sensitivity("two_pads", quiet=True)
+    assert len(runs.rows) == 25 and {row["status"] for row in runs.rows} == {"solved"}
+    assert runs.rows[0]["value"] == pytest.approx(la_core.solve(pads).coulomb, rel=ELASTIC)
+    assert len(repr(runs).splitlines()) == len(runs.rows) + len(runs.references) + 3
+    for result in (costs, runs):
+        assert isinstance(result.plot(), comparison.Picture) and len(result.to_dataframe()) == len(result.rows)
+    assert capsys.readouterr().err == ""
+    with pytest.raises(la_core.SceneError, match="did you mean"):
+        comparison.sensitivity("two_padz")

@@ -1,0 +1,108 @@
+"""Scenes built and varied in Python are those of files, and so are the messages about their mistakes."""
+
+import dataclasses
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import la_core
+from la_core.analysis.case_file import scene_digest
+from la_core.scene import shipped
+from la_core.scene.loads.point_forces import PointForces
+from la_core.scene.scene import Scene
+
+
+@pytest.mark.parametrize("name", [name for name in la_core.names() if name not in shipped.LONG])
+def test_the_tables_of_a_file_build_its_scene(name: str) -> None:
+    filed = la_core.load(name)
+    built = la_core.build(tomllib.loads(filed.text), name, filed.path.parent)
+    for field in dataclasses.fields(Scene):
+        if field.name not in ("text", "path", "blocks", "meshes"):
+            ours, theirs = getattr(built, field.name), getattr(filed, field.name)
+            np.testing.assert_equal(*((vars(ours), vars(theirs)) if isinstance(ours, PointForces) else (ours, theirs)))
+    np.testing.assert_array_equal(built.blocks.vertices, filed.blocks.vertices)
+    np.testing.assert_array_equal(built.blocks.mass, filed.blocks.mass)
+    assert built.blocks.names == filed.blocks.names
+
+
+def test_a_scene_built_of_arrays_is_one_built_of_lists() -> None:
+    tables = tomllib.loads(la_core.load("two_pads").text)
+    arrays = tables | {"gravity": np.array(tables["gravity"]), "joint": {"friction": np.float64(0.6)}}
+    arrays["block"] = tuple(block | {"box": {k: tuple(v) for k, v in block["box"].items()}} for block in tables["block"])
+    assert scene_digest(la_core.build(arrays)) == scene_digest(la_core.build(tables))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("joint.friction", -0.1), ("joint.fricton", 0.6), ("stone.density", "heavy"), ("wall[0].courses", 2.5), ("settlement", None)],
+)
+def test_a_mistake_in_code_is_told_as_in_a_file(key: str, value: object, write_scene: Callable[..., Path]) -> None:
+    wall = la_core.load("wall_third")
+    with pytest.raises(la_core.SceneError) as in_code:
+        la_core.variant(wall, {key: value}, "wall")
+    tables = tomllib.loads(wall.text)
+    words = {"joint.friction": "friction = -0.1", "joint.fricton": "friction = 0.6\nfricton = 0.6"}
+    texts = {
+        "stone.density": wall.text.replace("density = 2000.0", 'density = "heavy"'),
+        "wall[0].courses": re.sub(r"courses +=.*", "courses = 2.5", wall.text),
+        "settlement": wall.text.replace("[settlement]\ndirection = [0.0, 0.0, -1.0]", ""),
+    }
+    text = texts.get(key) or wall.text.replace("friction = 0.6", words[key])
+    assert tables != tomllib.loads(text)
+    with pytest.raises(la_core.SceneError) as in_file:
+        la_core.load(write_scene(text, "wall"))
+    told = str(in_file.value).split("wall.toml")[1]
+    assert str(in_code.value).removeprefix("variant of wall_third") == re.sub(r": line \d+: ", ": ", told)  # only a file has lines
+
+
+@pytest.mark.parametrize(
+    ("key", "rule"),
+    [
+        ("joint friction", "must be a dotted path"),
+        ("joint.friction.static", "is a value, not a table"),
+        ("wall.courses", r"select one of its entries: wall\[0\].courses"),
+        ("block[7].density", "has 2 entries"),
+        ("joint[0]", "is not an array"),
+        ("arch[0].radius", "has no arch"),
+    ],
+)
+def test_a_key_that_leads_nowhere_is_named(key: str, rule: str) -> None:
+    with pytest.raises(la_core.SceneError, match=rule) as told:
+        la_core.variant(la_core.load("wall_third"), {key: 1.0})
+    assert key in str(told.value)
+
+
+def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
+    with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
+        la_core.build({"joint": {"friction": None}})
+
+
+def test_a_variant_keeps_what_its_changes_leave_true() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"title": "same"}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.friction": pads.friction, "yade.speed": 1e-3}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.friction": 0.4}).expected is None
+    kept = la_core.variant(pads, {"joint.friction": 0.4, "expected.reaction_over_weight": 1 / 6})
+    assert kept.expected is not None and kept.expected.reaction_over_weight == 1 / 6
+    assert pads.friction == 0.6
+    assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
+
+
+def test_a_variant_is_named_and_titled_by_its_changes() -> None:
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"title": "Mine"}).title == "Mine"
+    assert la_core.variant(pads, {"joint.friction": 0.4}).title == f"{pads.title}: joint.friction = 0.4"
+    assert la_core.variant(pads, {"joint.friction": 0.4}, "own").name == "own"
+    assert "/" not in la_core.variant(pads, {"title": "../../a/b"}).name
+    assert len(la_core.variant(pads, {"source": 1000 * "x"}).name) < 255  # bytes of a file's name
+
+
+def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
+    """An inset given as what it is by default."""
+    pads = la_core.load("two_pads")
+    assert la_core.variant(pads, {"joint.inset": pads.inset}).expected == pads.expected
+    assert la_core.variant(pads, {"joint.inset": 2.0 * pads.inset}).expected is None
