@@ -1,0 +1,48 @@
+"""Blocks have the mass properties of known solids, and faces that look outward and close them."""
+
+import math
+
+import numpy as np
+import pytest
+import scenes
+from gathered_blocks import EXACT, TURNED, gathered, turned
+
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.shapes import box, polyhedron, prism
+
+
+def faces_of(blocks: Blocks, block: int) -> list[np.ndarray]:
+    """Face polygons of one block, each (n, 3) in m."""
+    faces = np.flatnonzero(blocks.face_block == block)
+    return [blocks.vertices[blocks.face_vertex[blocks.face_start[f] : blocks.face_start[f + 1]]] for f in faces]
+
+
+def test_coplanar_triangles_of_a_hull_are_one_face() -> None:
+    cube = polyhedron(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)).vertices)
+    assert sorted(len(face) for face in cube.faces) == [4] * 6
+    hexagon = polyhedron([(math.cos(k * math.pi / 3.0), math.sin(k * math.pi / 3.0), z) for k in range(6) for z in (0.0, 1.0)])
+    assert sorted(len(face) for face in hexagon.faces) == [4] * 6 + [6] * 2
+
+
+def test_mass_properties_of_known_solids() -> None:
+    blocks = gathered(
+        box((1.0, 2.0, 3.0), (2.0, 4.0, 6.0)),
+        prism([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)], (0.0, 2.0)),
+        polyhedron([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]),
+    )
+    assert blocks.volume == pytest.approx([6.0, 9.0, 1.0 / 6.0], rel=EXACT)
+    assert blocks.centroid == pytest.approx(np.array([(1.5, 3.0, 4.5), (1.0, 1.0, 1.0), (0.25, 0.25, 0.25)]), abs=EXACT)
+    cuboid = np.diag([2.0**2 + 3.0**2, 1.0 + 3.0**2, 1.0 + 2.0**2]) * 6.0 / 12.0
+    tetrahedron = np.full((3, 3), 1.0 / 480.0) + np.eye(3) * (1.0 / 80.0 - 1.0 / 480.0)  # of unit legs, about its centroid
+    assert blocks.inertia[0] == pytest.approx(cuboid, abs=1e-11)
+    assert blocks.inertia[2] == pytest.approx(tetrahedron, abs=EXACT)
+
+
+@pytest.mark.parametrize("turn", [None, scenes.rotation((0.3, -0.5, 0.8), 1.1)], ids=["upright", "turned"])
+def test_faces_look_outward_and_close_the_block(turn) -> None:
+    shape = prism([(0.0, 0.0), (0.0, 1.0), (1.0, 1.5), (2.0, 0.0)], (-1.0, 2.0))  # clockwise on purpose
+    blocks = gathered(shape if turn is None else turned(shape, turn))
+    middles = np.array([face.mean(axis=0) for face in faces_of(blocks, 0)])
+    assert (np.sum((middles - blocks.centroid[0]) * blocks.face_normal, axis=1) > 0.0).all()
+    areas = [np.linalg.norm(sum(np.cross(f[k] - f[0], f[k + 1] - f[0]) for k in range(1, len(f) - 1))) / 2.0 for f in faces_of(blocks, 0)]
+    assert np.array(areas) @ blocks.face_normal == pytest.approx(np.zeros(3), abs=TURNED)

@@ -1,0 +1,163 @@
+"""Blocks that touch have a joint, and those that overlap or touch nothing are refused by name."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import scenes
+from gathered_blocks import gathered, turned
+from scipy.spatial.transform import Rotation
+
+from la_core.errors import SceneError
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.interfaces import TOUCH, find_interfaces
+from la_core.geometry.shapes import Shape, box, polyhedron
+from la_core.model.assembly import assemble
+
+# --- what touches, what does not ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("gap", "touches"), [(0.5 * TOUCH, True), (-0.5 * TOUCH, True), (5.0 * TOUCH, False)])
+def test_gap_within_and_beyond_tolerance(gap, touches) -> None:
+    blocks = gathered(box((0.0, 0.0, -1.0), (1.0, 1.0, 0.0)), box((0.0, 0.0, gap), (1.0, 1.0, 1.0)))
+    if touches:
+        assert len(find_interfaces(blocks)) == 1
+    else:
+        with pytest.raises(SceneError, match="touches nothing"):
+            find_interfaces(blocks)
+
+
+@pytest.mark.parametrize(("angle", "touches"), [(0.5 * TOUCH, True), (5.0 * TOUCH, False)])
+def test_tilt_within_and_beyond_tolerance(angle, touches) -> None:
+    """The gap opens to the angle times one metre at the far edge."""
+    above = turned(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), -angle))
+    blocks = gathered(box((0.0, 0.0, -1.0), (1.0, 1.0, 0.0)), above)
+    if touches:
+        assert len(find_interfaces(blocks).polygon) == 4
+    else:
+        with pytest.raises(SceneError, match="touches nothing"):
+            find_interfaces(blocks)
+
+
+@pytest.mark.parametrize("shift", [(1.0, 1.0, 0.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0)], ids=["edge", "other edge", "corner"])
+def test_edges_and_corners_are_no_interface(shift) -> None:
+    low = np.array(shift)
+    with pytest.raises(SceneError, match="touches nothing"):
+        find_interfaces(gathered(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box(low, low + 1.0)))
+
+
+def test_diagonal_neighbours_in_a_stack_do_not_touch() -> None:
+    blocks = [box((x, 0.0, z), (x + 1.0, 1.0, z + 1.0)) for x in (0.0, 1.0) for z in (0.0, 1.0)]
+    interfaces = find_interfaces(gathered(*blocks))
+    assert list(zip(interfaces.block_a, interfaces.block_b, strict=True)) == [(0, 1), (0, 2), (1, 3), (2, 3)]
+
+
+def test_edge_on_a_face_is_no_interface() -> None:
+    """A block that balances on its edge touches along a line only."""
+    roof = turned(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), -math.pi / 4.0))
+    with pytest.raises(SceneError, match="touches nothing"):
+        find_interfaces(gathered(box((-1.0, 0.0, -1.0), (1.0, 1.0, 0.0)), roof))
+
+
+ENOUGH_DIGITS = 5  # after the point, in metres: 10 micrometres is about TOUCH of these blocks of half a metre
+
+
+@pytest.mark.parametrize("digits", [4, 5, 6, 7, 9, 15])
+def test_boxes_typed_with_few_digits_share_the_interfaces_they_were_meant_to(digits: int) -> None:
+    """Rotated boxes as polyhedra, their corners rounded as a person or a spreadsheet would."""
+    turn = Rotation.from_rotvec([0.3, -0.2, 0.5])
+
+    def typed(name: str, low: tuple[float, ...], high: tuple[float, ...], role: str = "free") -> str:
+        corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+        return scenes.block(name, role, polyhedron=np.round(turn.apply(corners), digits).tolist())
+
+    pads = [typed("left", (0, 0, -0.1), (0.4, 0.2, 0), "fixed"), typed("right", (0.5, 0, -0.1), (1, 0.2, 0), "support")]
+    scene = scenes.build(*pads, typed("block", (0, 0, 0), (1, 0.2, 0.5)), settlement=turn.apply([0, 0, -1]).tolist())
+    if digits < ENOUGH_DIGITS:  # the faces no longer meet; that is said, and never half of an interface kept
+        with pytest.raises(SceneError, match="overlap"):
+            find_interfaces(scene.blocks)
+        return
+    interfaces = find_interfaces(scene.blocks)
+    assert len(interfaces) == 2
+    assert np.diff(interfaces.polygon_start).tolist() == [4, 4]
+
+
+# --- overlaps ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("depth", [1e-3, 0.1, 0.5])
+def test_overlap_is_refused_with_its_depth(depth) -> None:
+    below, above = box((0.0, 0.0, -1.0), (1.0, 1.0, 0.0)), box((0.2, 0.2, -depth), (0.8, 0.8, 1.0))
+    with pytest.raises(SceneError, match=f'blocks "a" and "b": overlap by about {depth:.3g} m'):
+        find_interfaces(gathered(below, above))
+
+
+def test_block_inside_a_block_is_refused() -> None:
+    with pytest.raises(SceneError, match='blocks "a" and "b": overlap'):
+        find_interfaces(gathered(box((0.0, 0.0, 0.0), (3.0, 3.0, 3.0)), box((1.0, 1.0, 1.0), (2.0, 2.0, 2.0))))
+
+
+def test_same_block_twice_is_refused() -> None:
+    cube = box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    with pytest.raises(SceneError, match="overlap"):
+        find_interfaces(gathered(cube, cube))
+
+
+def crossed_edges(distance: float) -> tuple[Shape, Shape]:
+    """Two cubes edge to edge at right angles, `distance` apart: no face separates them, only a plane between the edges."""
+    eighth = math.pi / 4.0
+    low = turned(box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), scenes.rotation((1.0, 0.0, 0.0), eighth))
+    high = turned(box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0)), scenes.rotation((0.0, 1.0, 0.0), eighth))
+    lift = np.array([0.0, 0.0, 2.0 * math.sqrt(2.0) + distance])
+    askew = scenes.rotation((0.3, -0.5, 0.8), 1.1)  # so that bounding boxes do not tell them apart
+    return turned(low, askew), turned(Shape(high.vertices + lift, high.faces), askew)
+
+
+def grounded(*shapes: Shape) -> Blocks:
+    """The shapes, each on a pad of its own on the side away from the others, so that none of them floats."""
+    pads, middle = [], np.mean([shape.vertices.mean(axis=0) for shape in shapes], axis=0)
+    for shape in shapes:
+        faces = [shape.vertices[list(face)] for face in shape.faces]
+        face = max(faces, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - middle)))
+        outward = face.mean(axis=0) - shape.vertices.mean(axis=0)
+        outward /= np.linalg.norm(outward)
+        pads.append(polyhedron(np.concatenate([face + s * outward for s in (0.0, 0.1)])))
+    return gathered(*pads, *shapes, held=len(pads))
+
+
+def test_edge_to_edge_boxes_apart_are_not_an_overlap() -> None:
+    blocks = grounded(*crossed_edges(0.01))
+    assert (blocks.low[3] < blocks.high[2]).all() and (blocks.low[2] < blocks.high[3]).all()
+    interfaces = find_interfaces(blocks)
+    assert list(zip(interfaces.block_a, interfaces.block_b, strict=True)) == [(0, 2), (1, 3)]
+
+
+def test_edge_to_edge_boxes_pushed_together_are_an_overlap() -> None:
+    with pytest.raises(SceneError, match='blocks "c" and "d": overlap'):
+        find_interfaces(grounded(*crossed_edges(-0.05)))
+
+
+# --- complaints --------------------------------------------------------------------------------------------------------------
+
+
+def test_gap_hint_names_the_nearest_block_and_the_distance() -> None:
+    base, near, far = (box((x, 0.0, z), (x + 1.0, 1.0, z + 1.0)) for x, z in ((0.0, -1.0), (0.0, 0.0), (5.0, -1.0)))
+    lone = box((1.25, 0.0, 0.0), (2.25, 1.0, 1.0))
+    pad = box((5.0, 0.0, 0.0), (6.0, 1.0, 1.0))
+    with pytest.raises(SceneError, match=r'block "e": touches nothing.*"[ab]" is nearest to "e", about 0.25 m away'):
+        find_interfaces(gathered(base, near, far, pad, lone, held=1))
+
+
+@pytest.mark.parametrize("inset", [0.05, 0.06])
+@pytest.mark.parametrize("plane", [True, False])
+def test_inset_larger_than_an_interface_names_the_pair(inset, plane) -> None:
+    parts = (
+        scenes.box("base", (0.0, 0.0, -0.5), (1.0, 1.0, 0.0), "fixed"),
+        scenes.box("post", (0.0, 0.0, 0.0), (0.1, 1.0, 1.0)),
+        scenes.box("pier", (0.2, 0.0, 0.0), (1.0, 1.0, 1.0)),
+    )
+    rule = f'joint.inset = {inset}: larger than half the interface between "base" and "post", .*; take less than 0.05 m'
+    with pytest.raises(SceneError, match=rule):
+        assemble(scenes.build(*parts, inset=inset, live=(1.0, 0.0, 0.0), plane=plane))
+    assemble(scenes.build(*parts, inset=0.04999, live=(1.0, 0.0, 0.0), plane=plane))
