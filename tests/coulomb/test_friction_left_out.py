@@ -1,0 +1,89 @@
+"""Friction is left out only where no joint slides, and there it changes nothing."""
+
+import pytest
+import scenes
+from reduced_models import SOLVER, arch, with_friction
+
+from la_core.analysis.decisions import decided_model
+from la_core.analysis.stage import analyse
+from la_core.coulomb.sliding import SLIDING_SHARE
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.model.assembly import assemble
+
+SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this
+WITHOUT_SLIDING = ("arch_spreading", "arch_settling", "arch_diagonal", "two_pads", "trilith", "slab_four_corners", "vault_spreading")
+WITH_SLIDING = ("wall_low_friction", "wall_tall", "stack_bond_wall", "dome_sector", "corner_settling_end", "ferris_tin_loi_1")
+
+
+@pytest.mark.parametrize("name", WITHOUT_SLIDING)
+def test_where_no_joint_slides_friction_is_left_out_and_nothing_changes(name: str) -> None:
+    scene = scenes.shipped(name)
+    short, full = analyse(scene), analyse(with_friction(scene, "coulomb"))
+    assert short.assembly.effects.friction == "none-slides" and short.assembly.effects.elasticity == "none"
+    assert short.coulomb is not None and full.coulomb is not None
+    assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=SOLVER, abs=SOLVER * scene.weight)
+    assert short.coulomb.interval == (short.coulomb.value, short.coulomb.value)
+    assert short.sharp.coulomb is not None and full.sharp.coulomb is not None
+    assert short.sharp.coulomb.value == pytest.approx(full.sharp.coulomb.value, rel=SHARP)
+    assert short.coulomb.iterations < full.coulomb.iterations
+    assert short.coulomb.dilatancy_residual <= SLIDING_SHARE
+
+
+@pytest.mark.parametrize("name", WITHOUT_SLIDING[:-1])
+def test_where_no_joint_slides_heymans_law_gives_the_same(name: str) -> None:
+    scene = scenes.shipped(name)
+    heyman, short = analyse(with_friction(scene, "none-slides")), analyse(scene)
+    assert heyman.coulomb is None and heyman.assembly.effects.sliding_excluded
+    value = short.bounds[Drive.YIELDING].value
+    assert heyman.bounds[Drive.YIELDING].value == pytest.approx(value, rel=SOLVER)
+
+
+@pytest.mark.parametrize("name", WITH_SLIDING)
+def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
+    """A dome's lunes are wedged by dilatancy in every associated mechanism and slide without it: elastic steps find that."""
+    effects = decided_model(scenes.shipped(name)).assembly.effects
+    assert effects.friction == "coulomb" and effects.elasticity == "plateau"
+    assert "the joint between" in effects.reasons["friction"]
+
+
+def test_without_friction_joints_slide_and_nothing_dilates() -> None:
+    scene = scenes.build(*scenes.wall(4, 3, 1.0), friction=0.0, inset=0.001, model="auto")
+    short, full = analyse(scene), analyse(with_friction(scene, "coulomb"))
+    assert short.assembly.effects.friction == "associated"
+    assert short.coulomb is not None and full.coulomb is not None
+    assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=SOLVER)
+
+
+def test_a_wall_without_sliding_is_another_structure() -> None:
+    scene = scenes.shipped("wall_third")
+    heyman, full = analyse(with_friction(scene, "none-slides")), analyse(scene)
+    assert full.coulomb is not None
+    assert heyman.bounds[Drive.YIELDING].value < 0.5 * full.coulomb.value
+
+
+def test_a_joint_within_two_per_cent_of_sliding_counts_as_sliding() -> None:
+    """The arch's sliding limit is bracketed by its own bound: below it the reaction needs more than the mechanism of hinges."""
+    free = solve_associated(assemble(arch(0.9, model="none-slides")), Drive.YIELDING).value
+    low, high = 0.2, 0.9
+    while high - low > 1e-3:
+        middle = 0.5 * (low + high)
+        solution = solve_associated(assemble(arch(middle, model="associated")), Drive.YIELDING)
+        holds = solution.status is Status.SOLVED and abs(solution.value - free) <= SOLVER * free
+        low, high = (low, middle) if holds else (middle, high)
+    assert decided_model(arch(1.005 * high)).assembly.effects.friction == "coulomb"
+    assert decided_model(arch(1.5 * high)).assembly.effects.friction == "none-slides"
+    assert decided_model(arch(0.97 * low)).assembly.effects.friction == "coulomb"
+
+
+@pytest.mark.parametrize("friction", [0.4, 0.5, 0.6, 0.7])
+@pytest.mark.parametrize("thickness", [0.2, 0.3, 0.4])
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.3, 0.0, 0.5), (0.0, 0.0, -1.0)])
+def test_friction_is_left_out_only_where_that_changes_nothing(friction: float, thickness: float, direction: tuple[float, ...]) -> None:
+    """Arches of three voussoirs, some of which slide on their way to a plateau on which nothing slides."""
+    toml = scenes.text(scenes.arch(3, thickness), friction=friction, inset=0.001, settlement=direction, model="auto")
+    short, full = (analyse(scenes.load(toml.replace('"auto"', f'"{model}"', 2).replace(f'plane = "{model}"', 'plane = "auto"')))
+                   for model in ("auto", "coulomb"))  # fmt: skip
+    assert short.coulomb is not None and full.coulomb is not None
+    if full.coulomb.status is Status.SOLVED:
+        assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=1e-3, abs=1e-3 * short.assembly.mean_weight)

@@ -1,0 +1,87 @@
+"""Strain and depth are left out where the answer does not follow them, and it is noticed where it would."""
+
+import dataclasses
+
+import pytest
+import scenes
+from reduced_models import SOLVER, arch
+
+from comparison.judge.reduced_model import check_plane
+from comparison.verdict.check import Verdict
+from la_core.analysis.decisions import decided_model
+from la_core.analysis.result import Answers, LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.errors import SceneError
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.model.assembly import Assembly, assemble
+from la_core.model.joints import joint_stiffness
+from la_core.scene.scene import Scene
+
+# --- elasticity ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("elasticity", "friction", "path", "reason"),
+    [
+        ("none", "coulomb", "", "follows the joints' strain"),
+        ("plateau", "associated", "", "do not depend on the joints' strain"),
+        ("path", "none-slides", "", "do not depend on the joints' strain"),
+        ("none", "auto", "[path]\n", "path of strain"),
+    ],
+)
+def test_an_elasticity_that_does_not_go_with_the_friction_is_refused(elasticity: str, friction: str, path: str, reason: str) -> None:
+    toml = scenes.text(*scenes.wall(3, 2, 0.6), model=friction, effects={"elasticity": elasticity}) + path
+    with pytest.raises(SceneError, match=r"effects\.elasticity") as refused:
+        assemble(scenes.load(toml))
+    assert reason in str(refused.value)
+
+
+def test_without_strain_a_structure_whose_joints_slide_is_refused_and_an_arch_is_not() -> None:
+    rigid = {"elasticity": "none"}
+    with pytest.raises(SceneError, match="slides in the mechanism, and friction without dilatancy"):
+        analyse(scenes.build(*scenes.wall(4, 3, 1.0), model="auto", effects=rigid))
+    assert analyse(arch(0.7, effects=rigid)).coulomb is not None
+
+
+def test_strain_asked_for_is_modelled_though_no_joint_slides() -> None:
+    asked, left_out = analyse(arch(0.7, effects={"elasticity": "plateau"})), analyse(arch(0.7))
+    assert asked.assembly.effects.friction == "coulomb" and left_out.assembly.effects.friction == "none-slides"
+    assert asked.coulomb is not None and left_out.coulomb is not None
+    assert asked.coulomb.value == pytest.approx(left_out.coulomb.value, rel=SOLVER)
+    assert analyse(arch(0.7, effects={"elasticity": "path"})).path is not None
+
+
+def test_a_structure_that_cannot_stand_is_infeasible_without_strain_too() -> None:
+    falls = scenes.build(scenes.arch(11, 0.05), model="auto", settlement=(1.0, 0.0, 0.0), effects={"elasticity": "none"})
+    assert analyse(falls).bounds[Drive.YIELDING].status is Status.INFEASIBLE
+    assert decided_model(falls).assembly.effects.friction == "coulomb"
+
+
+# --- plane -----------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["arch_spreading", "wall_third", "two_pads"])
+def test_the_plane_answer_is_an_answer_in_space(name: str) -> None:
+    checks = list(check_plane(analyse(scenes.shipped(name))))
+    assert [check.verdict for check in checks] == [Verdict.AGREE]
+
+
+def test_a_plane_model_of_what_is_not_plane_differs_and_is_noticed() -> None:
+    """A slab on four corners of which one settles: seen from the side, the corner behind it bears in its place."""
+    scene = scenes.shipped("slab_four_corners")
+    space, flat = assemble(scene), forced_flat(scene)
+    answers = [solve_associated(assembly, Drive.YIELDING).value / scene.weight for assembly in (space, flat)]
+    assert abs(answers[0] - answers[1]) > 0.1
+    bounds = Answers(flat, {Drive.YIELDING: solve_associated(flat, Drive.YIELDING)})
+    analysis = LimitAnalysis(scene, flat, bounds, bounds, joint_stiffness(flat, flat.inset, scene.yade))
+    (check,) = check_plane(analysis)
+    assert check.verdict is Verdict.INCONCLUSIVE and "plane = false" in check.next_step
+
+
+def forced_flat(scene: Scene) -> Assembly:
+    """The plane model that `decide` refuses for this scene."""
+    assembly = assemble(scene)
+    assert not assembly.effects.plane
+    flat = dataclasses.replace(assembly, effects=dataclasses.replace(assembly.effects, plane=True))
+    return flat.with_inset(scene, scene.inset)

@@ -1,0 +1,17 @@
+"""What tests of effects share: an arch, a scene with another law of friction, and how alike two solves are."""
+
+import dataclasses
+
+import scenes
+
+from la_core.scene.scene import Scene
+
+SOLVER = 1e-6  # of the reaction: what two solves of one problem may differ by
+
+
+def arch(friction: float, **options) -> Scene:
+    return scenes.build(scenes.arch(11, 0.15), friction=friction, inset=0.001, settlement=(1.0, 0.0, 0.0), **{"model": "auto"} | options)
+
+
+def with_friction(scene: Scene, model: str) -> Scene:
+    return dataclasses.replace(scene, effects=scene.effects.model_copy(update={"friction": model}))
