@@ -1,4 +1,4 @@
-"""Laws under random structures: what `test_laws.py` says of a few, held against as many as one likes, and independent solvers.
+"""Laws under random structures: what `test_laws.py` and others say of a few, held against as many as one likes, and independent solvers.
 
     python -m pytest tests/limit/test_random_laws.py --hypothesis-profile long     many scenes for each law
     python tests/benchmarks/random_laws_report.py -o comparison/gallery                 the same, counted
