@@ -1,4 +1,4 @@
-"""Effects of the run in YADE: small or finite displacements, and which states are recorded."""
+"""Runs of YADE with small and finite displacements, and with the plateau's states or all of them."""
 
 import functools
 import json
@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Silent
-from runs import made_up_run
+from displaced_blocks import GAP, TEXTS, TRAVEL, buffer, decided, with_effects
 
-from comparison.judge.reduced_model import check_displacement, largest_displacements
+from comparison.judge.reduced_model import check_displacement
 from comparison.judge.run_checks import check_run
 from comparison.verdict.check import Check, Verdict
 from comparison.workflow.one_scene import TIME_LIMIT, run_scene
@@ -21,47 +21,17 @@ from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
-from la_core.errors import SceneError
 from la_core.model import dem_effects
-from la_core.model.assembly import Assembly, assemble
-from la_core.model.effects import Effects
-from la_core.model.joints import joint_stiffness
 from la_core.scene.scene import Scene
 
 SAME = 1e-7  # relative: one model whose forces are added up in another order; friction's history amplifies round-off
 # Of the stated uncertainty: a face as a box and as a polyhedron's triangles rounds differently, which history amplifies.
 ALIKE = 1.0 / 20.0
 HALF_PER_CENT = 5e-3  # of the reaction: what the method promises where its value is known
-TRAVEL = 1.2e-3  # m, asked for where a block runs into another one
-GAP = 2e-4  # m between the two at first
 RADIUS = (
     5e-4  # m, of a contact sphere at an inset of 1 mm: so deep the block is in when its sphere, one inset from its side, meets the face
 )
 Ran = tuple[LimitAnalysis, Run]
-
-
-def with_effects(toml: str, **entries: str) -> Scene:
-    """The scene of a text, with entries added to its table of effects."""
-    lines = "".join(f"{name} = {scenes.inline(value)}\n" for name, value in entries.items())
-    return scenes.load(toml.replace("[effects]\n", f"[effects]\n{lines}") if "[effects]" in toml else f"{toml}\n[effects]\n{lines}")
-
-
-TEXTS = {
-    "two_pads": scenes.shipped("two_pads").text,
-    "arch": scenes.shipped("arch_spreading").text,
-    "wall": scenes.text(*scenes.wall(3, 4, split=0.7), inset=0.001, model="coulomb"),
-}
-
-
-def buffer(gap: float = GAP, travel: float = TRAVEL) -> str:
-    """A block on a pad that moves sideways towards a fixed stop, which reaches down to the spheres under the block."""
-    parts = (
-        scenes.box("pad", (-0.2, -0.2, -0.2), (0.6, 0.4, 0.0), "support"),
-        scenes.box("block", (0.0, 0.0, 0.0), (0.4, 0.2, 0.2)),
-        scenes.box("stop", (0.4 + gap, -0.1, 0.0), (0.8, 0.3, 0.4), "fixed"),
-    )
-    goes_on = scenes.table("yade", max_travel=travel, plateau_travel=0.8 * travel)  # beyond the plateau of zero before the stop
-    return scenes.text(*parts, inset=0.001, settlement=(1.0, 0.0, 0.0), plane=False) + goes_on + "\n"
 
 
 def run_in_yade(scene: Scene, folder: Path, time_limit: float = TIME_LIMIT) -> Ran:
@@ -87,13 +57,6 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str, str], R
         return run_in_yade(scene, results / f"{name} {displacement} {recording}")
 
     return run
-
-
-def decided(scene: Scene) -> tuple[Effects, float]:
-    """Effects of the run and the least gap, limit analysis left out."""
-    assembly = assemble(scene)
-    settled, gap = dem_effects.decide_dem_effects(scene, assembly, joint_stiffness(assembly, assembly.inset, scene.yade))
-    return settled.effects, gap
 
 
 def cost(scene: Scene, folder: Path) -> dict:
@@ -171,106 +134,11 @@ def test_without_a_collider_there_is_none_and_pairs_are_those_listed(tmp_path: P
     assert small["interactions"] == small["spheres"] == finite["spheres"]
 
 
-# --- displacement: the choice ----------------------------------------------------------------------------------------------------
-
-
-def test_auto_takes_finite_displacements_where_blocks_may_meet_and_names_them() -> None:
-    effects, gap = decided(with_effects(buffer()))
-    assert effects.displacement == "finite"
-    assert 'blocks "block" and "stop" are 0.0002 m apart without a joint' in effects.reasons["displacement"]
-    assert gap == pytest.approx(GAP, rel=1e-9)
-
-
-def test_small_displacements_asked_for_where_blocks_may_meet_are_refused_with_their_names() -> None:
-    with pytest.raises(SceneError, match=r'effects.displacement = \'small\': blocks "block" and "stop" are 0.0002 m apart.*"finite"'):
-        decided(with_effects(buffer(), displacement="small"))
-
-
-def test_small_displacements_asked_for_say_so_and_why_they_may_be() -> None:
-    effects, gap = decided(with_effects(TEXTS["arch"], displacement="small"))
-    assert effects.reasons["displacement"].startswith("requested in the scene, and blocks without a joint")
-    assert f"{gap:.3g} m apart" in effects.reasons["displacement"]
-
-
-def test_finite_displacements_are_always_allowed() -> None:
-    for text in (*TEXTS.values(), buffer()):
-        effects, gap = decided(with_effects(text, displacement="finite"))
-        assert effects.displacement == "finite" and effects.reasons["displacement"] == "requested in the scene" and np.isnan(gap)
-
-
-@pytest.mark.parametrize(("share", "choice"), [(0.99, "finite"), (1.01, "small")])
-def test_the_choice_turns_at_the_reach_of_the_motion(share: float, choice: str) -> None:
-    effects, _ = decided(with_effects(buffer(gap=share * dem_effects.GAP_OVER_TRAVEL * TRAVEL)))
-    assert effects.displacement == choice
-
-
-@pytest.mark.parametrize("name", ["arch_spreading", "vault_spreading", "rubble_wall", "two_pads", "slab_four_corners"])
-def test_arches_and_vaults_whose_bounding_boxes_overlap_come_out_small_in_any_position(name: str) -> None:
-    scene = scenes.shipped(name)
-    turn = scenes.rotation((1.0, 2.0, -0.5), 0.7)
-    for one in (scene, scenes.moved(scene, turn, shift=(3.0, -2.0, 1.0), plane=False)):
-        assert decided(one)[0].displacement == "small"
-
-
-def test_two_held_blocks_and_blocks_with_a_joint_do_not_count() -> None:
-    """The halves of the base meet in an upright face, and every other pair within reach shares a joint."""
-    effects, _ = decided(scenes.build(*scenes.wall(2, 1, split=0.3), inset=0.001))
-    assert effects.displacement == "small"
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_the_least_gap_is_never_more_than_the_distance_of_any_two_blocks(seed: int) -> None:
-    """Turned boxes over a floor: distances between points drawn from both are upper bounds of the true one."""
-    chance = np.random.default_rng(seed)
-    box = np.array([(x, y, z) for x in (0.0, 0.2) for y in (0.0, 0.2) for z in (0.0, 0.2)])
-    free = [box @ scenes.rotation((0.0, 0.0, 1.0), chance.uniform(0.0, 1.5)).T + (0.5 * k, chance.uniform(0.0, 0.1), 0.0) for k in range(4)]
-    parts = [scenes.block(f"block {k}", polyhedron=vertices) for k, vertices in enumerate(free)]
-    scene = scenes.build(scenes.box("floor", (-2.0, -2.0, -0.2), (4.0, 2.0, 0.0), "support"), *parts, inset=0.001, plane=False)
-    gap, pair = dem_effects.least_gap(assemble(scene), 10.0)
-    shares = chance.dirichlet(np.full(8, 0.2), 500)
-    apart = [np.linalg.norm((shares @ a)[:, None] - (shares @ b)[None], axis=2).min() for k, a in enumerate(free) for b in free[k + 1 :]]
-    assert pair is not None and 0.0 < gap <= min(apart)
-
-
 # --- displacement: the guard ------------------------------------------------------------------------------------------------------
-
-
-def made_up(assembly: Assembly, shift: float, turn: float) -> Run:
-    """A run whose second block moves by `shift` (m) along x and turns by `turn` (rad) about y."""
-    displacement, rotation = np.zeros((2, len(assembly.blocks), 3)), np.zeros((2, len(assembly.blocks), 3))
-    displacement[1, 1, 0], rotation[1, 1, 1] = shift, turn
-    return made_up_run(poses={"displacement": displacement, "rotation": rotation})
 
 
 def verdict(checks: list[Check], name: str) -> Check:
     return next(check for check in checks if check.name.startswith(name))
-
-
-@pytest.mark.parametrize(("share", "expected"), [(0.99, Verdict.AGREE), (1.01, Verdict.INCONCLUSIVE)])
-def test_a_run_that_moved_its_blocks_by_half_the_least_gap_decides_nothing(share: float, expected: Verdict) -> None:
-    analysis = analyse(with_effects(TEXTS["arch"], displacement="small"))
-    limit = 0.5 * analysis.least_gap
-    (check,) = check_displacement(Results(analysis, made_up(analysis.assembly, share * limit, 0.0)))
-    assert check.verdict is expected
-    if expected is Verdict.INCONCLUSIVE:
-        assert analysis.assembly.blocks.names[1] in check.reason and 'displacement = "finite"' in check.next_step
-
-
-def test_a_turn_counts_with_the_size_of_its_block() -> None:
-    """The exact displacement of every vertex under a small turn is bounded, and nearly attained by one of them."""
-    assembly = assemble(scenes.shipped("arch_spreading"))
-    blocks, turn = assembly.blocks, 1e-3
-    vertices = blocks.vertices[blocks.vertex_start[1] : blocks.vertex_start[2]] - blocks.centroid[1]
-    exact = np.linalg.norm(vertices @ (scenes.rotation((0.0, 1.0, 0.0), turn) - np.eye(3)).T, axis=1).max()
-    bound = largest_displacements(blocks, made_up(assembly, 0.0, turn))
-    assert exact <= bound[1] <= np.linalg.norm(vertices, axis=1).max() * turn * (1.0 + 1e-12)
-    assert not bound[[0, *range(2, len(blocks))]].any()
-
-
-def test_an_undefined_displacement_decides_nothing() -> None:
-    analysis = analyse(with_effects(TEXTS["two_pads"], displacement="small"))
-    (check,) = check_displacement(Results(analysis, made_up(analysis.assembly, np.nan, 0.0)))
-    assert check.verdict is Verdict.INCONCLUSIVE
 
 
 @pytest.mark.slow
