@@ -1,0 +1,116 @@
+"""The accuracy that is asked for is kept on scenes with known values, by both methods."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+import scenes
+
+from comparison.cli.commands import main
+from comparison.judge import requested_accuracy
+from comparison.workflow import one_scene
+from comparison.yade import Results
+from la_core.analysis.accuracy import ATTEMPTS, LOOSE, with_accuracy
+from la_core.analysis.stage import analyse
+from la_core.scene.scene import Scene, scene_of_text
+
+ACCURACIES = (0.05, 0.01, 0.002)
+PUBLISHED = {
+    "vault_spreading": 3e-5,
+    "arch_settling": 1e-5,
+    "arch_diagonal": 1e-5,
+    "arch_spreading": 3e-5,
+    "ferris_tin_loi_1": 3e-3,
+    "ferris_tin_loi_2": 3e-3,
+}
+EXACT = ("two_pads", "trilith", "slab_four_corners", "flat_arch", "two_blocks", "stack_bond_wall")
+
+
+def expected_value(scene: Scene) -> float:
+    assert scene.expected is not None
+    value = scene.expected.multiplier if scene.live is not None else scene.expected.reaction_over_weight
+    assert value is not None
+    return value
+
+
+def divisor(scene: Scene) -> float:
+    return 1.0 if scene.live is not None else scene.weight
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("name", [*EXACT, *PUBLISHED])
+def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
+    """PUBLISHED: how well the value is known, as a share of it."""
+    scene = with_accuracy(scenes.shipped(name), accuracy)
+    analysis = analyse(scene)
+    assert analysis.accuracy is not None and analysis.accuracy.limit_analysis[-1].is_within(accuracy)
+    assert (analysis.printed.coulomb is None) == (analysis.at_inset.coulomb is None)
+    exact = expected_value(scene) * divisor(scene)
+    sharp = analysis.sharp if analysis.sharp.coulomb is not None else analysis.at_inset  # see `LimitAnalysis.sharp`
+    for answer in (analysis.at_inset.sharpest, sharp.sharpest):
+        assert answer.value == pytest.approx(exact, rel=accuracy + PUBLISHED.get(name, 0.0))
+
+
+@pytest.mark.yade
+@pytest.mark.slow
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # they would take most of the time
+    names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
+    assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
+    for name in names:
+        scene, summary = scenes.shipped(name), json.loads((tmp_path / name / "comparison.json").read_text())
+        assert summary["accuracy"]["yade"]["kept"]
+        slack = PUBLISHED.get(name, 0.0)
+        assert summary["yade"]["reaction"] / scene.weight == pytest.approx(expected_value(scene), rel=accuracy + slack), name
+
+
+@pytest.mark.yade
+@pytest.mark.long
+def test_a_coarse_wall_costs_less_than_a_third_of_a_fine_one(tmp_path: Path) -> None:
+    seconds = {}
+    for accuracy in (0.01, 0.002):
+        main(["run", "wall_third", "--accuracy", str(accuracy), "-o", str(tmp_path / str(accuracy)), "-q"])
+        found = json.loads((tmp_path / str(accuracy) / "wall_third" / "comparison.json").read_text())["accuracy"]
+        assert found["limit_analysis"]["kept"] and found["yade"]["kept"]
+        seconds[accuracy] = found["limit_analysis"]["seconds"] + found["yade"]["seconds"]
+    assert seconds[0.01] < seconds[0.002] / 3.0
+
+
+def test_rounded_arrises_are_sharpened_until_they_fit_the_accuracy() -> None:
+    coarse, fine = (analyse(with_accuracy(scenes.shipped("two_pads"), accuracy)) for accuracy in (0.05, 0.002))
+    assert coarse.assembly.inset == scenes.shipped("two_pads").inset
+    assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
+    assert fine.accuracy is not None and len(fine.accuracy.limit_analysis) == 2
+
+
+def test_finer_answers_take_less_viscous_paths_and_their_difference_is_the_error() -> None:
+    loose, fine = (analyse(with_accuracy(scenes.shipped("wall_third"), accuracy)) for accuracy in (2.0 * LOOSE, 0.5 * LOOSE))
+    for analysis, level in ((loose, 0), (fine, 1)):
+        assert analysis.accuracy is not None and analysis.coulomb is not None
+        attempt = analysis.accuracy.limit_analysis[-1]
+        assert attempt.settings["viscosity"] == pytest.approx(1e-3 * ATTEMPTS[level][0])
+        assert attempt.parts["friction's history"] == pytest.approx(analysis.coulomb.uncertainty / abs(analysis.coulomb.value))
+        assert attempt.is_within(analysis.accuracy.asked)
+
+
+def test_a_structure_that_cannot_stand_has_no_error_to_judge() -> None:
+    scene = with_accuracy(overhang(), 0.01)
+    analysis = analyse(scene)
+    assert analysis.accuracy is not None and math.isnan(analysis.accuracy.limit_analysis[-1].error)
+    assert not list(requested_accuracy.check_accuracy(Results(analysis)))
+
+
+def overhang() -> Scene:
+    text = scenes.shipped("two_pads").text.split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")
+    return scene_of_text(text.replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]"), Path("overhang.toml"), "overhang")
+
+
+def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
+    """Two paths of this corner lie 1 % apart."""
+    analysis = analyse(with_accuracy(scenes.shipped("corner_settling_end"), 0.002))
+    assert analysis.accuracy is not None
+    *others, answer = analysis.accuracy.limit_analysis
+    assert all(not other.error < answer.error for other in others)
+    assert analysis.at_inset.sharpest.value == answer.value

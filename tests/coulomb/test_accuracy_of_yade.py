@@ -1,0 +1,144 @@
+"""A run of YADE is as slow as the accuracy needs, is repeated slower where it misses, and says so where it cannot reach it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from runs import made_up_run
+
+from comparison.judge import requested_accuracy
+from comparison.verdict.check import Verdict
+from comparison.workflow import stages
+from comparison.yade import Results, accuracy_settings
+from comparison.yade.run_record import Run
+from la_core.analysis.accuracy import with_accuracy
+from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.exchange.dem_settings import TRAVEL_PERIODS
+
+ACCURACIES = (0.05, 0.01, 0.002)
+LIMIT = 3600.0  # s of wall time for a run
+
+
+def made_up(name: str = "wall_third", accuracy: float = 0.01) -> LimitAnalysis:
+    return accuracy_settings.initial_settings(analyse(with_accuracy(scenes.shipped(name), accuracy)))
+
+
+def run_of(analysis: LimitAnalysis, status: str = "plateau", uncertainty: float = 1e-4, periods: float = 0.0, change: float = 0.0) -> Run:
+    assert analysis.accuracy is not None
+    reaction = (1.0 + change) * analysis.at_inset.sharpest.value if status == "plateau" else math.nan
+    settings = {"travel_periods": TRAVEL_PERIODS, "damping_ratio": 0.3, "stop_uncertainty": 1e-3} | analysis.accuracy.settings
+    settings |= {"travel_periods": periods} if periods else {}
+    result = {"status": status, "reaction": reaction, "uncertainty": uncertainty * reaction, "kinetic_ratio": 1e-5, "seconds": 1.0}
+    return made_up_run(result, settings=settings)
+
+
+def test_friction_that_slides_is_moved_slower_for_a_finer_accuracy() -> None:
+    chosen = [made_up("two_blocks", one).accuracy.settings for one in ACCURACIES]  # type: ignore[union-attr]
+    periods = [settings["travel_periods"] for settings in chosen]
+    assert periods == sorted(periods) and periods[-1] > TRAVEL_PERIODS
+    quick = made_up("two_pads").accuracy
+    assert quick is not None and quick.settings["travel_periods"] < periods[1]  # no history without sliding
+
+
+def test_friction_that_slides_is_not_moved_faster_than_derived_for_a_coarse_accuracy() -> None:
+    loosest = made_up("two_blocks", max(ACCURACIES)).accuracy
+    assert loosest is not None and loosest.settings["travel_periods"] == TRAVEL_PERIODS
+    assert loosest.settings["stop_uncertainty"] == accuracy_settings.LOOSEST_STOP
+
+
+def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> None:
+    analysis = made_up()
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis)), LIMIT) is None
+    slower = accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.02)), LIMIT)
+    assert slower is not None and slower.accuracy is not None and analysis.accuracy is not None
+    assert slower.accuracy.settings["travel_periods"] >= 2.0 * analysis.accuracy.settings["travel_periods"]
+    second = accuracy_settings.attempt_of(Results(slower, run_of(slower, change=0.004)))
+    assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
+    assert accuracy_settings.slower_settings(Results(slower, run_of(slower, change=0.004)), LIMIT) is None
+
+
+def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:
+    analysis = made_up("two_pads")
+    slower = accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT)
+    assert slower is not None and slower.accuracy is not None
+    assert slower.accuracy.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS)
+    assert accuracy_settings.slower_settings(Results(slower, run_of(slower, status="no plateau")), LIMIT) is None
+    undefined = accuracy_settings.attempt_of(Results(slower, run_of(slower, status="no plateau")))
+    assert math.isnan(undefined.error) and not undefined.is_within(1.0)
+
+
+def test_attempts_come_to_an_end_and_what_is_not_reached_is_said() -> None:
+    analysis = made_up()
+    tried = 0
+    while analysis is not None:
+        last, analysis = analysis, accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.5)), LIMIT)  # type: ignore[assignment]
+        tried += 1
+    assert tried == accuracy_settings.MOST_ATTEMPTS
+    checks = {check.name: check for check in requested_accuracy.check_accuracy(Results(last, run_of(last, uncertainty=0.5)))}
+    check = checks["accuracy of YADE"]
+    assert check.verdict is Verdict.INCONCLUSIVE and "fitted plateau 50 %" in check.reason
+    assert checks["accuracy of limit analysis"].verdict is Verdict.AGREE
+
+
+@pytest.mark.parametrize("own", [{"speed": 1e-3}, {"travel_periods": 75.0}])
+def test_a_speed_of_the_scene_is_not_touched_and_its_error_is_told(own: dict[str, float]) -> None:
+    scene = replace(with_accuracy(scenes.shipped("wall_third"), 0.01), yade=own)
+    analysis = accuracy_settings.initial_settings(analyse(scene))
+    assert analysis.accuracy is not None and "travel_periods" not in analysis.accuracy.settings
+    fast = run_of(analysis, periods=75.0)  # what an eightfold speed comes to, however it was asked for
+    assert accuracy_settings.attempt_of(Results(analysis, fast)).parts["friction's history"] > 0.02
+    assert accuracy_settings.slower_settings(Results(analysis, fast), LIMIT) is None
+    (_, check) = requested_accuracy.check_accuracy(Results(analysis, fast))
+    assert check.verdict is Verdict.INCONCLUSIVE
+
+
+def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
+    text = scenes.shipped("wall_low_friction").text
+    scene = with_accuracy(scenes.load(f'{text}\n[effects]\nfriction = "associated"\n', "bound"), 0.01)
+    analysis = accuracy_settings.initial_settings(analyse(scene))
+    assert analysis.accuracy is not None and analysis.accuracy.settings["travel_periods"] > 0.5 * TRAVEL_PERIODS
+    assert "friction's history" in accuracy_settings.attempt_of(Results(analysis, run_of(analysis))).parts
+    (check,) = requested_accuracy.check_accuracy(Results(analysis))
+    assert check.verdict is Verdict.INCONCLUSIVE  # a bound of what slides is no prediction
+
+
+def test_a_run_at_another_inset_is_another_run() -> None:
+    coarse, fine = (made_up("two_pads", accuracy) for accuracy in (0.05, 0.002))
+    assert coarse.accuracy is not None
+    alike = replace(fine, accuracy=coarse.accuracy)
+    assert stages.run_inputs("scene", coarse) != stages.run_inputs("scene", alike)
+
+
+def test_a_run_of_another_model_takes_time_and_tells_no_error() -> None:
+    analysis = made_up()
+    run = run_of(analysis)
+    again = accuracy_settings.initial_settings(accuracy_settings.carry_attempts_over(Results(analysis, run), analyse(analysis.scene)))
+    assert again.accuracy is not None and analysis.accuracy is not None
+    assert len(again.accuracy.limit_analysis) == 2 * len(analysis.accuracy.limit_analysis)
+    assert [one.seconds for one in again.accuracy.yade] == [1.0] and again.accuracy.settings == analysis.accuracy.settings
+    fresh = accuracy_settings.attempt_of(Results(again, run_of(again, change=0.1)))
+    assert fresh.parts["friction's history"] == pytest.approx(
+        accuracy_settings.attempt_of(Results(analysis, run)).parts["friction's history"]
+    )
+
+
+def test_a_run_that_would_outlast_its_limit_is_not_begun() -> None:
+    analysis = made_up()
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, uncertainty=0.02)), limit=1.5) is None
+
+
+def test_an_answer_without_work_of_the_weights_has_inertia_too() -> None:
+    analysis = made_up("two_pads")
+    run = run_of(analysis)
+    record = {
+        "stage": np.array([0, 1, 1, 1]), "settlement": np.array([0.0, 0.0, 1e-4, 2e-4]),
+        "kinetic_energy": np.array([0.0, 0.0, 1e-6, 1e-6]),
+    }  # fmt: skip
+    result = replace(run.result, kinetic_ratio=math.nan, plateau_start=1e-4)
+    still = replace(run, result=result, record=made_up_run(record=record).record)
+    expected = 1e-6 / (analysis.sharp.sharpest.value * 1e-4)
+    inertia = accuracy_settings.attempt_of(Results(analysis, still)).parts["inertia"]
+    assert inertia == pytest.approx(accuracy_settings.INERTIA_OF_SPEED * math.sqrt(expected))
