@@ -1,0 +1,90 @@
+"""Dead loads at points, on lines and on areas have closed forms, and equal ones are equal however they are given."""
+
+import numpy as np
+import pytest
+import scenes
+from loaded_scenes import BEAM, EXACT, PREDICTED, STACK, load, solved
+
+import la_core
+from la_core.limit.problem import Drive
+from la_core.model.assembly import assemble
+
+OWN = 2000.0 * 9.81 * 0.3  # N, weight of the beam
+
+
+@pytest.mark.parametrize(("place", "size"), [(0.7, 1000.0), (0.35, 2.5e4), (1.0, 4000.0)])
+def test_a_point_load_on_two_pads_is_shared_by_the_lever_arms(place: float, size: float) -> None:
+    scene = scenes.build(*BEAM, load(force=(0.0, 0.0, -size), at=(place, 0.5, 0.3)))
+    assert scene.weight == pytest.approx(OWN + size)
+    assert solved(scene).value == pytest.approx((0.3 * OWN + (place - 0.2) * size) / 0.8, abs=EXACT * scene.weight)
+    assert solved(scene, Drive.PUSHING).value == pytest.approx((0.5 * OWN + place * size) / 0.8, abs=EXACT * scene.weight)
+
+
+def test_the_prediction_carries_loads_too() -> None:
+    scene = scenes.build(*BEAM, load(force=(0.0, 0.0, -3000.0), at=(0.7, 0.5, 0.3)), model="coulomb", effects={"elasticity": "plateau"})
+    assert la_core.solve(scene).coulomb == pytest.approx((0.3 * OWN + 0.5 * 3000.0) / 0.8, abs=PREDICTED * scene.weight)
+
+
+SAME_LOADS = {  # 600 kg on the whole beam, each in another way
+    "density": (),
+    "mass of the block": (load(mass=600.0),),
+    "force": (load(force=(0.0, 0.0, -600.0 * 9.81)),),
+    "area": (load(mass=600.0, per="m2"),),
+    "two lines": tuple(load(mass=300.0, per="m", start=(x, 0.0), to=(x, 1.0)) for x in (0.25, 0.75)),
+    "longer line": (load(mass=600.0, per="m", start=(-3.0, 0.5), to=(4.0, 0.5)),),
+    "two points": tuple(load(force=(0.0, 0.0, -300.0 * 9.81), at=(x, 0.5, 0.1)) for x in (0.1, 0.9)),
+    "region": (load(mass=600.0, blocks=[], region={"from": (0.0, 0.0, 0.1), "to": (1.0, 1.0, 0.2)}),),
+    "pattern": (load(mass=600.0, blocks=["b?a*"]),),
+}
+
+
+@pytest.mark.parametrize("way", SAME_LOADS)
+@pytest.mark.parametrize("drive", [Drive.YIELDING, Drive.PUSHING])
+def test_equal_loads_given_in_another_way_are_equal(way: str, drive: Drive) -> None:
+    scene = scenes.build(*BEAM, *SAME_LOADS[way], density=4000.0 if way == "density" else 2000.0)
+    assert scene.weight == pytest.approx(2.0 * OWN)
+    assert assemble(scene).effects.plane or way in ("two lines", "area")
+    twice = scenes.build(*BEAM)
+    assert solved(scene, drive).value == pytest.approx(2.0 * solved(twice, drive).value, abs=EXACT * scene.weight)
+
+
+def test_a_live_load_pushes_masses_and_no_forces() -> None:
+    """Both loads press the block down; the mass is pushed, too."""
+    push = {"live": (1.0, 0.0, 0.0), "settlement": None, "friction": 0.3}
+    block = (*STACK[:2],)
+    weight = 2000.0 * 9.81 * 0.2
+    carried = {"blocks": ["lower"], "at": (0.5, 0.5, 0.1)}
+    of_mass = scenes.build(*block, load(mass=weight / 9.81, **carried), **push)
+    of_force = scenes.build(*block, load(force=(0.0, 0.0, -weight), **carried), **push)
+    assert of_mass.weight == pytest.approx(of_force.weight) == pytest.approx(2.0 * weight)
+    assert solved(of_mass, Drive.LIVE).value == pytest.approx(0.3, abs=EXACT)
+    assert solved(of_force, Drive.LIVE).value == pytest.approx(0.6, abs=EXACT)
+
+
+def test_a_mass_high_above_tips_under_a_live_load_with_its_own_lever_arm() -> None:
+    weight, height = 2000.0 * 9.81 * 0.2, 2.0
+    above = load(blocks=["lower"], mass=weight / 9.81, at=(0.5, 0.5, height))
+    scene = scenes.build(*STACK[:2], above, live=(1.0, 0.0, 0.0), settlement=None, friction=5.0, plane=True)
+    assert solved(scene, Drive.LIVE).value == pytest.approx(2.0 * 0.5 / (0.1 + height), rel=1e-5)
+
+
+def test_a_load_on_a_slope_acts_on_its_plan() -> None:
+    """Half of a gable's top: the mass is for each square metre of plan, and acts in the middle of the face."""
+    gable = scenes.block("beam", prism=(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), (0.0, 2.0)))
+    scene = scenes.build(*BEAM[:2], gable, load(mass=100.0, per="m2"))
+    assert scene.loads.mass == pytest.approx([200.0])
+    assert scene.loads.point == pytest.approx(np.array([[0.5, 1.0, 0.5]]))
+
+
+def test_a_load_above_a_notch_acts_on_the_upper_faces_alone() -> None:
+    """A block of several convex parts: what lies under a part of the same block carries nothing."""
+    notched = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.4, 0.2), (0.4, 0.4), (1.0, 0.4), (1.0, 0.6), (0.0, 0.6))
+    scene = scenes.build(*BEAM[:2], scenes.block("beam", prism=(notched, (0.0, 1.0))), load(mass=100.0, per="m2"))
+    assert scene.loads.mass.sum() == pytest.approx(100.0)
+    assert scene.loads.point[:, 2] == pytest.approx(0.6)
+
+
+def test_a_load_beside_the_middle_makes_the_model_one_in_space() -> None:
+    centred, beside = (scenes.build(*BEAM, load(mass=50.0, at=(0.4, y, 0.3))) for y in (0.5, 0.6))
+    assert assemble(centred).effects.plane and not assemble(beside).effects.plane
+    assert 'load or tie on block "beam" acts out of the xz plane' in assemble(beside).effects.reasons["plane"]
