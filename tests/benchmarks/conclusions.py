@@ -14,10 +14,10 @@ from statistics import median
 from typing import Any
 
 import benchmark_accuracy
-import benchmark_friction
 import benchmark_growth
 import benchmark_peers
 import benchmark_startup
+import friction_report
 from marked_text import listed, sentences, span, with_part
 
 from comparison.campaign.cases import expand
@@ -46,7 +46,7 @@ def pages(folder: Path = GALLERY) -> dict[str, str]:
         "cost.md": {"ladders": ladders(folder), "requested accuracy": benchmark_accuracy.conclusions(accuracy)},
         "friction.md": {
             "classic iteration": classic_iteration(campaign_rows(folder)),
-            benchmark_friction.PART: benchmark_friction.page_part(folder),
+            friction_report.PART: friction_report.page_part(folder),
         },
         "seed_paper.md": {"counts": counts(folder), "reactions": reactions(campaign_rows(folder))},
     }

@@ -8,6 +8,8 @@ from pathlib import Path
 import benchmark_accuracy
 import benchmark_friction
 import conclusions
+import friction_record
+import friction_report
 import pytest
 import results_page
 from conftest import CrossChecked, every_shipped_scene
@@ -154,34 +156,34 @@ def test_a_verdict_that_is_not_agree_is_named_in_the_conclusions() -> None:
 
 
 def test_the_record_on_friction_has_every_wall() -> None:
-    results = benchmark_friction.read(GALLERY / benchmark_friction.RECORD)
+    results = friction_record.read(GALLERY / friction_record.RECORD)
     assert [result.case for result in results] == list(benchmark_friction.cases(quick=False, large=True))
     assert all(list(result.runs) == list(benchmark_friction.SETTINGS) for result in results)
 
 
 @pytest.mark.parametrize("number", range(4))
 def test_predictions_of_the_record_on_friction_are_those_of_a_fresh_run(number: int) -> None:
-    recorded = benchmark_friction.read(GALLERY / benchmark_friction.RECORD)[number]
+    recorded = friction_record.read(GALLERY / friction_record.RECORD)[number]
     fresh = benchmark_friction.run(recorded.case)
     for name, one in recorded.runs.items():
         assert fresh.runs[name].status == one.status
         assert fresh.runs[name].value == pytest.approx(one.value, abs=one.uncertainty)
 
 
-def friction_result(default: float, stated: float) -> benchmark_friction.Result:
+def friction_result(default: float, stated: float) -> friction_record.Result:
     """A wall with reaction 1 by the reference and by coarser paths, and this reaction and uncertainty by default."""
     values = {
-        benchmark_friction.COARSER: (1.0, 0.1),
-        benchmark_friction.DEFAULT: (default, stated),
-        benchmark_friction.REFERENCE: (1.0, 0.1),
+        friction_record.COARSER: (1.0, 0.1),
+        friction_record.DEFAULT: (default, stated),
+        friction_record.REFERENCE: (1.0, 0.1),
     }
-    runs = {name: benchmark_friction.Run("solved", value, own, (), 1.0, 1e-7, 100, 2.0) for name, (value, own) in values.items()}
-    return benchmark_friction.Result(benchmark_friction.Case(4, 3, 0.5, 1), runs)
+    runs = {name: friction_record.Run("solved", value, own, (), 1.0, 1e-7, 100, 2.0) for name, (value, own) in values.items()}
+    return friction_record.Result(friction_record.Case(4, 3, 0.5, 1), runs)
 
 
 def test_the_conclusions_on_friction_say_where_a_stated_uncertainty_fails() -> None:
     held, failed = friction_result(1.001, 0.002), friction_result(1.03, 0.01)
-    words = benchmark_friction.conclusions([held, failed])
+    words = friction_report.conclusions([held, failed])
     assert "all 2 within 3 %, for 2 s a wall" in words
     assert (
         "holds on 1 of 2 walls; elsewhere the difference is up to 3 times as large; that of coarser paths holds on 2 of 2 walls." in words
@@ -189,7 +191,7 @@ def test_the_conclusions_on_friction_say_where_a_stated_uncertainty_fails() -> N
 
 
 def test_the_figure_on_friction_tells_its_marks_apart_without_colour_and_shows_both_sides_of_the_line() -> None:
-    marks, others, line = benchmark_friction.figure([friction_result(1.001, 0.002), friction_result(1.03, 0.01)]).axes[0].lines
+    marks, others, line = friction_report.figure([friction_result(1.001, 0.002), friction_result(1.03, 0.01)]).axes[0].lines
     assert marks.get_marker() != others.get_marker()
     assert [own > off for off, own in others.get_xydata()] == [True, False]
     assert (line.get_xdata() == line.get_ydata()).all()
