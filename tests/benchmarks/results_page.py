@@ -172,7 +172,7 @@ def _figures(entries: dict[str, Entry]) -> str:
             f"slip in YADE. Its reaction, with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, "
             f"differs by {percent(abs(_off(model)))} from the prediction, "
             f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}: "
-            "the path used up its effort before it reached the first travel."
+            "five times what smooth joints change on the way to sharp ones."
         )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
