@@ -56,9 +56,9 @@ UNITS = {  # by unit: keys whose own names are clear, with as much of their path
     "J": "yade.rest_energy",
     "periods": "yade.travel_periods",
     "-": "yade.damping_ratio yade.threads yade.stiffening yade.least_stiffening yade.plateau_share yade.quick_speed yade.rattling "
-    "yade.servo_frequency "
-    "yade.servo_damping yade.added_mass yade.swing_damping yade.time_step_share yade.gravity_damping yade.rest_unbalanced "
-    "yade.plateau_uncertainty yade.plateau_drift yade.stop_uncertainty yade.reaction_floor yade.settings_uncertainty zone.ratio",
+    "yade.servo_frequency yade.servo_damping yade.added_mass yade.swing_damping yade.time_step_share yade.gravity_damping "
+    "yade.rest_unbalanced yade.plateau_uncertainty yade.plateau_drift yade.stop_uncertainty "
+    "yade.reaction_floor yade.settings_uncertainty zone.ratio",
 }
 UNIT_OF = {key: unit for unit, keys in UNITS.items() for key in keys.split()}
 COMPONENTS = {  # of arrays, by the ends of their keys' paths

@@ -40,7 +40,7 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
 
     def hear(report: dict[str, Any]) -> None:
         _end_if(stopped)
-        if workers == 1:  # the progress of several runs is none of the scene's
+        if workers == 1:  # reports of several runs would mix in the scene's one bar
             narration.progress(scene.name, {**report, "unit": scene.settlement_unit})
 
     def begin(number: int, words: str) -> None:

@@ -70,7 +70,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps(_stiffening(analysis) | (record.settings if record else {}) | scene.yade, sort_keys=True),
+        "scene/settings": json.dumps(_settings_after_path(analysis) | (record.settings if record else {}) | scene.yade, sort_keys=True),
         "scene/accuracy": to_text(record),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
@@ -120,9 +120,10 @@ def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
     return np.where(blocks.free[:, None], pushed, 0.0)
 
 
-def _stiffening(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the stiffness of YADE's joints over that of limit analysis, where the path needed more than one travel to become flat.
+def _settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
+    """Return the settings of YADE that follow from a path which needed more than one travel to become flat.
 
+    They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
     With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
     path would make steps too short: YADE may then stop only after as much more of its travel. Empty where the path needed one travel,
     where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that YADE

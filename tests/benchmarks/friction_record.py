@@ -10,7 +10,7 @@ GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 RECORD = "friction.json"  # in the gallery
 COARSER, DEFAULT, REFERENCE = "coarser", "default", "reference"  # names of settings
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
-ALIKE = 1e-6  # relative: a smaller difference is none
+ALIKE = 1e-6  # relative: a smaller difference is round-off
 
 
 @dataclass(frozen=True)

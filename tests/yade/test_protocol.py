@@ -140,13 +140,13 @@ def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) 
 def test_a_run_may_stop_only_after_a_share_of_the_way_that_the_path_needed(travel: float) -> None:
     """Travel over sag counts: up to 32 times the stiffness, then more of the travel, and at most 0.6 of it."""
     scene = scenes.shipped("two_pads")
-    sets = case_file._stiffening(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=travel)))  # type: ignore[arg-type]
+    sets = case_file._settings_after_path(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=travel)))  # type: ignore[arg-type]
     if travel == 1.0:
         assert sets == {}
         return
     least_way = sets["least_stiffening"] * sets.get("plateau_share", PLATEAU_SHARE)
     assert least_way == pytest.approx(4.0 * travel * PLATEAU_SHARE) and sets["least_stiffening"] <= 32.0
-    far = case_file._stiffening(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=1000.0)))  # type: ignore[arg-type]
+    far = case_file._settings_after_path(SimpleNamespace(scene=scene, coulomb=SimpleNamespace(travel=1000.0)))  # type: ignore[arg-type]
     assert far["plateau_share"] == 0.6
     stiff = same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")
-    assert case_file._stiffening(SimpleNamespace(scene=stiff, coulomb=SimpleNamespace(travel=travel))) == {}  # type: ignore[arg-type]
+    assert case_file._settings_after_path(SimpleNamespace(scene=stiff, coulomb=SimpleNamespace(travel=travel))) == {}  # type: ignore[arg-type]
