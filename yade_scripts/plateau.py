@@ -94,7 +94,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Reaction of a plateau, and the parts of its uncertainty (19 cases in 20), N or N m; NaN where undefined.
+    """Reaction of a plateau, and the parts of its uncertainty, N or N m; NaN where undefined.
 
     Attributes
     ----------
@@ -118,8 +118,8 @@ class Outcome:
 
     @property
     def uncertainty(self) -> float:
-        """All known parts together."""
-        return math.hypot(self.scatter, self.fit, self.stiffness, 0.0 if math.isnan(self.rate) else self.rate)
+        """Sum of all known parts: noise apart, they are limits of systematic errors, which may all act in one direction."""
+        return self.scatter + self.fit + self.stiffness + (0.0 if math.isnan(self.rate) else self.rate)
 
 
 NO_OUTCOME = Outcome(*[float("nan")] * 4)

@@ -41,7 +41,7 @@ class Unsure:
 
 
 def reaction_tolerance(results: Results, stated: float = 0.0) -> float:
-    """Return the tolerance of YADE's reaction, N or N m: the floor, YADE's own uncertainty (19 in 20), and what limit analysis states.
+    """Return the tolerance of YADE's reaction, N or N m: the floor, YADE's own uncertainty, and what limit analysis states.
 
     stated: the uncertainty of the prediction, N or N m; 0 for a bound, which is rigorous.
     """

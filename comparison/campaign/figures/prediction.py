@@ -137,7 +137,7 @@ def _verdict_handles(rows: list[Row]) -> list[Line2D]:
 
 def _bar_handles(rows: list[Row]) -> list[Any]:
     handles = [
-        Line2D([], [], color=YADE, linewidth=1.8, label="YADE's uncertainty (19 in 20)"),
+        Line2D([], [], color=YADE, linewidth=1.8, label="YADE's uncertainty"),
         Line2D([], [], color=LIMIT_ANALYSIS, linewidth=1.6, label="interval of the mechanism"),
     ]
     if len(rows) <= BOUNDED:
