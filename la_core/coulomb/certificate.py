@@ -32,7 +32,8 @@ LEAST_WORK = 1e-3  # of the weight's work over the support's motion
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
 # its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
-NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-6, 1e-6
+NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-8, 1e-6
+STALLED = 0.97  # of the largest residual of the round before: with one that is greater, further rounds bring nothing
 
 
 @dataclass(frozen=True)
@@ -232,7 +233,7 @@ def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: N
     pressed = _Pressed(path.joints, path.last)
     end = path.last.joints.force[pressed.points], path.points[-1].value
     for held in (True, False):
-        rate = path.rate
+        rate, worst = path.rate, np.inf
         for number in range(MOST_ROUNDS):
             tell()
             balanced = pressed.forces(rate, end, max(NEAR * NEARER**number, LEAST_NEAR), held)
@@ -246,4 +247,7 @@ def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: N
                 best = (before, last, certificate)
             if certificate.worst <= ACCEPTED_RESIDUAL:
                 return best
+            if certificate.worst > STALLED * worst:
+                break
+            worst = certificate.worst
     return best

@@ -15,6 +15,7 @@ from scipy.sparse.linalg import splu
 from la_core.coulomb.elastic_joints import ElasticJoints
 
 PIVOT = 0.01  # a diagonal entry this large beside its column's largest is a pivot: it keeps the order, and so the sparsity
+Solve = Callable[[np.ndarray], np.ndarray]
 
 
 class Tangent:
@@ -51,7 +52,7 @@ class Tangent:
         shape = (len(keys), len(joints.friction) * joints.width**2)
         self._values = sparse.csr_matrix((value, (position[: len(row)], source)), shape=shape)
 
-    def factorised(self, stiffness: np.ndarray, drag: float) -> Callable[[np.ndarray], np.ndarray]:
+    def factorised(self, stiffness: np.ndarray, drag: float) -> Solve:
         """Factorise the matrix and return the function that solves with it; right-hand sides are (n,) or (n, r).
 
         Parameters
