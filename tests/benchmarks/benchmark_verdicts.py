@@ -86,12 +86,16 @@ def apart(entry: dict[str, Any]) -> float | None:
     return abs(yade - coulomb) / max(abs(yade), LEAST) if exists(coulomb) and exists(yade) else None
 
 
-def moved(entry: dict[str, Any]) -> float | None:
-    """Return how far YADE's reaction moves from the first run to the second, over its stated uncertainty; None without a second run."""
+def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
+    """Return how far YADE's reaction moves from the first run to the second, over its stated uncertainty; None without a second run.
+
+    of_both: over the uncertainties of both runs together.
+    """
     again = entry.get("again")
     if again is None or not (exists(again["yade"]) and exists(entry["yade"])):
         return None
     change, stated = abs(again["yade"] - entry["yade"]), float(entry["yade_uncertainty"])
+    stated += float(again["yade_uncertainty"]) if of_both else 0.0
     if change == 0.0:
         return 0.0  # two supports that carry nothing state no uncertainty
     return change / stated if stated > 0.0 else math.inf
@@ -160,8 +164,12 @@ def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
     again = [entry for entry in entries if "again" in entry]
     lost = [entry for entry in again if entry["again"]["verdict"] != "agree"]
     far = [entry for entry in again if (change := moved(entry)) is None or change > 1.0]
+    apart_by_both = [entry for entry in again if (change := moved(entry, of_both=True)) is None or change > 1.0]
     yield f"Of {len(again)} agreements that were run again {len(lost)} do not agree then."
-    yield f"In {len(far)} of them YADE's reaction moves by more than its stated uncertainty, or has no value."
+    yield (
+        f"In {len(far)} of them YADE's reaction moves by more than its stated uncertainty, or has no value; "
+        f"in {len(apart_by_both)} by more than the uncertainties of both runs together."
+    )
     for name, entries_of in (("no longer agree", lost), ("move by more", far)):
         if entries_of:
             yield f"Scenes that {name}: {', '.join(str(entry['number']) for entry in entries_of)}."
