@@ -33,7 +33,7 @@ MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a p
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
 # its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
 NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-8, 1e-6
-STALLED = 0.97  # of the largest residual of the round before: with one that is greater, further rounds bring nothing
+MOST_LEFT = 0.97  # of the largest residual of the round before: where a round leaves more, further ones bring nothing
 
 
 @dataclass(frozen=True)
@@ -247,7 +247,7 @@ def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: N
                 best = (before, last, certificate)
             if certificate.worst <= ACCEPTED_RESIDUAL:
                 return best
-            if certificate.worst > STALLED * worst:
+            if certificate.worst > MOST_LEFT * worst:
                 break
             worst = certificate.worst
     return best

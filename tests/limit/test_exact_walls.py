@@ -10,7 +10,7 @@ from associated_values import EXACT, FIVE_DIGITS, SEVEN_DIGITS, in_plane_and_3d,
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
-COULOMB_ALONE = "wall_low_friction"  # its joints slide, and what is known of it is not the associated value
+COULOMB_ALONE = "wall_low_friction"  # its joints slide: its exact value is that of the prediction, not of the bound
 
 
 def with_associated_value() -> Iterator[str]:
