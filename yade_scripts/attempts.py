@@ -1,12 +1,12 @@
 """The attempts of a run: quick ones that find damping and stiffness, then slower ones until speed hardly matters.
 
-Where the blocks of an attempt rattle, the next one has critical damping, and the swing of its blocks is damped: its steps are a third
-as long, so that only those runs pay for it that need it. The first attempt moves `quick_speed` times as fast as the run. Where its curve
-still creeps at the end of the travel, the joints are made stiffer: only travel over the elastic sag counts. Where it sticks and slips, the
-swing is damped. Then comes the run at its own speed. The difference between the two says what the speed may still do: at most as much
-as if the reaction followed its root. (What follows the speed itself, as drag does, is overestimated; the history of friction has come
-close to the root.) The noise of the quicker attempt, which hides a smaller difference, is added. Where the run still sticks and slips, or
-the part of the speed is large, a slower attempt follows.
+Where the blocks of an attempt rattle, the next one damps the swing of the blocks, which leaves the time step as it is; where they rattle
+even then, the next one has critical damping in the contacts, too: its steps are a third as long. The first attempt moves `quick_speed`
+times as fast as the run. Where its curve still creeps at the end of the travel, the joints are made stiffer: only travel over the elastic
+sag counts. Where it sticks and slips, the swing is damped. Then comes the run at its own speed. The difference between the two says what
+the speed may still do: at most as much as if the reaction followed its root. (What follows the speed itself, as drag does, is
+overestimated; the history of friction has come close to the root.) The noise of the quicker attempt, which hides a smaller difference, is
+added. Where the run still sticks and slips, or the part of the speed is large, a slower attempt follows.
 """
 
 import math
@@ -17,12 +17,11 @@ from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
-from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, slowness
+from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, most_steps, slowness
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
 ENOUGH = 0.01  # of the reaction: part of the speed above which a slower attempt follows; a judge would not decide by a larger one
-MOST_WORK = 3e8  # time steps times contact points of all attempts: one that would take more is not made
 
 
 @dataclass(frozen=True)
@@ -101,19 +100,16 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
-    # A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
-    may_calm = settings.swing_damping == 0.0 and "swing_damping" not in given and slowness(attempt.case) == 1.0
-    swing = SWING_DAMPING if may_calm else plan.swing
-    if attempt.may_damp and attempt.rattles and _affordable(attempt, steps, CRITICAL / settings.damping_ratio):
-        return replace(plan, damping=CRITICAL, swing=swing)
+    if attempt.may_damp and attempt.rattles and (calmer := _calmer(attempt, plan, steps)):
+        return calmer
     creeps = attempt.status is Status.NO_PLATEAU and attempt.plateau.creeps
     stiffer = STIFFER * settings.stiffening
     may_stiffen = stiffer <= MOST_STIFFENING and "normal_stiffness" not in given and settings.wedging == 0.0
     if creeps and may_stiffen and _affordable(attempt, steps, 1.0):
         return replace(plan, stiffening=stiffer)
     sticks = attempt.status is Status.NO_PLATEAU and not creeps
-    if sticks and may_calm and _affordable(attempt, steps, 1.0):
-        return replace(plan, pace=settings.quick_speed or 1.0, swing=swing)
+    if sticks and _may_calm(attempt) and _affordable(attempt, steps, 1.0):
+        return replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
     if pace > 1.0:
         return replace(plan, pace=1.0)
     hurried = not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction)
@@ -121,5 +117,22 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     return replace(plan, pace=SLOWER * pace) if may_slow and not creeps and (sticks or hurried) else None
 
 
+def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
+    """Return the attempt after one that rattles: with its swing damped, else with critical dashpots; None where neither may be made."""
+    if _may_calm(attempt) and _affordable(attempt, steps, 1.0):
+        return replace(plan, swing=SWING_DAMPING)
+    longer = CRITICAL / attempt.settings.damping_ratio
+    return replace(plan, damping=CRITICAL) if _affordable(attempt, steps, longer) else None
+
+
+def _may_calm(attempt: Protocol) -> bool:
+    """Whether an attempt with its swing damped may follow.
+
+    A slender structure sways more slowly than the damper's mean: what it does then is no flutter, and time alone helps.
+    """
+    undamped = attempt.settings.swing_damping == 0.0 and "swing_damping" not in attempt.case.overrides
+    return undamped and slowness(attempt.case) == 1.0
+
+
 def _affordable(attempt: Protocol, steps: int, longer: float) -> bool:
-    return (steps + longer * attempt.steps) * len(attempt.case.host) <= MOST_WORK
+    return steps + longer * attempt.steps <= most_steps(len(attempt.case.host))

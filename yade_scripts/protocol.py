@@ -248,9 +248,11 @@ class Protocol:
             self._judge()
         elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:
             may_end = self.search.look(self.asked_settlement)
-            if self.may_damp and self.rattles:
-                self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {row.settlement:.3g}")
-            elif may_end:
+            # A damped swing dies away as the run goes on, so that only a jump ends such a run early, at what it has shown by then.
+            is_calmed = settings.swing_damping > 0.0
+            if self.may_damp and self.rattles and not is_calmed:
+                self._end_rattling()
+            elif may_end or (self.may_damp and is_calmed and self._jumps):
                 self._judge()
 
     @property
@@ -261,7 +263,11 @@ class Protocol:
     @property
     def rattles(self) -> bool:
         """Whether blocks jump on the way to the plateau or on it."""
-        return self.record.rattles(plateau.STARTS[0], self.settings.rattling, JUMP)
+        return self._jumps or self.record.rattles(plateau.STARTS[0], self.settings.rattling)
+
+    @property
+    def _jumps(self) -> bool:
+        return self.record.jumps(JUMP * self.settings.rattling)
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
@@ -271,7 +277,13 @@ class Protocol:
     def _judge(self) -> None:
         """End the run: with a plateau, or without one."""
         status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
-        self._end(status, message)
+        if self.may_damp and self.rattles:  # up to the plateau: what came after one that the reaction left is cut off
+            self._end_rattling()
+        else:
+            self._end(status, message)
+
+    def _end_rattling(self) -> None:
+        self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {self.record.settlement():.3g}")
 
     def _end(self, status: Status, message: str) -> None:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):

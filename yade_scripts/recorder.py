@@ -148,16 +148,21 @@ class Record:
         """Return the rows of the settlement, or of the live load."""
         return [row for row in self.rows if row.stage == SETTLEMENT]
 
-    def rattles(self, share: float, allowed: float, jump: float) -> bool:
-        """Whether blocks jump: unbalanced forces are larger than in a quasi-static motion, on the mean or in one jump.
+    def rattles(self, share: float, allowed: float) -> bool:
+        """Whether blocks rattle: unbalanced forces are larger on the mean than in a quasi-static motion.
 
-        A single jump may carry the structure past a state that would hold, to one that then looks steady.
-
-        share: of the settlement, which the mean leaves out; allowed: mean over the mean block weight; jump: a single one over that.
+        share: of the settlement, which the mean leaves out; allowed: mean over the mean block weight.
         """
-        rows, start = self.settling(), share * self.settlement()
-        later = [row.unbalanced for row in rows if row.settlement >= start]
-        return bool(later) and (float(np.mean(later)) > allowed or max(row.unbalanced for row in rows) > jump * allowed)
+        start = share * self.settlement()
+        later = [row.unbalanced for row in self.settling() if row.settlement >= start]
+        return bool(later) and float(np.mean(later)) > allowed
+
+    def jumps(self, allowed: float) -> bool:
+        """Whether a block has jumped: a single unbalanced force over the mean block weight was larger than allowed.
+
+        One jump may carry the structure past a state that would hold, to one that then looks steady.
+        """
+        return max((row.unbalanced for row in self.settling()), default=0.0) > allowed
 
     def _work_of_loads(self, moved: np.ndarray) -> float:
         """Return the work of dead loads and ties for displacements of the free blocks (F, 3), J."""

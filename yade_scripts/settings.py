@@ -23,8 +23,11 @@ REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the 
 STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
-SWING_DAMPING = 0.5  # damping ratio of the swing after an attempt that rattles, or sticks and slips
-CRITICAL = 1.0  # damping ratio after a run that rattled; steps are then a third as long
+# Time steps times contact points of all attempts: a minute or two on one core for any structure. Large ones may take more, up to as many
+# time steps as are enough for a small one, and at most some 40 minutes.
+SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
+SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
+CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
 ROWS = 1200  # of the record over the full travel, more for stiffer joints
@@ -141,6 +144,11 @@ def derive(case: Case) -> Settings:
 def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
     """Return the root of the joints' stiffening over one that is enough; 1 where it is less."""
     return math.sqrt(max(chosen["stiffening"] / enough, 1.0))
+
+
+def most_steps(points: int) -> float:
+    """Return the most time steps of all attempts together, by the number of contact points: an attempt beyond that is not made."""
+    return max(SMALL_WORK, min(MOST_STEPS * points, MOST_WORK)) / points
 
 
 def slowness(case: Case) -> float:

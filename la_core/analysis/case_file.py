@@ -27,6 +27,7 @@ LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat aft
 # What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
+SETTLED = 2e-3  # of the value: a curve that stays this near to its end has settled; YADE wants to know its plateau as well
 MOST_SHARE = 0.6  # of the travel, before a run may stop: the rest shows the plateau
 
 
@@ -125,16 +126,23 @@ def _settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
 
     They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
     With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
-    path would make steps too short: YADE may then stop only after as much more of its travel. Empty where the path needed one travel,
-    where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that YADE
-    learns from a prediction: settings, not values.
+    path would make steps too short: YADE may then stop only after the travel that the path took to settle. Empty where the path needed one
+    travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that
+    YADE learns from a prediction: settings, not values.
     """
     scene, coulomb = analysis.scene, analysis.coulomb
     if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
         return {}
-    enough = STIFFENING_PER_TRAVEL * coulomb.travel
-    longer = {"plateau_share": min(exchange.PLATEAU_SHARE * enough / MOST_STIFFENING, MOST_SHARE)} if enough > MOST_STIFFENING else {}
-    return {"least_stiffening": min(enough, MOST_STIFFENING)} | longer
+    stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
+    share = min(settled_after(coulomb, analysis.stiffness.travel) / stiffening, MOST_SHARE)
+    return {"least_stiffening": stiffening} | ({"plateau_share": share} if share > exchange.PLATEAU_SHARE else {})
+
+
+def settled_after(coulomb: CoulombSolution, travel: float) -> float:
+    """Return the travels after which the path of a prediction stays near its value; 0 where it always does. travel: one, m or rad."""
+    travels = coulomb.path_settlement / travel
+    away = (np.abs(coulomb.path_value - coulomb.value) > SETTLED * abs(coulomb.value)) & (travels <= coulomb.travel)
+    return float(travels[away].max(initial=0.0))
 
 
 def read_first_prediction(path: Path) -> str:
