@@ -1,10 +1,10 @@
 """How time and memory grow with the number of blocks: limit analysis, associated and Coulomb, and YADE, in the plane and in 3D.
 
-    python tests/benchmarks/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...]
+    python tests/benchmarks/benchmark_growth.py -o comparison/gallery [--quick] [--resume] [--methods NAME ...] [--before RECORD VERSION]
 
 Running-bond walls, as many courses as blocks per course, a third of the base settling, all blocks modelled. Every size in a process of
 its own, small ones first. Writes growth.md and growth.png at the end, also where it is interrupted, and growth.json after every size:
---resume measures what that lacks.
+--resume measures what that lacks. --before keeps the measurements that an earlier version made of itself, and the page shows both.
 CPU seconds, the best of several where one is quick; build: scene, contacts, assembly, matrices; solver: set-up and solution of cone
 programmes, and steps of the paths; rest: evidence and all else.
 """
@@ -79,6 +79,9 @@ Every size runs in a process of its own; quick ones are repeated, and the best r
 matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
 bound; *Coulomb* is a bound and
 the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges."""
+BESIDE = """\
+The earlier version ran its own benchmark on the same machine within three hours. Exponents are those of the sizes of both. The prediction
+of version 0.2.0 was another method, a sequence of cone programmes that did not converge with its own steps."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
@@ -166,8 +169,9 @@ def taken(method: str, dimension: str, size: int) -> dict[str, Any]:
         return dict(found)
 
 
-def markdown(measured: list[dict[str, Any]], machine: str) -> str:
-    """The page: exponents first, then what they were fitted to, shares and the driver's overhead."""
+def markdown(record: dict[str, Any]) -> str:
+    """The page of a record: exponents first, then what they were fitted to, an earlier version, shares and the driver's overhead."""
+    measured, machine = record["measured"], record["machine"]
     series = by_series(measured)
     command = __doc__.split("\n\n")[1].strip()
     sections = ["# Growth with the number of blocks", INTRODUCTION, f"`{command}`", machine, FIGURE]
@@ -177,6 +181,9 @@ def markdown(measured: list[dict[str, Any]], machine: str) -> str:
     steps, verdicts = ({key: series[key] for key in series if key[0] == name} for name in ("step", "YADE"))
     quantities = ("seconds", "build", "solver", "rest", "memory", "steps", "step")
     sections += ["## Exponents b of N^b, with standard errors", report.exponents(answers | analyses | steps | verdicts, quantities)]
+    if before := record.get("before"):
+        beside = report.beside(before["measured"], measured, before["version"])
+        sections += [f"## Version {before['version']} beside today's", BESIDE, beside]
     parts = ("blocks", "status", "seconds", "build", "solver", "rest", "outside", "memory", "peak")
     heads = ("method", "model", *parts[:-3], "outside the solver", "MiB", "peak MiB")
     rows = [[*key, *(share(one, part) for part in parts)] for key, many in (answers | analyses).items() for one in many]
@@ -219,21 +226,26 @@ def this_machine() -> str:
     return f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
 
 
-def store(measured: list[dict[str, Any]], machine: str, folder: Path) -> None:
-    """The record of the measurements."""
-    (folder / "growth.json").write_text(json.dumps({"machine": machine, "measured": measured}, indent=1) + "\n", encoding="utf-8")
+def stored(folder: Path) -> dict[str, Any]:
+    """Return the record in a folder; an empty one if there is no file."""
+    path = folder / "growth.json"
+    return dict(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else {}
+
+
+def store(record: dict[str, Any], folder: Path) -> None:
+    """Write the record of the measurements."""
+    (folder / "growth.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
 
 def stored_page(folder: Path) -> str:
     """The page as its record has it: nothing is measured."""
-    record = json.loads((folder / "growth.json").read_text(encoding="utf-8"))
-    return markdown(record["measured"], record["machine"])
+    return markdown(stored(folder))
 
 
-def write(measured: list[dict[str, Any]], machine: str, folder: Path) -> None:
+def write(record: dict[str, Any], folder: Path) -> None:
     """The page and the figure of what was measured."""
-    (folder / "growth.md").write_text(markdown(measured, machine), encoding="utf-8")
-    series = by_series(measured)
+    (folder / "growth.md").write_text(markdown(record), encoding="utf-8")
+    series = by_series(record["measured"])
     answers = {key: many for key, many in series.items() if key[0] in ("associated", "Coulomb", "YADE")}
     steps = {("YADE", key[1]): many for key, many in series.items() if key[0] == "step"}
     panels = {
@@ -252,10 +264,16 @@ def main() -> None:
     names = list(dict.fromkeys([method for method, _ in SIZES] + ["driver"]))
     parser.add_argument("--methods", nargs="+", choices=names, default=names, metavar="NAME", help=f"of {', '.join(names)}")
     parser.add_argument("--resume", action="store_true", help="measure only what growth.json lacks")
+    parser.add_argument("--before", nargs=2, metavar=("RECORD", "VERSION"), help="growth.json of an earlier version, and its name")
     options = parser.parse_args()
-    before = options.output / "growth.json"
-    measured = json.loads(before.read_text(encoding="utf-8"))["measured"] if options.resume and before.exists() else []
-    machine = this_machine()
+    earlier = stored(options.output)
+    record = {"machine": this_machine(), "measured": earlier.get("measured", []) if options.resume else []}
+    if options.before:
+        path, version = options.before
+        record["before"] = {"version": version, "measured": json.loads(Path(path).read_text(encoding="utf-8"))["measured"]}
+    elif "before" in earlier:
+        record["before"] = earlier["before"]
+    measured = record["measured"]
     asked = [(method, dimension, size) for (method, dimension), sizes in SIZES.items() for size in sizes]
     asked += [("driver", name, DRIVER_ORDER) for name in OVERHEAD_SCENES]
     try:
@@ -266,9 +284,10 @@ def main() -> None:
                 began = time.monotonic()
                 measured.append(key | taken(method, dimension, size))
                 print(f"{method}, {dimension}, {size}: {time.monotonic() - began:.0f} s", flush=True)
-                store(measured, machine, options.output)
+                store(record, options.output)
     finally:
-        write(measured, machine, options.output)
+        store(record, options.output)
+        write(record, options.output)
 
 
 if __name__ == "__main__":

@@ -79,6 +79,31 @@ def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: S
     return table(["method", "model", "blocks fitted", *quantities], rows)
 
 
+def beside(before: Sequence[dict[str, Any]], measured: Sequence[dict[str, Any]], version: str) -> str:
+    """The seconds of an earlier version beside today's: exponents over the sizes that both measured, then every such size."""
+    today = {_size(one): one for one in measured}
+    both = [(one, today[_size(one)]) for one in before if _size(one) in today and "seconds" in one]
+    powers, rows = [], []
+    for series in dict.fromkeys(_size(one)[:2] for one, _ in both):
+        mine = [(then, now) for then, now in both if _size(then)[:2] == series]
+        blocks = [then["blocks"] for then, _ in mine]
+        grown = [fit(blocks, [one["seconds"] for one in measurements]) for measurements in zip(*mine, strict=True)]
+        powers.append([*series, f"{blocks[0]:,} to {blocks[-1]:,}", *grown])
+        for then, now in mine:
+            ends = [then["status"], now["status"], then["seconds"], now["seconds"], then["seconds"] / now["seconds"]]
+            rows.append([*series, then["blocks"], *ends])
+    return "\n\n".join(
+        [
+            table(["method", "model", "blocks", f"exponent of the time, {version}", "today"], powers),
+            table(["method", "model", "blocks", f"{version} ends", "today", f"{version}, s", "today, s", "times faster"], rows),
+        ]
+    )
+
+
+def _size(one: dict[str, Any]) -> tuple[str, str, int]:
+    return one["method"], one["dimension"], one["asked"]
+
+
 def conclusions(measured: Sequence[dict[str, Any]]) -> str:
     """What follows from the measurements, as a list; what was not measured has no line."""
     times = {name: _powers(measured, name, "seconds") for name in ("associated", "Coulomb", "YADE")}

@@ -58,6 +58,10 @@ def made_up() -> list[dict]:
     return measured
 
 
+def record() -> dict:
+    return {"machine": "a machine", "measured": made_up()}
+
+
 def percent(share: float) -> str:
     return benchmark_growth.share({"outside": share}, "outside")
 
@@ -69,7 +73,7 @@ def test_what_is_timed_is_a_part_of_the_whole(method: str) -> None:
 
 
 def test_the_page_shows_what_was_measured() -> None:
-    page = benchmark_growth.markdown(made_up(), "a machine")
+    page = benchmark_growth.markdown(record())
     fits = [report.fit((100, 200, 400), [size**power for size in (100, 200, 400)]) for power in (1.5, 1.0, 1.5, 1.0, 1.0)]
     assert report.row(["associated", "plane", "100 to 400", *fits, None, None]) in page.splitlines()
     for row in (
@@ -79,6 +83,17 @@ def test_the_page_shows_what_was_measured() -> None:
     ):
         assert report.row(row) in page.splitlines()
     assert "a machine" in page
+
+
+def test_an_earlier_version_stands_beside_todays_for_the_sizes_that_both_measured() -> None:
+    before = [one | {"seconds": 2.0 * one["seconds"] * one["blocks"] ** 0.5, "status": "failed"} for one in made_up()[:-2]]
+    page = benchmark_growth.markdown(record() | {"before": {"version": "0.1", "measured": before}})
+    fits = [report.fit((100, 200, 400), [size**power for size in (100, 200, 400)]) for power in (2.0, 1.5)]
+    assert report.row(["associated", "plane", "100 to 400", *fits]) in page.splitlines()
+    assert report.row(["associated", "plane", 400, "failed", "solved", 320.0, 8.0, 40.0]) in page.splitlines()
+    assert report.row(["YADE", "3D", 200, "failed", "no plateau", 80.0, 2.828, 28.28]) in page.splitlines()
+    assert "400 | failed | no plateau" not in page  # not measured by the earlier version
+    assert "beside today's" not in benchmark_growth.markdown(record())
 
 
 def test_the_conclusions_quote_what_was_measured_and_leave_out_what_was_not() -> None:
@@ -91,7 +106,7 @@ def test_the_conclusions_quote_what_was_measured_and_leave_out_what_was_not() ->
 
 
 def test_every_line_of_a_table_has_as_many_cells() -> None:
-    for block in benchmark_growth.markdown(made_up(), "a machine").split("\n\n"):
+    for block in benchmark_growth.markdown(record()).split("\n\n"):
         if block.startswith("|"):
             assert len({line.count("|") for line in block.splitlines()}) == 1
 
