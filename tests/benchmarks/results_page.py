@@ -60,8 +60,8 @@ The columns:
 - *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: the
   values that the predicted mechanism allows, whatever friction's history was.
 - *its uncertainty*: the uncertainty of the prediction that limit analysis states before YADE runs. All values are for the scene's inset.
-- *YADE R/W*: the plateau with its uncertainty. Runs recorded before the parts of the uncertainty were added state the root of the sum of
-  their squares.
+- *YADE R/W*: the plateau with its uncertainty, the sum of its parts; `building_corner`, run before, states the root of the sum of their
+  squares.
 - *iterations*: Newton iterations of all paths, or of the search for sliding joints. *LA s*: seconds of the solver for the whole limit
   analysis. *YADE s*: seconds of one run on one core. Seconds are by the clock: while other work ran on the machine, they are up to a
   few times too long.
