@@ -1,12 +1,15 @@
 """`crosscheck scenes` and `crosscheck show` tell what there is before anything is solved."""
 
 import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from comparison.cli.commands import main
 from comparison.studies import TimeEstimate, estimated_times
+from comparison.studies.time_estimate import WITHIN
 from la_core.analysis import structural_model
 from la_core.scene import load_scene, shipped
 
@@ -33,14 +36,28 @@ def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest
     assert "limit analysis takes" in printed and "YADE takes" in printed
 
 
-@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "rubble_wall", "wall_third", "wall_tall", "facade"])
-def test_the_estimated_times_hold_the_measured_ones(name: str) -> None:
-    recorded = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))[name]["reduced"]
-    points = len(structural_model(load_scene(shipped.find(name))).assembly.points)
-    times = estimated_times(points)
-    assert times["yade"].least <= recorded["yade_seconds"] <= times["yade"].greatest
-    assert recorded["limit_analysis_seconds"] <= max(times["limit_analysis"].greatest, 1.0)
-    assert times["yade"].greatest == pytest.approx(9.0 * times["yade"].least)
+def test_the_estimated_times_follow_the_recorded_ones() -> None:
+    """The record's machine may be faster or slower than an ordinary one, so times are compared with the machine's own mean factor."""
+    records = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))
+    names = sorted(set(records) - {"building_corner"})  # YADE did not run it again
+    estimates = {name: estimated_times(len(structural_model(load_scene(shipped.find(name))).assembly.points)) for name in names}
+    factors = np.array([records[name]["reduced"]["yade_seconds"] / middle(estimates[name]["yade"]) for name in names])
+    machine = float(np.median(factors))
+    assert 1.0 / WITHIN <= machine <= WITHIN
+    assert np.mean(np.abs(np.log(factors / machine)) <= math.log(WITHIN)) >= 0.9
+    for name in names:
+        allowed = max(estimates[name]["limit_analysis"].greatest, 1.0)
+        assert records[name]["reduced"]["limit_analysis_seconds"] <= max(machine, 1.0) * allowed, name
+
+
+def middle(estimate: TimeEstimate) -> float:
+    return math.sqrt(estimate.least * estimate.greatest)
+
+
+def test_an_estimate_spans_the_factor_it_states_and_is_told_in_one_unit() -> None:
+    times = estimated_times(338)
+    assert times["yade"].greatest == pytest.approx(WITHIN**2 * times["yade"].least)
+    assert estimated_times(338, yade=False).keys() == {"limit_analysis"}
     assert str(TimeEstimate(0.1, 0.9)) == "less than 1 s" and str(TimeEstimate(400.0, 3700.0)) == "7 min to 1 h"
 
 
