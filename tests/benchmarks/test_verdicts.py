@@ -41,8 +41,8 @@ def entry(number: int, verdict: str, yade: float | None, again: float | None = N
 def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.MonkeyPatch) -> None:
     entries = [entry(0, "agree", 0.1, 0.10005), entry(1, "agree", 0.1, 0.1003), entry(2, "inconclusive", 0.1003), entry(3, "disagree", 0.2)]
     assert moved(entries[0]) == pytest.approx(0.5) and moved(entries[1]) == pytest.approx(3.0) and moved(entries[2]) is None
-    between = entry(5, "agree", 0.1, 0.10015)  # beyond its own uncertainty, within those of both runs
-    assert moved(between) == pytest.approx(1.5) and moved(between, of_both=True) == pytest.approx(0.75)
+    between = entry(5, "agree", 0.1, 0.10012)  # beyond its own uncertainty, within those of both runs
+    assert moved(between) == pytest.approx(1.2) and moved(between, of_both=True) == pytest.approx(1.2 / math.sqrt(2.0))
     nothing = entry(4, "agree", 0.0, 0.0) | {"yade_uncertainty": 0.0}
     assert moved(nothing) == 0.0 and moved(nothing | {"again": nothing | {"yade": 1e-9}}) == math.inf
     monkeypatch.setattr(benchmark_verdicts, "SEEN", frozenset((1, 2)))
@@ -51,5 +51,6 @@ def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.Monk
     assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
     assert "(1, 2). Without them 1 of 2 agree." in text
     assert "Inconclusive although the reactions agree within 0.5%: 1." in text
-    assert "Scenes that move by more: 1." in text and "In 1 of them" in text and "in 1 by more than the uncertainties of both" in text
+    assert "Scenes that move by more: 1." in text and "In 1 of them" in text and "in 1 by more than both runs state" in text
+    assert "at most 1%, 0 of them" in text
     assert "why 2" in text and "why 3" in text and "why 0" not in text
