@@ -46,14 +46,10 @@ def _blocks(language: str, page: str = README) -> list[str]:
 every_page = pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 
 
-def _table(head: str) -> dict[str, list[str]]:
+def _table(head: str, page: str = README) -> dict[str, list[str]]:
     """Cells of the table that begins with these headings, by the scene that a row names."""
-    (table,) = re.findall(rf"^{re.escape(head)}.*?\n\n", README, re.MULTILINE | re.DOTALL)
+    (table,) = re.findall(rf"^{re.escape(head)}.*?\n\n", page, re.MULTILINE | re.DOTALL)
     return {name: [cell.strip() for cell in cells.split("|")] for name, cells in RESULT_ROW.findall(table)}
-
-
-def _results() -> dict[str, list[str]]:
-    return _table("| scene | R_min/W |")
 
 
 def test_the_readme_and_the_page_for_contributors_are_short() -> None:
@@ -217,6 +213,16 @@ def test_the_demo_ends_as_the_readme_says(cross_checked: Callable[[str], CrossCh
         assert (row[1], row[3]) == (least, greatest)
         values = [float(cell.split(" ± ")[0]) for cell in (row[2], predicted)]
         assert values[0] == pytest.approx(values[1], rel=ROUND_OFF) and ("±" in row[2]) == ("±" in predicted)
+
+
+def test_the_results_of_the_readme_are_those_of_the_record() -> None:
+    recorded = _table("| scene | R_min/W | Coulomb R/W |", (ROOT / "comparison" / "gallery" / "results.md").read_text(encoding="utf-8"))
+    rows = _table("| scene | Coulomb | its interval |")
+    assert 3 <= len(rows) <= 6
+    for name, (predicted, interval, yade, verdict) in rows.items():
+        _, coulomb, ends, _, _, of_yade, of_both, *_ = recorded[name]
+        assert [predicted, yade, verdict] == [coulomb, of_yade, of_both]
+        assert interval == ("one point" if ends == f"{coulomb} to {coulomb}" else ends)
 
 
 @pytest.mark.slow
