@@ -110,6 +110,16 @@ def test_every_import_points_to_an_earlier_room(path: Path) -> None:
             assert order.index(inner_room(module, here)) <= order.index(inner_room(name_of(path), here))
 
 
+def test_no_module_comes_back_to_itself_through_its_imports() -> None:
+    """Type hints included: modules that know each other are one module, or one of them asks for too much."""
+    known = {name_of(path): {module for module in own(path) if module != name_of(path)} for path in FILES}
+    while bare := [name for name, modules in known.items() if not modules & known.keys()]:
+        for name in bare:
+            del known[name]
+    in_circles = {name: sorted(modules & known.keys()) for name, modules in known.items()}
+    assert not in_circles
+
+
 @every_file
 def test_rooms_are_entered_by_their_faces(path: Path) -> None:
     """What other rooms use of a room stands in its `__all__`; a module that is not there is its own affair."""

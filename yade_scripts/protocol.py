@@ -142,7 +142,10 @@ class Protocol:
             self._set_speed(every * dt)
         else:
             self._servo = servo_of(self.case, settings)
-            self._servo.start(self.record, self.model)
+            self.record.start_load()
+            self._servo.start(self.record)
+            assert not isinstance(self.model.drive, list)  # those move supports
+            self.model.drive.iterPeriod, self.model.drive.dead = self._servo.every, False
             full_time += self._servo.loading_time
         self._advance(math.ceil(full_time / dt), every)
         if self._servo is None and not self.record.is_cut:

@@ -6,24 +6,29 @@ energy of motion then have the same factor. So the servo holds this mean, with w
 a spring and a dashpot, chosen by the frequency and the damping ratio of q; while the blocks stand, the spring stretches.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
 from yade_scripts.case import Case
 from yade_scripts.settings import Settings
 
-if TYPE_CHECKING:  # these load YADE
-    from yade_scripts.bodies import Model
-    from yade_scripts.recorder import Record
-
 LARGEST_MULTIPLIER = 5.0  # of a live load; a structure that bears more is wedged in
 LAG = 0.2  # decay of the servo's own motion, by its dashpot, between two of its steps
 RENEWED = 0.5  # share of the weights that the motion of the last moments replaces
+
+
+class LoadedBlocks(Protocol):
+    """The blocks that a live load pulls."""
+
+    @property
+    def masses(self) -> np.ndarray:
+        """Masses of the blocks (n,), kg."""
+
+    def along(self, name: str) -> np.ndarray:
+        """Return the blocks' places (n,), m, for "pos", or their speeds (n,), m/s, for "vel"."""
 
 
 @dataclass
@@ -94,18 +99,15 @@ class Servo:
         """Time to the largest multiplier while the blocks stand, s."""
         return LARGEST_MULTIPLIER / (self.spring * self.speed)
 
-    def start(self, record: Record, model: Model) -> None:
-        """Measure displacements from here, and pull from the next step on."""
-        record.start_load()
-        self.renew(0.0, record.masses, record.along("pos"))
-        assert not isinstance(model.drive, list)  # those move supports
-        model.drive.iterPeriod, model.drive.dead = self.every, False
+    def start(self, blocks: LoadedBlocks) -> None:
+        """Measure motions from here."""
+        self.renew(0.0, blocks.masses, blocks.along("pos"))
 
-    def measured(self, elapsed: float, record: Record) -> float:
+    def measured(self, elapsed: float, blocks: LoadedBlocks) -> float:
         """Return the multiplier for the speeds that the blocks have, `elapsed` seconds after the start."""
         if elapsed - self._window_began >= self.window:
-            self.renew(elapsed, record.masses, record.along("pos"))
-        return self.multiplier(elapsed, self.weighted(record.along("vel")))
+            self.renew(elapsed, blocks.masses, blocks.along("pos"))
+        return self.multiplier(elapsed, self.weighted(blocks.along("vel")))
 
 
 def servo_of(case: Case, settings: Settings) -> Servo:
