@@ -1,6 +1,7 @@
-"""One attempt of a case in YADE: `/usr/bin/python3 protocol_attempt.py case.h5 PACE SETTINGS` prints one JSON object.
+"""One attempt of a case in YADE: `/usr/bin/python3 protocol_attempt.py case.h5 PACE STIFFER SETTINGS` prints one JSON object.
 
-Runs in YADE's own interpreter. PACE: speed over that of the run. SETTINGS: overrides as a JSON object, besides the scene's.
+Runs in YADE's own interpreter. PACE and STIFFER: speed and stiffness of the joints over the derived ones. SETTINGS: overrides as a JSON
+object, besides the scene's.
 """
 
 import dataclasses
@@ -22,7 +23,8 @@ from yade_scripts import attempts, bodies, case, protocol, recorder, settings  #
 
 def main() -> None:
     one = case.from_fields(exchange.read(Path(sys.argv[1]), exchange.CASE_FIELDS))
-    one = dataclasses.replace(one, overrides=one.overrides | json.loads(sys.argv[3]))
+    stiffening = float(sys.argv[3]) * settings.derive(one).stiffening
+    one = dataclasses.replace(one, overrides=one.overrides | {"stiffening": stiffening} | json.loads(sys.argv[4]))
     chosen = attempts.settings_of(one, settings.derive(one), attempts.Plan(float(sys.argv[2])))
     model = bodies.build(one, chosen, "watch()", calm="calm()")
     run = protocol.Protocol(one, chosen, model, recorder.Record(one, model), lambda *report: None)
