@@ -26,7 +26,7 @@ def cost_figure(ladder: CostStudy) -> Figure:
 
     Letters name the rungs of the fronts below.
     """
-    figure = Figure(figsize=(12.5, 7.0), layout="constrained")
+    figure = Figure(figsize=(15.0, 7.0), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(ladder.title, parse_math=False, fontsize=11)
     for axes, (target, heading) in zip(figure.subplots(1, 2), PANELS.items(), strict=True):
@@ -76,7 +76,7 @@ def _draw(axes: Any, rungs: list[CostPoint]) -> list[tuple[str, CostPoint]]:
     middle, half = math.sqrt(low * high), max(math.sqrt(high / low), SHORTEST) * MARGIN
     axes.set_xlim(middle / half, middle * half)
     axes.margins(y=0.1)
-    axes.legend(fontsize=7.5, loc="best", framealpha=0.9)
+    axes.legend(fontsize=7.5, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)  # beside the marks, of which it hides none
     return named
 
 

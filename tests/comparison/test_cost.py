@@ -151,11 +151,14 @@ def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() ->
     silent = MethodOutcome(exact, "solved", 0.0, 1.0)
     methods = [Method("cone programme", "made up", ASSOCIATED, lambda: silent), Method("Coulomb", "made up", PREDICTION, lambda: outcome)]
     study = measure_study(scene, methods, lambda number, words: None)
-    drawn = [dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True)) for axes in cost_figure(study).axes]
+    figure = cost_figure(study)
+    drawn = [dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True)) for axes in figure.axes]
     assert [("stated uncertainty" in labels) for labels in drawn] == [False, True]
     assert drawn[1]["stated uncertainty"].get_ydata() == pytest.approx([0.02 / 1.01])
     (value,) = cost.cost_table(study, PREDICTION).columns[3].cells
     assert value == "0.168 ± 0.003"
+    figure.canvas.draw()
+    assert not any(axes.get_legend().get_window_extent().overlaps(axes.get_window_extent()) for axes in figure.axes)  # it hides no mark
 
 
 @pytest.mark.yade
