@@ -51,7 +51,7 @@ hard-cases: setup
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -m long tests/yade/test_faults_of_yade.py tests/cli/test_interruptions.py tests/cli/test_damaged_results.py
 
 .PHONY: seed-paper test-browser viewer-library
-# The campaign after the seed paper by both methods, a quarter to half an hour on two cores, and its report in the gallery.
+# The campaign after the seed paper by both methods, some ten minutes on two cores, and its report in the gallery.
 seed-paper: setup
 	OMP_NUM_THREADS=1 $(BIN)/crosscheck campaign seed_paper || case $$? in 1 | 4) ;; *) exit 3 ;; esac # disagree and inconclusive are results
 	mkdir -p comparison/gallery/seed_paper
