@@ -15,10 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from la_core.exchange import LATEST_START
 from yade_scripts.case import Case
 
 State = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # settlement, displacements (B, 3), rotations (B, 3), contact forces (C, 3)
-STARTS = np.linspace(0.2, 0.6, 9)  # shares of the settlement that may be dropped
+STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
 COVERAGE = 1.96  # standard deviations of a normal variable that cover the truth 19 times in 20
 _OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise with memory does not reach it, a sine of several periods does

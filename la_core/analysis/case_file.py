@@ -27,8 +27,7 @@ LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat aft
 # What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-SETTLED = 2e-3  # of the value: a curve that stays this near to its end has settled; YADE wants to know its plateau as well
-MOST_SHARE = 0.6  # of the travel, before a run may stop: the rest shows the plateau
+SETTLED = 1e-3  # of the value: a curve that stays this near to its end has settled; YADE states as much for its settings
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -126,15 +125,15 @@ def _settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
 
     They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
     With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
-    path would make steps too short: YADE may then stop only after the travel that the path took to settle. Empty where the path needed one
-    travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in proportion to it. This is all that
-    YADE learns from a prediction: settings, not values.
+    path would make steps too short: YADE may then stop only where all of its plateau lies beyond the travel that the path took to settle.
+    Empty where the path needed one travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in
+    proportion to it. This is all that YADE learns from a prediction: settings, not values.
     """
     scene, coulomb = analysis.scene, analysis.coulomb
     if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
         return {}
     stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
-    share = min(settled_after(coulomb, analysis.stiffness.travel) / stiffening, MOST_SHARE)
+    share = min(settled_after(coulomb, analysis.stiffness.travel) / stiffening / exchange.LATEST_START, 1.0)
     return {"least_stiffening": stiffening} | ({"plateau_share": share} if share > exchange.PLATEAU_SHARE else {})
 
 

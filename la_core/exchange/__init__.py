@@ -1,7 +1,7 @@
 """The HDF5 contract with YADE: what `case.h5` and `run.h5` hold, how they are written, read and checked."""
 
 from la_core.exchange.checksummed_file import ExchangeError, write_whole
-from la_core.exchange.dem_settings import LATER_SETTINGS, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
+from la_core.exchange.dem_settings import LATER_SETTINGS, LATEST_START, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
 from la_core.exchange.fields import (
     CASE_FIELDS,
     FIRST_PREDICTION,
@@ -32,6 +32,7 @@ __all__ = [
     "JOINT_INSET",
     "LATER_RUN_FIELDS",
     "LATER_SETTINGS",
+    "LATEST_START",
     "LIVE_DIRECTION",
     "LOAD_FIELDS",
     "PART_FIELDS",
