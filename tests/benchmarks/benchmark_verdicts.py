@@ -113,7 +113,7 @@ def page(record: dict[str, Any]) -> str:
         "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were "
         f"run again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. "
         "Written by `python tests/benchmarks/benchmark_verdicts.py`.",
-        sentences([*_conclusions(entries), record.get("since", "")]),
+        sentences([*_conclusions(entries), *record.get("since", [])]),
         "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
         table(HEADINGS, rows),
         "## What stays open",
