@@ -24,7 +24,7 @@ STIFFENING = (
     4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
 )
 # Time steps times contact points of all attempts: a minute or two on one core for any structure. Large ones may take more, up to as many
-# time steps as are enough for a small one, and at most some 40 minutes.
+# time steps as are enough for a small one, and at most some 40 minutes. The attempt at the run's own speed is made in any case.
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long

@@ -12,6 +12,7 @@ import numpy as np
 
 from la_core import exchange
 from la_core.analysis import reach
+from la_core.analysis.accuracy import scale
 from la_core.analysis.accuracy_record import from_text, to_text
 from la_core.analysis.modelling import drives
 from la_core.analysis.result import Answers, LimitAnalysis
@@ -27,7 +28,7 @@ LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat aft
 # What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-SETTLED = 1e-3  # of the value: a curve that stays this near to its end has settled; YADE states as much for its settings
+SETTLED = 1e-3  # of the value's size: a curve that stays this near to its end has settled; YADE states as much for its settings
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -133,14 +134,18 @@ def _settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
     if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
         return {}
     stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
-    share = min(settled_after(coulomb, analysis.stiffness.travel) / stiffening / exchange.LATEST_START, 1.0)
+    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    share = min(settled / stiffening / exchange.LATEST_START, 1.0)
     return {"least_stiffening": stiffening} | ({"plateau_share": share} if share > exchange.PLATEAU_SHARE else {})
 
 
-def settled_after(coulomb: CoulombSolution, travel: float) -> float:
-    """Return the travels after which the path of a prediction stays near its value; 0 where it always does. travel: one, m or rad."""
+def _settled_after(coulomb: CoulombSolution, travel: float, near: float) -> float:
+    """Return the travels after which a path stays `near` its value (N, N m, multiplier); 0 where it always does. travel: of one, m or rad.
+
+    What comes after a plateau that the curve leaves does not count.
+    """
     travels = coulomb.path_settlement / travel
-    away = (np.abs(coulomb.path_value - coulomb.value) > SETTLED * abs(coulomb.value)) & (travels <= coulomb.travel)
+    away = (np.abs(coulomb.path_value - coulomb.value) > near) & (travels <= coulomb.travel)
     return float(travels[away].max(initial=0.0))
 
 

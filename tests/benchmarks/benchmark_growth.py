@@ -80,8 +80,8 @@ matrices; *solver* is set-up and solution of cone programmes and the steps of th
 bound; *Coulomb* is a bound and
 the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges."""
 BESIDE = """\
-The earlier version ran its own benchmark on the same machine within three hours. Exponents are those of the sizes of both. The prediction
-of version 0.2.0 was another method, a sequence of cone programmes that did not converge with its own steps."""
+The earlier version ran its own benchmark on the same machine within three hours. Exponents are those of the sizes of both. Its prediction
+may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 

@@ -27,7 +27,7 @@ from la_core.scene import load_scene
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "protocol.md"
 ATTEMPT = Path(__file__).with_name("protocol_attempt.py")
 # Damping ratio of the contacts and of the blocks' swing; stiffness and speed over the derived ones.
-DAMPING, STIFFER, PACE = ((0.3, 0.0), (1.0, 0.0), (0.3, 0.5)), (0.25, 1.0, 4.0), (1.0, 0.5)
+DAMPING, STIFFNESS, SPEED = ((0.3, 0.0), (1.0, 0.0), (0.3, 0.5)), (0.25, 1.0, 4.0), (1.0, 0.5)
 ALLOWED = 0.005  # of the reaction, besides both stated uncertainties: what the judge allows
 HEAD = """# How fast, how stiff, how damped: the protocol of a YADE run, measured
 
@@ -51,19 +51,19 @@ COLUMNS = ("damping", "swing", "stiffness", "speed", "plateaus", "off by", "stat
 
 @dataclass(frozen=True)
 class Combination:
-    """The settings of an attempt that are varied; each over what its name says in `COLUMNS`."""
+    """What is varied from attempt to attempt; the page explains its columns of the same names."""
 
     damping: float
     swing: float
-    stiffer: float
-    pace: float
+    stiffness: float
+    speed: float
 
 
 def attempt(case: Path, tried: Combination) -> dict[str, Any]:
     """One attempt in YADE's interpreter."""
     yade = find_yade()
     settings = json.dumps({"damping_ratio": tried.damping, "swing_damping": tried.swing})
-    command = [str(part) for part in (yade.python, "-s", ATTEMPT, case, tried.pace, tried.stiffer, settings)]
+    command = [str(part) for part in (yade.python, "-s", ATTEMPT, case, tried.speed, tried.stiffness, settings)]
     environment = {**yade_environment(), "YADE_MODULES": str(yade.modules)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return dict(json.loads(done.stdout.splitlines()[-1]))
@@ -86,7 +86,7 @@ def row(tried: Combination, runs: Sequence[tuple[dict[str, Any], float, float]])
     beyond = sum(d > s + u / abs(v) + ALLOWED for d, s, (_, v, u) in zip(off, stated, known, strict=True))
     spread = [f"{100 * np.median(x):.2f} %, {100 * x.max():.2g} %" if len(x) else "–" for x in (off, stated)]
     seconds = sum(run["seconds"] for run, _, _ in runs)
-    made = [f"{value:g}" for value in (tried.damping, tried.swing, tried.stiffer, tried.pace)]
+    made = [f"{value:g}" for value in (tried.damping, tried.swing, tried.stiffness, tried.speed)]
     return "| " + " | ".join([*made, f"{len(known)} of {len(runs)}", *spread, f"{beyond}", f"{seconds:.0f}"]) + " |"
 
 
@@ -101,8 +101,8 @@ def main() -> None:
         folder = Path(place)
         predicted = [(wall, solved(wall, folder).coulomb) for wall in drawn]
         predicted = [(wall, coulomb) for wall, coulomb in predicted if coulomb.value > 0.0]  # nothing to divide by
-        for (damping, swing), stiffer, pace in itertools.product(DAMPING, STIFFER, PACE):
-            tried = Combination(damping, swing, stiffer, pace)
+        for (damping, swing), stiffness, speed in itertools.product(DAMPING, STIFFNESS, SPEED):
+            tried = Combination(damping, swing, stiffness, speed)
             cases = [folder / f"{wall.name}.h5" for wall, _ in predicted]
             made = pool.map(attempt, cases, itertools.repeat(tried))
             runs = [(run, coulomb.value, coulomb.uncertainty) for run, (_, coulomb) in zip(made, predicted, strict=True)]

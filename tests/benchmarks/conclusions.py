@@ -78,7 +78,7 @@ def ladders(folder: Path) -> str:
             f"Where joints slide, the bound is {_percent(wall, ('associated', 'for a prediction'))} off on the wall and the classic "
             f"iteration {_percent(wall, CLASSIC)}.",
             f"The default prediction is {_priced(wall, DEFAULT)} there; one path with a viscosity of 0.1 W is {_priced(wall, ROUGH)}, two "
-            f"paths with steps ten times shorter are {_priced(wall, FINE)}. The right to more travel changes nothing where one travel is "
+            f"paths with steps ten times shorter are {_priced(wall, FINE)}. Allowing more travel changes nothing where one travel is "
             "enough.",
             f"With its derived settings YADE is {_priced(wall, DERIVED)} on the wall; four times as fast it is {_priced(wall, FASTER)}, at "
             f"half the speed {_priced(wall, SLOWER)}.",

@@ -37,7 +37,7 @@ def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest
 
 
 def test_the_estimated_times_follow_the_recorded_ones() -> None:
-    """The record's machine may be faster or slower than an ordinary one, so times are compared with the machine's own mean factor."""
+    """The record's machine may be faster or slower than an ordinary one, so times are compared with the machine's median factor."""
     records = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))
     names = sorted(set(records) - {"building_corner"})  # YADE did not run it again
     estimates = {name: estimated_times(len(structural_model(load_scene(shipped.find(name))).assembly.points)) for name in names}

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -142,14 +143,11 @@ def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) 
 @pytest.mark.parametrize("settled", [0.0, 0.5, 0.9])
 def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path_took_to_settle(travel: float, settled: float) -> None:
     """Travel over sag counts: up to 32 times the stiffness, then more of the travel, and at most all of it."""
-    scene, one_travel = scenes.shipped("two_pads"), 8e-4
-    way = np.linspace(0.0, travel, 200)
+    scene, way = scenes.shipped("two_pads"), np.linspace(0.0, travel, 200)
     value = np.where(way <= settled * travel, 1.0015, 1.0005)
 
     def sets(scene: Scene) -> dict[str, float]:
-        coulomb = SimpleNamespace(travel=travel, value=1.0, path_settlement=way * one_travel, path_value=value)
-        analysis = SimpleNamespace(scene=scene, coulomb=coulomb, stiffness=SimpleNamespace(travel=one_travel))
-        return case_file._settings_after_path(analysis)  # type: ignore[arg-type]
+        return case_file._settings_after_path(analysis_of(scene, way, value, 1.0))
 
     if travel == 1.0:
         assert sets(scene) == {}
@@ -160,6 +158,16 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
     enough = min(settled * travel / found["least_stiffening"] / STARTS[-1], 1.0)
     assert share == pytest.approx(max(enough, PLATEAU_SHARE), rel=0.02, abs=way[1] / 32.0)
     assert sets(same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")) == {}
+    noise = case_file._settings_after_path(analysis_of(scene, way, 1e-9 * np.sin(way), 0.0))
+    assert "plateau_share" not in noise  # a reaction of zero has settled where what is left is nothing beside the weight
+
+
+def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float) -> Any:
+    """Limit analysis of a weight of 10 N whose path had these values (T,), N, on its way (T,), in travels, to a value, N."""
+    coulomb = SimpleNamespace(travel=way[-1], value=value, path_settlement=8e-4 * way, path_value=values)
+    assembly = SimpleNamespace(effects=SimpleNamespace(friction="coulomb"), has_live_load=False, weight=10.0, support_speed=1.0)
+    stiffness, at_inset = SimpleNamespace(travel=8e-4), SimpleNamespace(sharpest=coulomb)
+    return SimpleNamespace(scene=scene, coulomb=coulomb, stiffness=stiffness, assembly=assembly, at_inset=at_inset)
 
 
 @pytest.mark.parametrize(("points", "most"), [(100, 3e6), (1400, 1.5e6), (8000, 7.5e5)])
