@@ -24,9 +24,8 @@ from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 from la_core.side_by_side import side_by_side
 
-# Times the difference between paths of large structures, whose smoothing differs tenfold: on a wall of 60 blocks, mu 0.3, a smoothing
-# of 30, 10, 3, 1 and 0.3 mean contact forces gave 0.463, 0.461, 0.457, 0.449 and 0.446 W, and sharp joints 0.442 W.
-SMOOTHED = 5.0
+# Times the move from the end of a path with smooth joints to the limit state near it.
+MOVED = 5.0
 # Of the value: what settings that should not matter change. On `wall_third` two ways of the viscosity gave 0.070328 and 0.070310.
 STEPS_SHARE = 3e-4
 SAFETY = 2.0  # times the difference between the two finest paths
@@ -115,18 +114,28 @@ def _paths(
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
-    """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on."""
+    """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on.
+
+    Where they leave the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes to its end.
+    """
+    viscosities = (*settings.viscosities, settings.viscosities[-1] / 10.0)
     number = len(settings.viscosities)
     progress = SharedProgress(joints, report, number)
 
     def followed(path: int) -> FollowedPath | None:
-        viscosity = settings.viscosities[path - 1]
+        viscosity = viscosities[path - 1]
         send = progress.sender(viscosity, path)
-        return follow_large(joints, Tangent(joints), wedging, viscosity, settings, path == number, send)
+        return follow_large(joints, Tangent(joints), wedging, viscosity, settings, path >= number, send)
 
     made = side_by_side(followed, range(1, number + 1), progress.stop)
     paths = [path for path in made if path is not None]
-    return paths if len(paths) == number else []
+    if len(paths) < number:
+        return []
+    last = paths[-1]
+    if not last.exhausted and _uncertainty(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
+        finer = followed(number + 1)
+        paths += [finer] if finer is not None and not finer.exhausted else []
+    return paths
 
 
 def _disagree(followed: list[FollowedPath]) -> bool:
@@ -138,7 +147,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
     values = [path.plateau.value for path in followed]
-    is_smooth = bool(np.isfinite(followed[-1].rounded))
+    is_smooth = followed[-1].smooth_error > 0.0
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups(values)
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
@@ -148,7 +157,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     stride = chosen.last.progress - chosen.before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
-    still_smooth = chosen.exhausted and np.isfinite(chosen.rounded)  # a path that was cut short before its joints became sharp
+    still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
     reached = chosen.last.progress >= first_travel(joints) and not still_smooth
     certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
@@ -183,11 +192,12 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
 def _uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
     """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
-    if np.isfinite(chosen.rounded):  # of smooth joints: what the smoothing and the last move to the limit state change
-        return SMOOTHED * max(abs(end.value - other) for other in (chosen.rounded, chosen.values[-1], *values))
-    if len(plateau.groups(values)) > 1:
+    near, moved = followed[-2:], 0.0
+    if chosen.smooth_error > 0.0:  # the smoothing of its paths differs, so that their means on the way do, too
+        differ = SAFETY * max(abs(end.value - path.plateau.value) for path in near)
+        moved = MOVED * abs(end.value - chosen.values[-1])
+    elif len(plateau.groups(values)) > 1:
         differ = max(abs(end.value - value) for value in values)
     else:
-        near = followed[-2:]
         differ = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    return float(np.nanmax([differ, end.doubt, STEPS_SHARE * abs(end.value)]))
+    return float(np.nanmax([differ, moved, end.doubt, SAFETY * chosen.smooth_error, STEPS_SHARE * abs(end.value)]))

@@ -8,7 +8,7 @@ import scenes
 
 from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, predict, prediction
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
-from la_core.coulomb.followed_path import Reporter
+from la_core.coulomb.followed_path import PredictionSettings, Reporter
 from la_core.limit import Drive, Status, solve_associated
 from la_core.model import assemble, joint_stiffness
 
@@ -77,10 +77,13 @@ def test_a_sharp_joint_remembers_the_friction_that_it_carries() -> None:
     assert np.array_equal(state.memory, state.force[:, 1:])
 
 
-@pytest.mark.parametrize(("split", "friction"), [(1.6, 0.3), (2.4, 0.6)])
-def test_large_structures_state_an_uncertainty_that_holds(split, friction, monkeypatch) -> None:
-    """A wall that is small enough for sharp joints, predicted both ways."""
-    scene = scenes.build(*scenes.wall(10, 6, split=split), friction=friction)
+@pytest.mark.parametrize(("per_course", "courses", "split", "friction"), [(10, 6, 2.8, 0.3), (10, 6, 2.0, 0.6), (12, 8, 3.2, 0.8)])
+def test_large_structures_state_an_uncertainty_that_holds(per_course, courses, split, friction, monkeypatch) -> None:
+    """A wall that is small enough for sharp joints, predicted both ways.
+
+    On the last one two paths with a smoothing of 30 and 3 mean contact forces were 7 % too low, and agreed within 0.3 %.
+    """
+    scene = scenes.build(*scenes.wall(per_course, courses, split=split), friction=friction)
     assembly = assemble(scene)
     stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
     associated = solve_associated(assembly, Drive.YIELDING)
@@ -89,7 +92,7 @@ def test_large_structures_state_an_uncertainty_that_holds(split, friction, monke
     smooth = predict(assembly, stiffness, associated)
     assert smooth.certificate <= ACCEPTED_RESIDUAL
     assert abs(smooth.value - sharp.value) <= smooth.uncertainty + sharp.uncertainty
-    assert (smooth.status is Status.SOLVED) == (smooth.uncertainty <= prediction.BROAD * smooth.value)
+    assert smooth.status is Status.SOLVED and smooth.uncertainty <= 0.01 * smooth.value
 
 
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
@@ -107,12 +110,13 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
 
     monkeypatch.setattr(prediction, "LARGE", 0.0)
     monkeypatch.setattr(followed_path, "limit_state_near", watched)
-    found = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE if live else Drive.YIELDING))
+    associated = solve_associated(assembly, Drive.LIVE if live else Drive.YIELDING)
+    found = predict(assembly, stiffness, associated, settings=PredictionSettings(viscosities=(1.0, 0.1)))
     before, value, joints = ends[-1]
     assert before > 10.0 * ACCEPTED_RESIDUAL
     assert found.certificate <= ACCEPTED_RESIDUAL
     assert found.value == pytest.approx(joints.value_in_units(value), rel=0.02)
-    assert found.uncertainty >= prediction.SMOOTHED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
+    assert found.uncertainty >= prediction.MOVED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
 
 
 def predicted_as_large(monkeypatch: pytest.MonkeyPatch, threads: int, report: Reporter | None = None) -> CoulombSolution:
@@ -130,7 +134,7 @@ def test_paths_side_by_side_give_the_answer_of_paths_in_turn(monkeypatch) -> Non
     one, two = predicted_as_large(monkeypatch, 1), predicted_as_large(monkeypatch, 2, reports.append)
     assert (one.value, one.uncertainty, one.iterations) == (two.value, two.uncertainty, two.iterations)
     assert np.array_equal(one.path_value, two.path_value)
-    assert {report.path for report in reports} == {1, 2} and max(report.share for report in reports) == pytest.approx(1.0)
+    assert {report.path for report in reports} == {1, 2, 3} and max(report.share for report in reports) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
