@@ -14,7 +14,7 @@ from yade_scripts.driving import Servo, SwingDamper, servo_of, set_speed, swing_
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
-from yade_scripts.settings import CRITICAL, Settings
+from yade_scripts.settings import CRITICAL, Settings, rattling_of
 
 ROWS_BETWEEN_FITS = 20
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
@@ -266,11 +266,15 @@ class Protocol:
     @property
     def rattles(self) -> bool:
         """Whether blocks jump on the way to the plateau or on it."""
-        return self._jumps or self.record.rattles(plateau.STARTS[0], self.settings.rattling)
+        return self._jumps or self.record.rattles(plateau.STARTS[0], self._rattling)
 
     @property
     def _jumps(self) -> bool:
-        return self.record.jumps(JUMP * self.settings.rattling)
+        return self.record.jumps(JUMP * self._rattling)
+
+    @property
+    def _rattling(self) -> float:
+        return rattling_of(self.case, self.settings, self.record.rows[-1].reaction)
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""

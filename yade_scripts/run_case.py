@@ -6,6 +6,7 @@ Ubuntu put them. Run with a plain Python interpreter, YADE opens no network sock
 """
 
 import argparse
+import contextlib
 import ctypes
 import dataclasses
 import importlib.util
@@ -95,6 +96,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     sys.path.append(find_yade())
     from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
 
+    _remove_scratch_folder()
     reporter.forecast(settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived))
 
     def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
@@ -123,6 +125,14 @@ def case_fields(path: Path) -> tuple[Any, ...]:
 def _expose(**called: Callable[[], Any]) -> None:
     """YADE's PyRunners evaluate their commands in the main module."""
     sys.modules["__main__"].__dict__.update(called)
+
+
+def _remove_scratch_folder() -> None:
+    """Remove the empty folder that YADE makes when it loads: nothing here uses it, and a process that is killed would leave it behind."""
+    from yade import Omega  # noqa: PLC0415  loadable from here on only
+
+    with contextlib.suppress(OSError):
+        Path(Omega().tmpFilename()).parent.rmdir()
 
 
 def _end_with_parent() -> None:

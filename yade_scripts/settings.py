@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
+from la_core.exchange import AT_STAKE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
 from yade_scripts.case import FREE, Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
@@ -27,6 +27,9 @@ STIFFENING = (
 # time steps as are enough for a small one, and at most some 40 minutes. The attempt at the run's own speed is made in any case.
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
+# Settings of a run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends with an
+# uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does.
+OF_LARGE = {"swing_damping": SWING_DAMPING, "stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
@@ -87,6 +90,12 @@ class Settings:
 def derive(case: Case) -> Settings:
     """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value."""
     overrides = _checked(case.overrides)
+    settings = _derived(case, overrides)
+    is_small = steps_to_plateau(settings) * len(case.host) <= SMALL_WORK
+    return settings if is_small else _derived(case, OF_LARGE | overrides)
+
+
+def _derived(case: Case, overrides: dict[str, float]) -> Settings:
     chosen: dict[str, Any] = {}
 
     def set_default(**values: float) -> None:
@@ -149,6 +158,16 @@ def _root_of_stiffness(chosen: dict[str, Any], enough: float) -> float:
 def most_steps(points: int) -> float:
     """Return the most time steps of all attempts together, by the number of contact points: an attempt beyond that is not made."""
     return max(SMALL_WORK, min(MOST_STEPS * points, MOST_WORK)) / points
+
+
+def rattling_of(case: Case, settings: Settings, reaction: float) -> float:
+    """Return the mean unbalanced force, over the mean block weight, above which blocks rattle. reaction: N, or N m.
+
+    Of a thousand blocks one jumps in nearly every run. This matters where its force is a share of the reaction, which many of them make.
+    """
+    if case.live is not None:
+        return settings.rattling
+    return settings.rattling * max(1.0, AT_STAKE * abs(reaction) / case.support_speed / case.block_weight)
 
 
 def slowness(case: Case) -> float:

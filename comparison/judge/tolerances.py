@@ -7,6 +7,7 @@ floor counts: no uncertainty, however large, turns a difference into agreement.
 from dataclasses import dataclass
 
 from comparison.yade import Results
+from la_core import exchange
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Status
 
@@ -53,6 +54,18 @@ def floor(results: Results) -> float:
     """Return what neither method states, N or N m; either may be off by a requested accuracy."""
     analysis, reaction = results.analysis, abs(results.recorded.result.reaction)
     return max(max(FLOOR, 2.0 * accuracy_share(analysis)) * reaction, least_reaction(analysis))
+
+
+def unbalanced(results: Results) -> float:
+    """Return the largest unbalanced force of a quasi-static state, over the mean block weight.
+
+    It is a share of a block's weight, or of AT_STAKE of the reaction where this is more: of a thousand blocks a few always move.
+    """
+    assembly = results.analysis.assembly
+    if assembly.has_live_load:
+        return UNBALANCED
+    reaction = abs(results.recorded.result.reaction) / assembly.support_speed
+    return UNBALANCED * max(1.0, exchange.AT_STAKE * reaction / assembly.mean_weight)  # 1 where the reaction is undefined
 
 
 def accuracy_share(analysis: LimitAnalysis) -> float:

@@ -40,6 +40,10 @@ try:
 except ImportError as error:
     sys.exit(f"cannot load YADE ({error})")
 version = yade.config.version
+try:
+    pathlib.Path(yade.Omega().tmpFilename()).parent.rmdir()  # the scratch folder that YADE makes when it loads, and leaves behind
+except (AttributeError, OSError):
+    pass
 needed, wanted = [], []
 for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
     body = ast.parse(source.read_text(encoding="utf-8")).body

@@ -1,7 +1,16 @@
 """The HDF5 contract with YADE: what `case.h5` and `run.h5` hold, how they are written, read and checked."""
 
 from la_core.exchange.checksummed_file import ExchangeError, write_whole
-from la_core.exchange.dem_settings import LATER_SETTINGS, LATEST_START, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, SETTINGS, TRAVEL_PERIODS
+from la_core.exchange.dem_settings import (
+    AT_STAKE,
+    LATER_SETTINGS,
+    LATEST_START,
+    PLATEAU_SHARE,
+    POSES,
+    RADIUS_OVER_INSET,
+    SETTINGS,
+    TRAVEL_PERIODS,
+)
 from la_core.exchange.fields import (
     CASE_FIELDS,
     FIRST_PREDICTION,
@@ -25,6 +34,7 @@ from la_core.exchange.fields import (
 from la_core.exchange.hdf5 import holds, inputs_digest, present, read, values_of, write
 
 __all__ = [
+    "AT_STAKE",
     "CASE_FIELDS",
     "FIRST_PREDICTION",
     "FIXED",

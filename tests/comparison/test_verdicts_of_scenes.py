@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from judged_runs import case_of
@@ -89,6 +91,17 @@ def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     }
     for module, names in rooms.items():
         assert all(0.0 < getattr(module, name) <= 0.05 for name in names)
+
+
+@pytest.mark.parametrize(("reaction", "accepted"), [(math.nan, 0.02), (-249.0, 0.02), (1000.0, 0.08)])
+def test_what_is_quasi_static_is_small_beside_a_block_or_beside_the_reaction(reaction: float, accepted: float) -> None:
+    """Blocks of 10 N: an unbalanced force that is nothing beside a reaction of 1 kN."""
+    assembly = SimpleNamespace(has_live_load=False, support_speed=1.0, mean_weight=10.0)
+    recorded = SimpleNamespace(result=SimpleNamespace(reaction=reaction))
+    results: Any = SimpleNamespace(analysis=SimpleNamespace(assembly=assembly), recorded=recorded)
+    assert tolerances.unbalanced(results) == pytest.approx(accepted)
+    assembly.has_live_load = True  # the reaction is then a multiplier
+    assert tolerances.unbalanced(results) == tolerances.UNBALANCED
 
 
 def test_a_machine_that_was_too_slow_contradicts_no_proof(tmp_path) -> None:

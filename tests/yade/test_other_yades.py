@@ -1,5 +1,6 @@
 """YADE of other versions and builds: run with a word of caution, and refused only where something that is needed is missing."""
 
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -64,3 +65,24 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
     said = capsys.readouterr().err
     assert "is not a box along the axes" in said and 'displacement = "small"' in said and said.count("YADE: failed") == 1
     assert "Debian 12" in said and "Traceback" not in said
+
+
+def test_yade_leaves_no_scratch_folder_behind() -> None:
+    """YADE makes a folder in the system's temporary one when it loads, and a process that ends at once never removes it."""
+    yade = process.find_yade()
+    statement = f"""
+import sys
+from pathlib import Path
+sys.path[:0] = [{str(process.ROOT)!r}, {str(yade.modules)!r}]
+from yade import Omega
+from yade_scripts import run_case
+folder = Path(Omega().tmpFilename()).parent
+assert folder.is_dir() and folder.name.startswith("yade-")
+run_case._remove_scratch_folder()
+run_case._remove_scratch_folder()
+print("left" if folder.exists() else "removed")
+"""
+    ended = subprocess.run(
+        [yade.python, "-s", "-c", statement], env=process.yade_environment(), capture_output=True, text=True, check=False
+    )
+    assert ended.stdout.splitlines()[-1:] == ["removed"], ended.stderr

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,11 +16,12 @@ from verdict_scenes import EARLIER_SEED, drawn
 
 from comparison.workflow.one_scene import run_scene
 from comparison.yade import Run, read_results
-from la_core.analysis import case_file
+from la_core import exchange
+from la_core.analysis import analyse, case_file
 from la_core.coulomb import CoulombSolution
 from la_core.exchange import PLATEAU_SHARE
 from la_core.scene import Scene, same_structure
-from yade_scripts import settings
+from yade_scripts import case, settings
 from yade_scripts.plateau import STARTS
 
 PARTS = ("scatter", "fit", "rate", "stiffness")
@@ -174,3 +176,29 @@ def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float)
 def test_all_attempts_together_take_a_bounded_number_of_steps(points: int, most: float) -> None:
     """A small structure may take 3e8 steps times contact points, a larger one 1.5 million steps, and none more than some 40 minutes."""
     assert settings.most_steps(points) == most
+
+
+@pytest.mark.parametrize(("reaction", "allowed"), [(0.0, 0.02), (249.0, 0.02), (-1000.0, 0.08)])
+def test_what_counts_as_rattling_is_small_beside_a_block_or_beside_the_reaction(reaction: float, allowed: float) -> None:
+    """Blocks of 10 N: one of them that jumps is nothing beside a reaction of 1 kN."""
+    one: Any = SimpleNamespace(live=None, support_speed=1.0, block_weight=10.0)
+    chosen: Any = SimpleNamespace(rattling=0.02)
+    assert settings.rattling_of(one, chosen, reaction) == pytest.approx(allowed)
+    one.live, one.support_speed = np.array([1.0, 0.0, 0.0]), 1.0
+    assert settings.rattling_of(one, chosen, reaction) == chosen.rattling  # there the reaction is a multiplier
+
+
+def test_a_large_structure_has_its_swing_damped_at_once_moves_faster_and_stops_sooner(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = scenes.build(*scenes.wall(4, 3, split=0.8), inset=0.001)
+    case_file.write_case(tmp_path / "case.h5", analyse(scene), "test")
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    small = settings.derive(one)
+    assert (small.swing_damping, small.stop_uncertainty, small.travel_periods) == (0.0, 0.002, pytest.approx(1200.0))
+    monkeypatch.setattr(settings, "SMALL_WORK", 0.9 * settings.steps_to_plateau(small) * len(one.host))
+    large = settings.derive(one)
+    assert (large.swing_damping, large.stop_uncertainty, large.travel_periods) == (0.5, 0.005, pytest.approx(600.0))
+    assert large.speed == pytest.approx(2.0 * small.speed) and large.time_step == small.time_step
+    asked = settings.derive(replace(one, overrides={"swing_damping": 0.0, "stop_uncertainty": 1e-3}))
+    assert (asked.swing_damping, asked.stop_uncertainty, asked.travel_periods) == (0.0, 1e-3, pytest.approx(600.0))
