@@ -10,6 +10,7 @@ K. P. White, An effective truncation heuristic for bias reduction in simulation 
 C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992) 473-483.
 """
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -30,6 +31,8 @@ _RECTANGULAR = 1.0 / np.sqrt(12.0)
 
 EARLY = 0.01  # of the reaction: largest uncertainty of a plateau that the reaction leaves; a judge would not decide by a larger one
 LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
+STEADY = 0.02  # of the velocity of the support: most by which that of a block may change over a plateau; the judge sees 0.05
+UNSTEADY = 0.01  # share of the free blocks that may change by more: of a thousand blocks a few always do
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 
 
@@ -178,6 +181,16 @@ def largest_speed(first: State, last: State) -> float:
     """Return the largest displacement of a block between two states over the change of the settlement, at least 1."""
     travelled = last[0] - first[0]
     return max(1.0, float(np.linalg.norm(last[1] - first[1], axis=1).max()) / travelled) if travelled > 0.0 else 1.0
+
+
+def is_steady(states: tuple[State, State, State], free: np.ndarray, fastest: float) -> bool:
+    """Whether the free blocks keep their velocity from the first state over the second to the last, but for a few of many.
+
+    free: their indices (F,); fastest: largest velocity over that of the settlement.
+    """
+    before, after = ((now[1] - then[1])[free] / (now[0] - then[0]) for then, now in itertools.pairwise(states))
+    changed = np.linalg.norm(after - before, axis=1) > STEADY * fastest
+    return int(changed.sum()) <= UNSTEADY * len(free)
 
 
 def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:

@@ -11,8 +11,6 @@ from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, Record, Status
 from yade_scripts.settings import Settings
 
-STEADY = 0.02  # of the velocity of the support: most by which that of a block may change over a plateau; the judge sees 0.05
-UNSTEADY = 0.01  # share of the free blocks that may change by more: of a thousand blocks a few always do
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 
 
@@ -108,10 +106,8 @@ class PlateauSearch:
         if len(states) < 2:
             return True
         middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
-        first, last = ((b[1] - a[1]) / (b[0] - a[0]) for a, b in ((states[0], middle), (middle, now)))
         fastest = self.case.support_speed if self.case.live is None else plateau.largest_speed(middle, now)
-        changed = np.linalg.norm((last - first)[self.case.free], axis=1) > STEADY * fastest
-        return int(changed.sum()) <= UNSTEADY * len(changed)
+        return plateau.is_steady((states[0], middle, now), self.case.free, fastest)
 
     def _scale(self, fit: Plateau) -> float:
         """Return the reaction by which uncertainties are measured."""

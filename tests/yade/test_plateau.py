@@ -204,3 +204,17 @@ def test_correlation_length_of_known_processes() -> None:
     for row in range(1, len(noise)):
         noise[row] += memory * noise[row - 1]
     assert plateau.correlation_length(noise) == pytest.approx((1.0 + memory) / (1.0 - memory), rel=0.2)
+
+
+@pytest.mark.parametrize(("blocks", "changing", "steady"), [(30, 0, True), (30, 1, False), (250, 2, True), (250, 3, False)])
+def test_a_motion_is_steady_where_all_blocks_keep_their_velocity_or_all_but_one_in_a_hundred(
+    blocks: int, changing: int, steady: bool
+) -> None:
+    """Block 0 is a support, which does not count; some others change their velocity by 3 % of its own."""
+    velocity, change = np.ones((blocks + 1, 3)), np.zeros((blocks + 1, 3))
+    change[1 : 1 + changing, 2] = 0.03
+    change[0] = 1.0
+    nothing = np.zeros((0, 3))
+    ways = (1e-4 * velocity, 2e-4 * velocity, 2e-4 * velocity + 2e-4 * (velocity + change))
+    states = [(s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True)]
+    assert plateau.is_steady((states[0], states[1], states[2]), np.arange(1, blocks + 1), 1.0) is steady
