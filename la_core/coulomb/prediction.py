@@ -116,8 +116,7 @@ def _paths(
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
     """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on.
 
-    Where they differ so much that a judge would not decide by the value, a finer path follows, unless their curve is still less certain;
-    it counts where it comes to its end.
+    Where they leave the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes to its end.
     """
     viscosities = (*settings.viscosities, settings.viscosities[-1] / 10.0)
     number = len(settings.viscosities)
@@ -133,8 +132,7 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
     if len(paths) < number:
         return []
     last = paths[-1]
-    enough = max(plateau.EARLY * plateau.reference_size(last.plateau.value), last.plateau.doubt)
-    if not last.exhausted and _left_by_smoothing(last, paths) > enough:
+    if not last.exhausted and _uncertainty(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
         finer = followed(number + 1)
         paths += [finer] if finer is not None and not finer.exhausted else []
     return paths
@@ -194,20 +192,12 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
 def _uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
     """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
-    if chosen.smooth_error > 0.0:
-        differ = _left_by_smoothing(chosen, followed)
+    near, moved = followed[-2:], 0.0
+    if chosen.smooth_error > 0.0:  # the smoothing of its paths differs, so that their means on the way do, too
+        differ = SAFETY * max(abs(end.value - path.plateau.value) for path in near)
+        moved = MOVED * abs(end.value - chosen.values[-1])
     elif len(plateau.groups(values)) > 1:
         differ = max(abs(end.value - value) for value in values)
     else:
-        near = followed[-2:]
         differ = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    return float(np.nanmax([differ, end.doubt, STEPS_SHARE * abs(end.value)]))
-
-
-def _left_by_smoothing(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
-    """What smooth joints leave uncertain, scaled: the difference of the two finest paths at their ends (their means depend on the smoothing
-    on the way), the move to the limit state, and the error of the law.
-    """
-    value = chosen.plateau.value
-    differ = max(abs(value - path.plateau.value) for path in followed[-2:])
-    return max(SAFETY * differ, MOVED * abs(value - float(chosen.values[-1])), SAFETY * chosen.smooth_error)
+    return float(np.nanmax([differ, moved, end.doubt, SAFETY * chosen.smooth_error, STEPS_SHARE * abs(end.value)]))
