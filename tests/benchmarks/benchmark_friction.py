@@ -1,28 +1,33 @@
 """Accuracy and cost of the Coulomb prediction: its stated uncertainty against viscosities and steps ten times finer.
 
     python tests/benchmarks/benchmark_friction.py [--quick] [--large] [--verbose] [-o RECORD.json]
+    python tests/benchmarks/benchmark_friction.py --smooth
     python tests/benchmarks/benchmark_friction.py --write
 
 Running-bond walls, sharp arrises, a third or half of the base settles. Every wall is predicted with the default viscosities,
-with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value. --write runs nothing:
-it writes the table and the figure of the page friction.md from the record in the gallery.
+with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value. --smooth adds to the record
+in the gallery how every wall is predicted with the smooth joints of large structures. --write runs nothing: it writes the tables and the
+figure of the page friction.md from the record in the gallery.
 """
 
 import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
+from unittest import mock
 
 import scenes
-from friction_record import COARSER, DEFAULT, REFERENCE, Case, Result, Run, write
+from friction_record import COARSER, DEFAULT, GALLERY, RECORD, REFERENCE, SMOOTH, Case, Result, Run, read, write
 from friction_report import listing, summary, write_page
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from la_core.coulomb import PredictionSettings, predict
+from la_core.coulomb import PredictionSettings, predict, prediction
 from la_core.limit import Drive, solve_associated
 from la_core.model import assemble, joint_stiffness
 
@@ -41,12 +46,23 @@ SETTINGS = {
 
 def run(case: Case) -> Result:
     """Predict one wall with all settings."""
+    return Result(case, predictions(case, SETTINGS))
+
+
+def run_smooth(recorded: Result) -> Result:
+    """Add to a wall's record its prediction with smooth joints, which no wall here is large enough to need."""
+    with mock.patch.object(prediction, "LARGE", 0.0):
+        return replace(recorded, runs=recorded.runs | predictions(recorded.case, {SMOOTH: SETTINGS[DEFAULT]}))
+
+
+def predictions(case: Case, settings: dict[str, PredictionSettings]) -> dict[str, Run]:
+    """Predict one wall with each of some settings."""
     parts = scenes.wall(case.per_course, case.courses, split=0.4 * (case.per_course - case.settling))
     assembly = assemble(scenes.build(*parts, friction=case.friction))
     stiffness, associated = joint_stiffness(assembly, 0.0, {}), solve_associated(assembly, Drive.YIELDING)
     runs = {}
-    for name, settings in SETTINGS.items():
-        answer = predict(assembly, stiffness, associated, settings=settings)
+    for name, one in settings.items():
+        answer = predict(assembly, stiffness, associated, settings=one)
         runs[name] = Run(
             answer.status.value,
             answer.value / assembly.weight,
@@ -57,7 +73,7 @@ def run(case: Case) -> Result:
             answer.iterations,
             answer.seconds,
         )
-    return Result(case, runs)
+    return runs
 
 
 def cases(quick: bool, large: bool = False) -> Iterator[Case]:
@@ -67,24 +83,24 @@ def cases(quick: bool, large: bool = False) -> Iterator[Case]:
         yield Case(per_course, courses, friction, per_course // part)
 
 
-def run_all(todo: list[Case], workers: int, console: Console, record: Path | None) -> list[Result]:
-    """Run the cases in their own processes and write the record after each; results in the cases' order."""
+def run_all(calls: Iterable[tuple[Callable[[Any], Result], Any]], workers: int, console: Console, record: Path | None) -> list[Result]:
+    """Make calls, each a function and its argument, in their own processes, and write the record after each; results in their order."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    found: dict[Case, Result] = {}
     with ProcessPoolExecutor(workers) as pool, Progress(*columns, console=console) as progress:
-        task = progress.add_task("walls", total=len(todo))
-        for future in as_completed([pool.submit(run, case) for case in todo]):
-            found[future.result().case] = future.result()
+        futures = [pool.submit(*call) for call in calls]
+        task = progress.add_task("walls", total=len(futures))
+        for _ in as_completed(futures):
             progress.advance(task)
             if record is not None:
-                write(record, [found[case] for case in todo if case in found])
-    return [found[case] for case in todo]
+                write(record, [future.result() for future in futures if future.done()])
+    return [future.result() for future in futures]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a handful of small walls")
     parser.add_argument("--large", action="store_true", help="walls of 160 and 240 blocks, too")
+    parser.add_argument("--smooth", action="store_true", help="add predictions with smooth joints to the record in the gallery")
     parser.add_argument("--verbose", action="store_true", help="list every wall")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("-o", "--output", type=Path, metavar="RECORD", help="file for all values, JSON")
@@ -94,7 +110,12 @@ def main() -> None:
         write_page()
         return
     console = Console()
-    results = run_all(list(cases(options.quick, options.large)), options.workers, console, options.output)
+    if options.smooth:
+        write(GALLERY / RECORD, run_all([(run_smooth, one) for one in read(GALLERY / RECORD)], options.workers, console, None))
+        write_page()
+        return
+    todo = [(run, case) for case in cases(options.quick, options.large)]
+    results = run_all(todo, options.workers, console, options.output)
     if options.verbose:
         console.print(listing(results))
     console.print(summary(results))

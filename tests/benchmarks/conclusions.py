@@ -47,6 +47,7 @@ def pages(folder: Path = GALLERY) -> dict[str, str]:
         "friction.md": {
             "classic iteration": classic_iteration(campaign_rows(folder)),
             friction_report.PART: friction_report.page_part(folder),
+            friction_report.SMOOTH_PART: friction_report.smooth_part(folder),
         },
         "seed_paper.md": {"counts": counts(folder), "reactions": reactions(campaign_rows(folder))},
     }

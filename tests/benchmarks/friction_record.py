@@ -8,7 +8,7 @@ import numpy as np
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 RECORD = "friction.json"  # in the gallery
-COARSER, DEFAULT, REFERENCE = "coarser", "default", "reference"  # names of settings
+COARSER, DEFAULT, REFERENCE, SMOOTH = "coarser", "default", "reference", "smooth"  # names of settings
 LEAST = 1e-3  # of the weight: a reaction below it is judged by this
 ALIKE = 1e-6  # relative: a smaller difference is round-off
 

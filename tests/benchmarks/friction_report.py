@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from friction_record import ALIKE, COARSER, DEFAULT, GALLERY, RECORD, REFERENCE, Result, read
+from friction_record import ALIKE, COARSER, DEFAULT, GALLERY, RECORD, REFERENCE, SMOOTH, Result, read
 from marked_text import sentences, with_part
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ from comparison.figures import FAINT, INK, method_colour
 from comparison.judge.requested_accuracy import percent
 from la_core.text_table import number_text
 
-PART = "predictions"  # of friction.md: what is written from the record
+PART, SMOOTH_PART = "predictions", "smooth joints"  # of friction.md: what is written from the record
 FAR = 0.01  # relative: a difference that would decide a verdict
 NAMES = (
     "settings",
@@ -31,9 +31,9 @@ NAMES = (
 )
 
 
-def rows(results: list[Result]) -> Iterator[tuple[str, ...]]:
+def rows(results: list[Result], names: tuple[str, ...] = (COARSER, DEFAULT, REFERENCE)) -> Iterator[tuple[str, ...]]:
     """One row for each setting: errors against the reference, stated uncertainties, and cost."""
-    for name in (COARSER, DEFAULT, REFERENCE):
+    for name in names:
         runs = [result.runs[name] for result in results]
         off = np.array([result.deviation(name) for result in results])
         stated = np.array([result.runs[name].uncertainty / result.scale for result in results])
@@ -86,6 +86,20 @@ def page_part(folder: Path = GALLERY) -> str:
     results = read(folder / RECORD)
     table = [NAMES, ("---",) * len(NAMES), *rows(results)]
     return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + conclusions(results)
+
+
+def smooth_part(folder: Path = GALLERY) -> str:
+    """Table of predictions with smooth joints, for walls of each number of blocks, and what it says."""
+    results = [result for result in read(folder / RECORD) if SMOOTH in result.runs]
+    sizes = sorted({result.case.per_course * result.case.courses for result in results})
+    table = [("blocks", *NAMES[1:]), ("---",) * len(NAMES)]
+    for size in sizes:
+        alike = [result for result in results if result.case.per_course * result.case.courses == size]
+        table += [(str(size), *row[1:]) for row in rows(alike, (SMOOTH,))]
+    failed = [result.runs[SMOOTH].uncertainty / result.scale for result in results if result.excess(SMOOTH) > 1.0]
+    warned = f"These walls state at least {percent(min(failed))}, by which no judge decides." if failed and min(failed) > FAR else ""
+    said = sentences([f"The stated uncertainty {_held(results, SMOOTH)}.", warned])
+    return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + said
 
 
 def conclusions(results: list[Result]) -> str:
@@ -147,5 +161,6 @@ def figure(results: list[Result]) -> Figure:
 def write_page(folder: Path = GALLERY) -> None:
     """Write the part of friction.md and the figure from the record in the folder."""
     page = folder / "friction.md"
-    page.write_text(with_part(page.read_text(encoding="utf-8"), PART, page_part(folder)), encoding="utf-8")
+    text = with_part(page.read_text(encoding="utf-8"), PART, page_part(folder))
+    page.write_text(with_part(text, SMOOTH_PART, smooth_part(folder)), encoding="utf-8")
     figure(read(folder / RECORD)).savefig(folder / "friction.png", dpi=110)

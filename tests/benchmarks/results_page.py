@@ -173,8 +173,7 @@ def _figures(entries: dict[str, Entry]) -> str:
             f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes in YADE and is *{model['verdict']}*. Its joints stick and "
             f"slip in YADE. Its reaction, with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, "
             f"differs by {percent(abs(_off(model)))} from the prediction, "
-            f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}: "
-            "five times what smooth joints change on the way to sharp ones."
+            f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}."
         )
         parts.append(fill(text, WIDTH) + "\n")
         parts.append(
