@@ -10,7 +10,7 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
-from yade_scripts.driving import Servo, SwingDamper, servo_of, set_speed, swing_damper
+from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
@@ -219,9 +219,9 @@ class Protocol:
 
     def _load(self, elapsed: float) -> bool:
         """Let the weights act, `elapsed` seconds after the start of their ramp; return whether they still grow."""
-        ramp = self.settings.gravity_ramp
-        set_loads(self.case, self.model, _ramp(elapsed, ramp))
-        return elapsed < ramp
+        duration = self.settings.gravity_ramp
+        set_loads(self.case, self.model, ramp(elapsed, duration))
+        return elapsed < duration
 
     def _watch_gravity(self, row: Row) -> None:
         loading = self._load(row.time - self._start_time)
@@ -278,7 +278,7 @@ class Protocol:
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
-        self._speed = _ramp(elapsed, self.settings.ramp_time) * self.settings.speed
+        self._speed = ramp(elapsed, self.settings.ramp_time) * self.settings.speed
         set_speed(self.case, self.model.drive, self._speed)
 
     def _judge(self) -> None:
@@ -296,8 +296,3 @@ class Protocol:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):
             self.search.plateau = plateau.NONE
         self.status, self.message = status, message
-
-
-def _ramp(elapsed: float, duration: float) -> float:
-    """Return the share of a cosine ramp, `elapsed` seconds after its start."""
-    return 0.5 - 0.5 * math.cos(math.pi * elapsed / duration) if elapsed < duration else 1.0

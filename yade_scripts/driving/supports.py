@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -38,3 +39,8 @@ def set_speed(case: Case, drives: list[KinematicEngine], speed: float) -> None:
             drive.linearVelocity = speed * float(twist[:3] @ twist[3:]) / rate
         else:
             drive.velocity = speed * float(np.linalg.norm(twist[:3]))
+
+
+def ramp(elapsed: float, duration: float) -> float:
+    """Return the share of a cosine ramp from rest, `elapsed` seconds after its start."""
+    return 0.5 - 0.5 * math.cos(math.pi * elapsed / duration) if elapsed < duration else 1.0
