@@ -1,8 +1,8 @@
 """The attempts of a run: quick ones that find damping and stiffness, then slower ones until speed hardly matters.
 
 Where the blocks of an attempt rattle, the next one damps the swing of the blocks, which leaves the time step as it is; where they rattle
-even then, the next one has critical damping in the contacts, too: its steps are a third as long. (A large structure, whose swing is damped
-at once, keeps its dashpots: on a wall of 1,008 blocks both gave the same reaction.) The first attempt moves `quick_speed`
+even then, the next one has critical damping in the contacts, too: its steps are a third as long. (A large plane structure, whose swing is
+damped at once, keeps its dashpots: on a wall of 1,008 blocks both gave the same reaction.) The first attempt moves `quick_speed`
 times as fast as the run. Where its curve still creeps at the end of the travel, the joints are made stiffer: only travel over the elastic
 sag counts. Where it sticks and slips, the swing is damped. Then comes the run at its own speed. The difference between the two says what
 the speed may still do: at most as much as if the reaction followed its root. (What follows the speed itself, as drag does, is
@@ -59,7 +59,7 @@ class Plan:
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
     """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings."""
-    if derived.swing_damping > 0.0 and "swing_damping" not in case.overrides:  # a large structure, which keeps its dashpots
+    if derived.swing_damping > 0.0 and "swing_damping" not in case.overrides:  # a large plane structure, which keeps its dashpots
         case = replace(case, overrides=case.overrides | {"damping_ratio": derived.damping_ratio})
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:

@@ -27,8 +27,9 @@ STIFFENING = (
 # time steps as are enough for a small one, and at most some 40 minutes. The attempt at the run's own speed is made in any case.
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
-# Settings of a run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends with an
-# uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does.
+# Settings of a plane run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends
+# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does. In space light
+# dashpots let one jump lead from one plateau to another.
 OF_LARGE = {"swing_damping": SWING_DAMPING, "stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
@@ -91,8 +92,8 @@ def derive(case: Case) -> Settings:
     """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value."""
     overrides = _checked(case.overrides)
     settings = _derived(case, overrides)
-    is_small = steps_to_plateau(settings) * len(case.host) <= SMALL_WORK
-    return settings if is_small else _derived(case, OF_LARGE | overrides)
+    is_large = case.plane and steps_to_plateau(settings) * len(case.host) > SMALL_WORK
+    return _derived(case, OF_LARGE | overrides) if is_large else settings
 
 
 def _derived(case: Case, overrides: dict[str, float]) -> Settings:
