@@ -18,7 +18,7 @@ from yade_scripts.case import Case
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
-from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, most_steps, slowness
+from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_large, most_steps, slowness
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
@@ -59,11 +59,12 @@ class Plan:
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
     """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings."""
-    if derived.swing_damping > 0.0 and "swing_damping" not in case.overrides:  # a large plane structure, which keeps its dashpots
+    large = is_large(case)  # once for all attempts: more damping makes more steps
+    if large and derived.swing_damping > 0.0:  # it keeps its dashpots
         case = replace(case, overrides=case.overrides | {"damping_ratio": derived.damping_ratio})
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
-        attempt = run(case, settings_of(case, derived, plan))
+        attempt = run(case, settings_of(case, derived, plan, large))
         steps += attempt.steps
         outcome = _with_rate(attempt, before)
         again = _next(attempt, outcome, plan, steps)
@@ -77,11 +78,11 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol
         plan = again
 
 
-def settings_of(case: Case, derived: Settings, plan: Plan) -> Settings:
+def settings_of(case: Case, derived: Settings, plan: Plan, large: bool | None = None) -> Settings:
     """Return the settings of an attempt. derived: those of the case, which a plan with its own speed alone keeps."""
     given = {"stiffening": plan.stiffening, "damping_ratio": plan.damping, "swing_damping": plan.swing}
     changed = {name: value for name, value in given.items() if value is not None}
-    settings = derive(replace(case, overrides=case.overrides | changed)) if changed else derived
+    settings = derive(replace(case, overrides=case.overrides | changed), large) if changed else derived
     pace = plan.pace
     ramp, periods = settings.ramp_time / pace, settings.travel_periods / pace
     return replace(settings, speed=pace * settings.speed, ramp_time=ramp, travel_periods=periods)

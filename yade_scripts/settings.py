@@ -88,12 +88,18 @@ class Settings:
     swing_damping: float  # damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none
 
 
-def derive(case: Case) -> Settings:
-    """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value."""
+def derive(case: Case, large: bool | None = None) -> Settings:
+    """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value.
+
+    large: whether it counts as large; None decides it by the case.
+    """
     overrides = _checked(case.overrides)
-    settings = _derived(case, overrides)
-    is_large = case.plane and steps_to_plateau(settings) * len(case.host) > SMALL_WORK
-    return _derived(case, OF_LARGE | overrides) if is_large else settings
+    return _derived(case, OF_LARGE | overrides if (is_large(case) if large is None else large) else overrides)
+
+
+def is_large(case: Case) -> bool:
+    """Whether a plane case takes so long that its run has the settings OF_LARGE."""
+    return case.plane and steps_to_plateau(_derived(case, _checked(case.overrides))) * len(case.host) > SMALL_WORK
 
 
 def _derived(case: Case, overrides: dict[str, float]) -> Settings:

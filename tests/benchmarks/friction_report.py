@@ -97,7 +97,7 @@ def smooth_part(folder: Path = GALLERY) -> str:
         alike = [result for result in results if result.case.per_course * result.case.courses == size]
         table += [(str(size), *row[1:]) for row in rows(alike, (SMOOTH,))]
     failed = [result.runs[SMOOTH].uncertainty / result.scale for result in results if result.excess(SMOOTH) > 1.0]
-    warned = f"These walls state at least {percent(min(failed))}, by which no judge decides." if failed and min(failed) > FAR else ""
+    warned = f"These walls state at least {percent(min(failed))}, too much for a verdict." if failed and min(failed) > FAR else ""
     said = sentences([f"The stated uncertainty {_held(results, SMOOTH)}.", warned])
     return "\n".join(f"| {' | '.join(row)} |" for row in table) + "\n\n" + said
 

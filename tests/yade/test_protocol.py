@@ -161,7 +161,7 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
     assert share == pytest.approx(max(enough, PLATEAU_SHARE), rel=0.02, abs=way[1] / 32.0)
     assert sets(same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")) == {}
     noise = case_file._settings_after_path(analysis_of(scene, way, 1e-9 * np.sin(way), 0.0))
-    assert "plateau_share" not in noise  # a reaction of zero has settled where what is left is nothing beside the weight
+    assert "plateau_share" not in noise  # noise about a reaction of zero is small beside the weight
 
 
 def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float) -> Any:
