@@ -60,8 +60,7 @@ The columns:
 - *R_min*, *R_max*: bounds of associated limit analysis. *Coulomb*: the prediction for friction without dilatancy. *its interval*: the
   values that the predicted mechanism allows, whatever friction's history was.
 - *its uncertainty*: the uncertainty of the prediction that limit analysis states before YADE runs. All values are for the scene's inset.
-- *YADE R/W*: the plateau with its uncertainty, the sum of its parts; `building_corner`, run before, states the root of the sum of their
-  squares.
+- *YADE R/W*: the plateau with its uncertainty, the sum of its parts.
 - *iterations*: Newton iterations of all paths, or of the search for sliding joints. *LA s*: seconds of the solver for the whole limit
   analysis. *YADE s*: seconds of one run on one core. Seconds are by the clock: while other work ran on the machine, they are up to a
   few times too long.
@@ -170,7 +169,7 @@ def _figures(entries: dict[str, Entry]) -> str:
     if BUILDING in entries:
         model, seconds = entries[BUILDING]["reduced"], entries[BUILDING]["reduced"]["yade_seconds"]
         text = (
-            f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes in YADE and is *{model['verdict']}*. Its joints stick and "
+            f"`{BUILDING}` takes {number_text(seconds / 60.0, 2)} minutes in YADE; verdict: *{model['verdict']}*. Its joints stick and "
             f"slip in YADE. Its reaction, with an uncertainty of {percent(model['uncertainty'] / model['yade'])}, "
             f"differs by {percent(abs(_off(model)))} from the prediction, "
             f"whose stated uncertainty is {percent(model['stated'] / model['predicted'])}."

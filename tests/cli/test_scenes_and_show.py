@@ -39,7 +39,7 @@ def test_show_states_dimensions_density_and_times(tmp_path: Path, capsys: pytest
 def test_the_estimated_times_follow_the_recorded_ones() -> None:
     """The record's machine may be faster or slower than an ordinary one, so times are compared with the machine's median factor."""
     records = json.loads((GALLERY / "results.json").read_text(encoding="utf-8"))
-    names = sorted(set(records) - {"building_corner"})  # YADE did not run it again
+    names = sorted(records)
     estimates = {name: estimated_times(len(structural_model(load_scene(shipped.find(name))).assembly.points)) for name in names}
     factors = np.array([records[name]["reduced"]["yade_seconds"] / middle(estimates[name]["yade"]) for name in names])
     machine = float(np.median(factors))

@@ -76,13 +76,13 @@ def test_the_path_runs_along_yade_s_record(name: str, cross_checked: CrossCheck)
 
 @pytest.mark.long
 def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked: CrossCheck) -> None:
-    """Start it with `make test-long`: half an hour. It sticks and slips, so YADE may stay undecided within the mechanism's interval."""
+    """Start it with `make test-long`: a quarter of an hour. It sticks and slips, and both methods state more than the judge decides by."""
     found = cross_checked("building_corner")
     coulomb, result = found.analysis.coulomb, found.run.result
     assert found.summary["free_blocks"] >= 1000
     assert found.analysis.assembly.effects.reach
     assert coulomb is not None and coulomb.status is Status.SOLVED
     assert found.run.status == "plateau"
-    assert coulomb.interval[0] - result["uncertainty"] <= result["reaction"] <= coulomb.interval[1] + result["uncertainty"]
+    assert abs(result["reaction"] - coulomb.value) <= result["uncertainty"] + coulomb.uncertainty
     assert mechanism.similarity(found.scene.blocks, coulomb.twists, found.run.mechanism()) >= SIMILAR
     assert found.summary["verdict"] in ("agree", "inconclusive"), found.summary["reason"]
