@@ -81,7 +81,8 @@ class Programme:
 
     It maximises power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The
     solver keeps the ordering and symbolic factorisation of the first solve; there is no warm start. The caller scales
-    all entries to order one.
+    all entries to order one. The solver is set up at the first solve, with its power and offset: on small problems an
+    update of a solver that is already set up takes a third of the whole time.
 
     Parameters
     ----------
@@ -125,13 +126,19 @@ class Programme:
         kinds = [clarabel.ZeroConeT(cones.equalities)] if cones.equalities else []
         kinds += [clarabel.NonnegativeConeT(cones.inequalities)] if cones.inequalities else []
         kinds += [clarabel.SecondOrderConeT(3)] * cones.second_order
-        square = sparse.csc_matrix((size, size)) if quadratic is None else sparse.diags(quadratic).tocsc()
-        self._solver = clarabel.DefaultSolver(square, np.zeros(size), sparse.csc_matrix(-matrix), np.zeros(rows), kinds, settings)
+        self._square = sparse.csc_matrix((size, size)) if quadratic is None else sparse.diags(quadratic).tocsc()
+        negative = matrix.tocsc(copy=True)
+        negative.data *= -1.0  # of small matrices scipy's own minus takes three times as long as the conversion
+        self._rows, self._kinds, self._settings = negative, kinds, settings
+        self._solver: clarabel.DefaultSolver | None = None
 
     def solve(self, power: np.ndarray, offset: np.ndarray) -> ProgrammeAnswer:
         """Maximise for this power (n,) and offset (rows,)."""
         start = time.perf_counter()
-        self._solver.update(q=-power, b=offset)
+        if self._solver is None:
+            self._solver = clarabel.DefaultSolver(self._square, -power, self._rows, offset, self._kinds, self._settings)
+        else:
+            self._solver.update(q=-power, b=offset)
         solution = self._solver.solve()
         seconds = time.perf_counter() - start
         outcome = _OUTCOMES.get(solution.status, ProgrammeOutcome.STALLED)

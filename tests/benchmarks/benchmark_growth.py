@@ -58,7 +58,7 @@ DRIVER_ORDER = 100  # place of the driver's measurements among the sizes
 ROUNDS = 2  # of a run with the driver and one without
 REPEATS, ENOUGH = 5, 2.0  # times one size is solved; seconds after which it is not solved again
 STEPS = 100_000  # of YADE times blocks, timed to know what one step costs
-SOLVER = {"set-up": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve"), "steps": (quasi_static_path, "advance")}
+SOLVER = {"conversion": (conic.Programme, "__init__"), "solve": (conic.Programme, "solve"), "steps": (quasi_static_path, "advance")}
 BUILD = {
     "scene": (scenes, "build"),
     "assembly": (assembly, "assemble"),

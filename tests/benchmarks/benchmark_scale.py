@@ -42,11 +42,11 @@ STAGES = {  # what is timed under which name, each a function or method and wher
     "contacts": (assembly, "find_interfaces"),
     "assembly": (assembly, "assemble"),
     "matrix": (associated, "scaled_problem"),
-    "set-up": (conic.Programme, "__init__"),
+    "conversion": (conic.Programme, "__init__"),
     "solve": (conic.Programme, "solve"),
     "evidence": (associated, "_with_evidence"),
 }
-SOLVER = ("set-up", "solve")
+SOLVER = ("conversion", "solve")
 
 
 @dataclass(frozen=True)
