@@ -82,7 +82,7 @@ class Programme:
     It maximises power . x - x . diag(quadratic) x / 2 subject to matrix x + offset in the product of `cones`. The
     solver keeps the ordering and symbolic factorisation of the first solve; there is no warm start. The caller scales
     all entries to order one. The solver is set up at the first solve, with its power and offset: on small problems an
-    update of a solver that is already set up takes a third of the whole time.
+    update of a solver that is already set up takes a fifth of the whole time.
 
     Parameters
     ----------
