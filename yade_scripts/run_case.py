@@ -67,9 +67,9 @@ class Reporter:
             line = {"stage": stage, "fraction": fraction, "settlement": settlement, "reaction": reaction, "message": message}
             self._write(f"progress {json.dumps(line)}")
 
-    def forecast(self, seconds: float) -> None:
-        """Write how long the run takes if nothing holds it up."""
-        self._write(f"progress {json.dumps({'stage': 'forecast', 'seconds': seconds})}")
+    def forecast(self, seconds: float, version: str, lacks: list[str]) -> None:
+        """Write how long the run takes if nothing holds it up, YADE's version, and the optional names that its build lacks."""
+        self._write(f"progress {json.dumps({'stage': 'forecast', 'seconds': seconds, 'version': version, 'lacks': lacks})}")
 
     def done(self, status: str) -> None:
         """Write the last line."""
@@ -94,10 +94,13 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     limit = derived.time_limit if options.time_limit is None else options.time_limit
     os.environ["OMP_NUM_THREADS"] = str(derived.threads)  # several threads add forces in an order that differs between runs
     sys.path.append(find_yade())
-    from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade import config  # noqa: PLC0415
+
+    from yade_scripts import attempts, bodies, faces, protocol, recorder, run_fields  # noqa: PLC0415
 
     _remove_scratch_folder()
-    reporter.forecast(settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived))
+    seconds = settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived)
+    reporter.forecast(seconds, config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
 
     def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))

@@ -11,7 +11,7 @@ import numpy as np
 from comparison.errors import YadeFailedError, YadeMissingError
 from comparison.judge import answer_of, without_run, without_undefined, yade_summary
 from comparison.limit_analysis import Listener, first_prediction
-from comparison.yade import ROOT, Run, find_yade, read_run, run_yade
+from comparison.yade import ROOT, Run, Yade, locate_yade, read_run, run_yade
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, case_file
 from la_core.digests import code_digest
@@ -95,16 +95,16 @@ def yade_stage(
             listener.stage(scene.name, "YADE", f"repeated, because the stored run cannot be read: {error}")
     path.unlink(missing_ok=True)
     try:
-        yade = find_yade()
-        caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
-        listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
-        run_yade(
-            yade,
-            folder,
-            inputs,
-            time_limit,
-            lambda report: listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity}),
-        )
+        installation = locate_yade()
+
+        def hear(report: dict[str, Any]) -> None:
+            if report.get("stage") == "forecast":  # it comes when YADE has loaded
+                yade = Yade(installation.python, installation.modules, str(report.get("version")), tuple(report.get("lacks") or ()))
+                caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
+                listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
+            listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
+
+        run_yade(installation, folder, inputs, time_limit, hear)
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
             raise exchange.ExchangeError(f"{path}: its digest is not that of the run that was started; run the scene again")

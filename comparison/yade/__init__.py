@@ -2,13 +2,14 @@
 
 from comparison.yade import accuracy_settings
 from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of
-from comparison.yade.process import HOW_TO_GET_YADE, ROOT, Yade, find_yade, run_yade
+from comparison.yade.process import HOW_TO_GET_YADE, ROOT, Installation, Yade, find_yade, locate_yade, run_yade
 from comparison.yade.run_record import Run, read_run
 from comparison.yade.stored import Results, locate_results, read_results
 
 __all__ = [
     "HISTORY_OF_SPEED",
     "HOW_TO_GET_YADE",
+    "Installation",
     "ROOT",
     "Results",
     "Run",
@@ -17,6 +18,7 @@ __all__ = [
     "attempt_of",
     "find_yade",
     "locate_results",
+    "locate_yade",
     "read_results",
     "read_run",
     "run_yade",

@@ -64,8 +64,8 @@ print(version)
 
 
 @dataclass(frozen=True)
-class Yade:
-    """A YADE that loads on this machine.
+class Installation:
+    """Where YADE is on this machine, whether it loads or not.
 
     Attributes
     ----------
@@ -73,14 +73,24 @@ class Yade:
         Interpreter that loads it.
     modules : Path
         Folder that holds its Python package.
+    """
+
+    python: Path
+    modules: Path
+
+
+@dataclass(frozen=True)
+class Yade(Installation):
+    """A YADE that loads on this machine.
+
+    Attributes
+    ----------
     version : str
         Its version.
     lacks : tuple of str
         Optional names that this build lacks, such as Polyhedra.
     """
 
-    python: Path
-    modules: Path
     version: str
     lacks: tuple[str, ...] = ()
 
@@ -97,8 +107,8 @@ class Yade:
         return "; ".join(warnings)
 
 
-def find_yade() -> Yade:
-    """Return the YADE of this machine, after a check that it loads; raises YadeMissingError with the command that installs it.
+def locate_yade() -> Installation:
+    """Return where YADE is, without a check that it loads; raises YadeMissingError with the command that installs it.
 
     YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
     The settings `yade` and `yade_python` name another module folder and another interpreter.
@@ -113,6 +123,16 @@ def find_yade() -> Yade:
         raise YadeMissingError(f"{setting} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
     if modules is None:
         raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
+    return Installation(python, modules)
+
+
+def find_yade() -> Yade:
+    """Return the YADE of this machine, after a check that it loads; raises YadeMissingError with the command that installs it.
+
+    The check takes as long as a start of YADE. A run does without it, because it finds out by itself.
+    """
+    located = locate_yade()
+    python, modules = located.python, located.modules
     try:
         answer = subprocess.run(
             [python, "-s", "-c", _PROBE, modules, SCRIPTS],
@@ -152,14 +172,15 @@ def yade_environment() -> dict[str, str]:
     return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread}
 
 
-def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
+def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
     """Run `case.h5` of a folder in YADE to its end, and write `run.h5` and `yade.log` there.
 
-    Raises YadeFailedError when no result was written. An interruption of this call ends YADE, too.
+    Raises YadeFailedError when no result was written, and YadeMissingError where this is because YADE does not load. An interruption of
+    this call ends YADE, too.
 
     Parameters
     ----------
-    yade : Yade
+    yade : Installation
         The YADE to run.
     folder : Path
         Folder of the scene's results, which holds `case.h5`.
@@ -168,7 +189,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     time_limit : float
         Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
     progress : callable
-        Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds.
+        Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds,
+        YADE's version and what its build lacks.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
@@ -184,7 +206,8 @@ def run_yade(yade: Yade, folder: Path, inputs: str, time_limit: float, progress:
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
         reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
-        raise YadeFailedError(reason + (f"\n{yade.caution}" if yade.caution else ""))
+        caution = find_yade().caution
+        raise YadeFailedError(reason + (f"\n{caution}" if caution else ""))
 
 
 def _followed(

@@ -75,7 +75,7 @@ footing = {{ height = 0.3, settling = [{split}, {end}] }}
 INTRODUCTION = """\
 A small scene is solved in milliseconds, so that its command takes as long as its start. The first table has the processor seconds (user and
 system) of whole processes, each the least of several, with the sources compiled as an installed program has them. *YADE* is the part of its
-processes: `crosscheck run` starts YADE twice, once to ask for its version and once to run. The second table has the stages of
+process. The second table has the stages of
 `crosscheck solve` on walls in running bond whose right third settles: *loading* is the start of Python and of the program, *solver* is
 set-up and solution of cone programmes and the steps of the paths, *reports* is what a path tells of its progress, *evidence* is the
 certificate of an answer, *rest* is everything else.
@@ -171,7 +171,7 @@ def conclusions(record: dict[str, Any]) -> str:
         f"`{SOLVES}` takes {solve:.2f} s, {'within' if solve <= SOLVE else 'above'} the aim of {SOLVE:g} s; "
         f"{libraries:.2f} s of them, {libraries / solve:.0%}, are Python and the libraries it needs, before a line of this program runs.",
         f"`{RUNS}` takes {run:.2f} s, {'within' if run <= RUN else 'above'} the aim of {RUN:g} s; {yade:.2f} s of them are in YADE, "
-        f"which takes {alone:.2f} s to start and is started twice. The rest, {run - yade:.2f} s, is this program.",
+        f"which takes {alone:.2f} s to start. The rest, {run - yade:.2f} s, is this program and the libraries that draw its figures.",
     ]
     if "before" in rows[SOLVES]:
         names = (SOLVES, "crosscheck solve two_pads --bounds", "crosscheck run two_pads --no-yade")

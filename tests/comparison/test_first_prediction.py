@@ -52,7 +52,7 @@ def made_up_yade(monkeypatch: pytest.MonkeyPatch) -> Callable[[Make], list[bytes
             scene = load_scene(folder / "scene.toml", name=folder.name)
             write_run(folder / "run.h5", make(read_case(folder / "case.h5", scene)), inputs)
 
-        monkeypatch.setattr(stages, "find_yade", lambda: SimpleNamespace(version="made up", caution=""))
+        monkeypatch.setattr(stages, "locate_yade", lambda: SimpleNamespace(python="made up", modules="made up"))
         monkeypatch.setattr(stages, "run_yade", run_yade)
         return found_at_start
 
