@@ -9,8 +9,8 @@ from comparison.yade.stored import Results, locate_results, read_results
 __all__ = [
     "HISTORY_OF_SPEED",
     "HOW_TO_GET_YADE",
-    "Installation",
     "ROOT",
+    "Installation",
     "Results",
     "Run",
     "Yade",

@@ -187,7 +187,7 @@ was lost, and none ran twice. Written by `python tests/benchmarks/benchmark_camp
 {markdown(head, table)}
 
 *campaign* and *scheduler* are the two processes that every case passes through. Their processor time a case limits how many workers
-can be kept busy. Cases of a minute each need {60.0 / max(_dearest(calls), 1e-3):,.0f} workers to keep the busier one busy. A case took
+they can serve: with cases of a minute each, {60.0 / max(_dearest(calls), 1e-3):,.0f} workers. A case took
 {seconds:.1f} s by the clock of its worker, with its figures, while {workers} workers shared the cores of this machine.
 
 {versions["machine"]}; python {versions["python"]}, distributed {version("distributed")}.
