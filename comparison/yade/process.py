@@ -206,8 +206,7 @@ def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, p
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
         reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
-        caution = find_yade().caution
-        raise YadeFailedError(reason + (f"\n{caution}" if caution else ""))
+        raise YadeFailedError(reason + _caution(is_killed=code < 0))
 
 
 def _followed(
@@ -253,6 +252,20 @@ def _end(process: "subprocess.Popen[str]") -> None:
         with contextlib.suppress(ProcessLookupError):  # it may have ended in this moment
             os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def _caution(is_killed: bool) -> str:
+    """Return what a reader of a failure should know about this YADE; raises YadeMissingError where it does not load.
+
+    is_killed: whether the failed process had been killed, so that it may have loaded.
+    """
+    try:
+        caution = find_yade().caution
+    except YadeMissingError:
+        if is_killed:
+            return ""
+        raise
+    return f"\n{caution}" if caution else ""
 
 
 def _failure(code: int, log: Path, when: str) -> str:
