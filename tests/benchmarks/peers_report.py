@@ -53,7 +53,7 @@ processor time a solve: `>` marks a solve that this limit stopped.
   time for the least reaction, whose forces are such an equilibrium. Only the time of IPOPT counts, not that of its matrices in Python.
 
 Peers are faster on small problems in the plane for two reasons. First, the set-up of clarabel takes a quarter to a half of our time (on the
-arch we take 0.41 ms in all, and PIQP 0.31 ms). Second, we solve small structures to residuals about a hundred times smaller than those
+arch we take 0.21 ms in all, and PIQP 0.17 ms). Second, we solve small structures to residuals about a hundred times smaller than those
 required of the peers, with one iteration more in eight, so that an answer in a report needs no error bar. On 1,000 blocks PIQP takes more
 iterations than clarabel, 48 against 42, but about a fifth less time for each.
 """
