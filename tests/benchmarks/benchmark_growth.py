@@ -83,7 +83,7 @@ the prediction; *all of* either is the whole analysis of the program, with the i
 Predictions of more than 2,500 unknowns, 833 plane blocks or 417 in space, follow a third path where two leave more than 1 % open
 ([large structures](large.md)): processor time of all paths, of which two run side by side."""
 BESIDE = """\
-The earlier version ran its own benchmark on the same machine within three hours. Exponents are those of the sizes of both. Its prediction
+The earlier version ran its own benchmark on the same machine within an hour. Exponents are those of the sizes of both. Its prediction
 may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
