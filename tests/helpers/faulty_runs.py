@@ -36,6 +36,7 @@ def unfinished(out: Path) -> list[Path]:
 
 
 def one_message(said: str, *words: str) -> None:
+    said = " ".join(said.split())  # a narrow terminal breaks it into lines
     assert said.count("error: ") == 1 and "Traceback" not in said and "unexpected" not in said, said
     assert all(word in said for word in words), said
 
