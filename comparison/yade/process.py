@@ -131,8 +131,12 @@ def find_yade() -> Yade:
 
     The check takes as long as a start of YADE. A run does without it, because it finds out by itself.
     """
-    located = locate_yade()
-    python, modules = located.python, located.modules
+    return _checked(locate_yade())
+
+
+def _checked(installation: Installation) -> Yade:
+    """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
+    python, modules = installation.python, installation.modules
     try:
         answer = subprocess.run(
             [python, "-s", "-c", _PROBE, modules, SCRIPTS],
@@ -210,7 +214,7 @@ def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, p
     if code != 0 or not run.exists():
         overran = time.monotonic() - began >= time_limit + GRACE
         reason = _failure(code, log, f", {GRACE:g} s after its limit of {time_limit:g} s" if overran else "")
-        raise YadeFailedError(reason + _caution(is_killed=code < 0))
+        raise YadeFailedError(reason + _caution(yade, is_killed=code < 0))
 
 
 def _followed(
@@ -258,13 +262,13 @@ def _end(process: "subprocess.Popen[str]") -> None:
         process.wait()
 
 
-def _caution(is_killed: bool) -> str:
+def _caution(installation: Installation, is_killed: bool) -> str:
     """Return what a reader of a failure should know about this YADE; raises YadeMissingError where it does not load.
 
     is_killed: whether the failed process had been killed, so that it may have loaded.
     """
     try:
-        caution = find_yade().caution
+        caution = _checked(installation).caution
     except YadeMissingError:
         if is_killed:
             return ""

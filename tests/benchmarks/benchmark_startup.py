@@ -75,10 +75,9 @@ footing = {{ height = 0.3, settling = [{split}, {end}] }}
 INTRODUCTION = """\
 A small scene is solved in milliseconds, so that its command takes as long as its start. The first table has the processor seconds (user and
 system) of whole processes, each the least of several, with the sources compiled as an installed program has them. *YADE* is the part of its
-process. The second table has the stages of
-`crosscheck solve` on walls in running bond whose right third settles: *loading* is the start of Python and of the program, *solver* is
-set-up and solution of cone programmes and the steps of the paths, *reports* is what a path tells of its progress, *evidence* is the
-certificate of an answer, *rest* is everything else.
+process. The second table has the stages of `crosscheck solve` on walls in running bond whose right third settles: *loading* is the start of
+Python and of the program, *solver* is set-up and solution of cone programmes and the steps of the paths, *reports* is what a path tells of
+its progress, *evidence* is the certificate of an answer, *rest* is everything else.
 
 A busy machine takes more seconds than a quiet one. Two versions are therefore timed in turn, and their ratio is what counts."""
 STAGES = ("loading", "reading", "contacts", "model", SOLVER, "evidence", "reports", "writing", "tables", "rest")

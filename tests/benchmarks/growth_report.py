@@ -70,13 +70,16 @@ def exponents(series: dict[tuple[str, str], list[dict[str, Any]]], quantities: S
     """Exponents of every quantity by method and dimension."""
     rows = []
     for (method, dimension), measured in series.items():
-        found = [
-            fit([one["blocks"] for one in measured], [one[quantity] for one in measured]) if quantity in measured[0] else None
-            for quantity in quantities
-        ]
+        found = [fit(*_points(measured, quantity)) for quantity in quantities]
         sizes = next((growth.sizes for growth in found if growth), ())
         rows.append([method, dimension, f"{sizes[0]:,} to {sizes[-1]:,}" if sizes else "–", *found])
     return table(["method", "model", "blocks fitted", *quantities], rows)
+
+
+def _points(measured: Sequence[dict[str, Any]], quantity: str) -> tuple[list[int], list[float]]:
+    """Blocks and values of a quantity where it was measured; a run that did not end has none."""
+    known = [one for one in measured if quantity in one]
+    return [one["blocks"] for one in known], [one[quantity] for one in known]
 
 
 def beside(before: Sequence[dict[str, Any]], measured: Sequence[dict[str, Any]], version: str) -> str:
@@ -86,12 +89,13 @@ def beside(before: Sequence[dict[str, Any]], measured: Sequence[dict[str, Any]],
     powers, rows = [], []
     for series in dict.fromkeys(_size(one)[:2] for one, _ in both):
         mine = [(then, now) for then, now in both if _size(then)[:2] == series]
-        blocks = [then["blocks"] for then, _ in mine]
-        grown = [fit(blocks, [one["seconds"] for one in measurements]) for measurements in zip(*mine, strict=True)]
+        ended = [(then, now) for then, now in mine if "seconds" in now]
+        blocks = [then["blocks"] for then, _ in ended]
+        grown = [fit(*_points(measurements, "seconds")) for measurements in zip(*ended, strict=True)]
         powers.append([*series, f"{blocks[0]:,} to {blocks[-1]:,}", *grown])
         for then, now in mine:
-            ends = [then["status"], now["status"], then["seconds"], now["seconds"], then["seconds"] / now["seconds"]]
-            rows.append([*series, then["blocks"], *ends])
+            times = then["seconds"], now.get("seconds")
+            rows.append([*series, then["blocks"], then["status"], now["status"], *times, times[0] / times[1] if times[1] else None])
     return "\n\n".join(
         [
             table(["method", "model", "blocks", f"exponent of the time, {version}", "today"], powers),
@@ -126,8 +130,7 @@ def _powers(measured: Sequence[dict[str, Any]], method: str, quantity: str) -> s
     """The growth of a method in the plane and in 3D, in words; empty where too few sizes are known."""
     found = []
     for dimension, words in (("plane", "in the plane"), ("3D", "in space")):
-        rows = [one for one in measured if (one["method"], one["dimension"]) == (method, dimension) and quantity in one]
-        growth = fit([one["blocks"] for one in rows], [one[quantity] for one in rows])
+        growth = fit(*_points([one for one in measured if (one["method"], one["dimension"]) == (method, dimension)], quantity))
         found += [f"N^({growth}) {words}"] if growth else []
     return " and ".join(found)
 
@@ -138,7 +141,7 @@ def _memory_per_block(measured: Sequence[dict[str, Any]]) -> str:
     for method, words in (("associated", "a bound"), ("Coulomb", "the prediction"), ("YADE", "YADE")):
         for dimension in ("plane", "3D"):
             of_both = [one for one in measured if (one["method"], one["dimension"]) == (method, dimension)]
-            rows = sorted((one["blocks"], one["memory"]) for one in of_both)
+            rows = sorted(zip(*_points(of_both, "memory"), strict=True))
             if len(rows) > 1:
                 (few, least), (many, most) = rows[0], rows[-1]
                 found.append(f"{words} {1024.0 * (most - least) / (many - few):,.0f} KiB ({dimension}, {few:,} to {many:,} blocks)")
@@ -178,7 +181,7 @@ def growth_figure(panels: dict[str, tuple[str, dict[tuple[str, str], list[dict[s
         axes.set(xscale="log", yscale="log", xlabel="blocks N (-)", ylabel=label)
         axes.grid(True, which="major", color=FAINT, linewidth=0.4, alpha=0.6)
         for (method, dimension), measured in series.items():
-            blocks, values = ([one[name] for one in measured] for name in ("blocks", quantity))
+            blocks, values = _points(measured, quantity)
             growth = fit(blocks, values)
             words = f"{method}, {dimension}: " + (rf"$N^{{{growth.exponent:.2f} \pm {growth.error:.2f}}}$" if growth else "too few")
             colour = method_colour(method)

@@ -1,6 +1,7 @@
 """What the benchmark of growth computes from its measurements, and that the driver's work is bounded by its rows, not by YADE's steps."""
 
 from pathlib import Path
+from subprocess import TimeoutExpired
 
 import benchmark_effects as effects
 import benchmark_growth
@@ -94,6 +95,20 @@ def test_an_earlier_version_stands_beside_todays_for_the_sizes_that_both_measure
     assert report.row(["YADE", "3D", 200, "failed", "no plateau", 80.0, 2.828, 28.28]) in page.splitlines()
     assert "400 | failed | no plateau" not in page  # not measured by the earlier version
     assert "beside today's" not in benchmark_growth.markdown(record())
+
+
+def test_a_run_that_did_not_end_has_its_row_and_no_part_in_the_exponents(monkeypatch: pytest.MonkeyPatch) -> None:
+    def endless(*arguments: object) -> None:
+        raise TimeoutExpired("yade", 600.0)
+
+    monkeypatch.setattr(benchmark_growth, "yade_verdict", endless)
+    late = {"method": "YADE", "dimension": "3D", "asked": 20} | benchmark_growth.taken("YADE", "3D", 20)
+    before = [one | {"seconds": 2.0 * one["seconds"]} for one in made_up()[:-1]] + [late | {"status": "plateau", "seconds": 9.0}]
+    page = benchmark_growth.markdown({"machine": "a", "measured": [*made_up(), late], "before": {"version": "0.1", "measured": before}})
+    assert report.row(["YADE", "3D", late["blocks"], "not after 600 s", None, None, None, None, None]) in page.splitlines()
+    assert report.row(["YADE", "3D", late["blocks"], "plateau", "not after 600 s", 9.0, None, None]) in page.splitlines()
+    assert report.conclusions([*made_up(), late]) == report.conclusions(made_up())
+    assert report.growth_figure({"seconds": ("seconds", benchmark_growth.by_series([*made_up(), late]))}).axes
 
 
 def test_the_conclusions_quote_what_was_measured_and_leave_out_what_was_not() -> None:
