@@ -46,7 +46,9 @@ class Case:
     live : np.ndarray or None
         Unit direction (3,) of a load in proportion to the weights, which drives the structure in place of supports.
     overrides : dict
-        Settings of the scene's table [yade], by name.
+        Settings of the scene's table [yade], and those that follow from the path of limit analysis, by name.
+    long_overrides : dict
+        The same in place of them, where a run with them would be long.
     role : np.ndarray
         Role (B,) of each block: 0 free, 1 fixed, 2 support.
     mass : np.ndarray
@@ -102,6 +104,7 @@ class Case:
     support_twists: np.ndarray
     live: np.ndarray | None
     overrides: dict[str, Any]
+    long_overrides: dict[str, Any]
     role: np.ndarray
     mass: np.ndarray
     centroid: np.ndarray
@@ -207,7 +210,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         support_twist=data["scene/support_twist"],
         support_twists=data.get("blocks/support_twist", alike)[index],
         live=data.get("scene/live"),
-        overrides=_overrides(data["scene/settings"]),
+        overrides=_overrides("scene/settings", data),
+        long_overrides=_overrides("scene/settings_of_long_run" if "scene/settings_of_long_run" in data else "scene/settings", data),
         role=data["blocks/role"][index],
         mass=data["blocks/mass"][index],
         centroid=data["blocks/centroid"][index],
@@ -240,13 +244,15 @@ def _parts(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarra
     return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
 
 
-def _overrides(text: str) -> dict[str, Any]:
+def _overrides(field: str, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings in a field of the case file."""
+    text = data[field]
     try:
         values = json.loads(text or "{}")
     except json.JSONDecodeError as error:
-        raise CaseError(f"scene/settings: not JSON ({error}): {text!r}") from error
+        raise CaseError(f"{field}: not JSON ({error}): {text!r}") from error
     if not isinstance(values, dict):
-        raise CaseError(f"scene/settings: {text!r} is not a JSON object of settings by name")
+        raise CaseError(f"{field}: {text!r} is not a JSON object of settings by name")
     return values
 
 

@@ -89,7 +89,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     from yade_scripts import case, settings  # noqa: PLC0415
 
     began = time.monotonic()
-    problem = case.from_fields(exchange.read(options.case, case_fields(options.case)))
+    problem = settings.affordable(case.from_fields(exchange.read(options.case, case_fields(options.case))))
     derived = settings.derive(problem)
     limit = derived.time_limit if options.time_limit is None else options.time_limit
     os.environ["OMP_NUM_THREADS"] = str(derived.threads)  # several threads add forces in an order that differs between runs
@@ -120,7 +120,7 @@ def case_fields(path: Path) -> tuple[Any, ...]:
     """Return the fields of a case file: those of every case, and the optional ones that it holds. The packages must be loaded."""
     from la_core import exchange  # noqa: PLC0415
 
-    alone = (exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, exchange.SWAY)
+    alone = (exchange.JOINT_INSET, exchange.LIVE_DIRECTION, exchange.SUPPORT_TWISTS, exchange.SWAY, exchange.LONG_RUN_SETTINGS)
     optional = (*exchange.PART_FIELDS, *alone, *exchange.LOAD_FIELDS)
     return (*exchange.CASE_FIELDS, *(field for field in optional if exchange.holds(path, field.path)))
 

@@ -6,7 +6,7 @@ The stable time step follows from the highest frequency and the fastest decay of
 import dataclasses
 import difflib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -97,9 +97,18 @@ def derive(case: Case, large: bool | None = None) -> Settings:
     return _derived(case, OF_LARGE | overrides if (is_large(case) if large is None else large) else overrides)
 
 
+def affordable(case: Case) -> Case:
+    """Return the case with the settings that it runs with: its `long_overrides` where a run with its `overrides` would be long."""
+    return replace(case, overrides=case.long_overrides) if _is_long(case) else case
+
+
 def is_large(case: Case) -> bool:
     """Whether a plane case takes so long that its run has the settings OF_LARGE."""
-    return case.plane and steps_to_plateau(_derived(case, _checked(case.overrides))) * len(case.host) > SMALL_WORK
+    return case.plane and _is_long(case)
+
+
+def _is_long(case: Case) -> bool:
+    return steps_to_plateau(_derived(case, _checked(case.overrides))) * len(case.host) > SMALL_WORK
 
 
 def _derived(case: Case, overrides: dict[str, float]) -> Settings:

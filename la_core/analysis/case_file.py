@@ -12,9 +12,9 @@ import numpy as np
 
 from la_core import exchange
 from la_core.analysis import reach
-from la_core.analysis.accuracy import scale
 from la_core.analysis.accuracy_record import from_text, to_text
 from la_core.analysis.modelling import drives
+from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
 from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.digests import code_digest
@@ -24,11 +24,8 @@ from la_core.model import Assembly, Effects, JointStiffness, assemble
 from la_core.scene import Scene
 
 PACKAGE = Path(__file__).parents[1]
-LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 # What only some structures have: convex parts, insets of short joints, own motions of supports, a live load, dead loads and ties.
 OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWISTS, exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
-STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-SETTLED = 1e-3  # of the value's size: a curve that stays this near to its end has settled; YADE states as much for its settings
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
@@ -60,6 +57,10 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
     """
     scene, assembly, record = analysis.scene, analysis.assembly, analysis.accuracy
     blocks, interfaces, points = assembly.blocks, assembly.interfaces, assembly.points
+
+    def as_text(found: dict[str, float]) -> str:
+        return json.dumps(found | (record.settings if record else {}) | scene.yade, sort_keys=True)
+
     values: dict[str, Any] = {
         "scene/name": scene.name,
         "scene/title": scene.title,
@@ -71,7 +72,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         "scene/recording": assembly.effects.recording,
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
-        "scene/settings": json.dumps(_settings_after_path(analysis) | (record.settings if record else {}) | scene.yade, sort_keys=True),
+        "scene/settings": as_text(settings_after_path(analysis)),
         "scene/accuracy": to_text(record),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
@@ -85,7 +86,11 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
             values |= _below(f"limit_analysis/associated{suffix}/{drive.group}", solution)
         values |= _below(f"limit_analysis/coulomb{suffix}", answers.coulomb)
     values |= _below("path", analysis.path)
-    own = _own_values(scene, assembly) | ({exchange.SWAY: analysis.stiffness.sway} if math.isfinite(analysis.stiffness.sway) else {})
+    own: dict[exchange.Field, Any] = {**_own_values(scene, assembly)}
+    if math.isfinite(analysis.stiffness.sway):
+        own[exchange.SWAY] = analysis.stiffness.sway
+    if of_long_run := settings_of_long_run(analysis):
+        own[exchange.LONG_RUN_SETTINGS] = as_text(of_long_run)
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -119,34 +124,6 @@ def _live_load_of_loads(scene: Scene, assembly: Assembly) -> np.ndarray:
         return np.zeros((len(blocks), 6))
     pushed = scene.loads.wrenches(blocks.centroid, per_mass=float(np.linalg.norm(scene.gravity)) * scene.live)
     return np.where(blocks.free[:, None], pushed, 0.0)
-
-
-def _settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the settings of YADE that follow from a path which needed more than one travel to become flat.
-
-    They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
-    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
-    path would make steps too short: YADE may then stop only where all of its plateau lies beyond the travel that the path took to settle.
-    Empty where the path needed one travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in
-    proportion to it. This is all that YADE learns from a prediction: settings, not values.
-    """
-    scene, coulomb = analysis.scene, analysis.coulomb
-    if coulomb is None or not coulomb.travel > LONG_PATH or "normal_stiffness" in scene.yade or scene.yade.get("wedging"):
-        return {}
-    stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
-    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
-    share = min(settled / stiffening / exchange.LATEST_START, 1.0)
-    return {"least_stiffening": stiffening} | ({"plateau_share": share} if share > exchange.PLATEAU_SHARE else {})
-
-
-def _settled_after(coulomb: CoulombSolution, travel: float, near: float) -> float:
-    """Return the travels after which a path stays `near` its value (N, N m, multiplier); 0 where it always does. travel: of one, m or rad.
-
-    What comes after a plateau that the curve leaves does not count.
-    """
-    travels = coulomb.path_settlement / travel
-    away = (np.abs(coulomb.path_value - coulomb.value) > near) & (travels <= coulomb.travel)
-    return float(travels[away].max(initial=0.0))
 
 
 def read_first_prediction(path: Path) -> str:

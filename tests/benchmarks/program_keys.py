@@ -50,6 +50,7 @@ def hdf5_fields() -> str:
         ("### `case.h5`: where a block has several convex parts", exchange.schema_table(exchange.PART_FIELDS)),
         ("### `case.h5`: where the inset of a joint is not that of the scene", exchange.schema_table((exchange.JOINT_INSET,))),
         ("### `case.h5`: unless it is of version 0.2.0", exchange.schema_table((exchange.SWAY,))),
+        ("### `case.h5`: where the path of limit analysis was long", exchange.schema_table((exchange.LONG_RUN_SETTINGS,))),
         ("### `case.h5`: where a live load drives the structure", exchange.schema_table((exchange.LIVE_DIRECTION,))),
         ("### `case.h5`: where supports move by different shares", exchange.schema_table((exchange.SUPPORT_TWISTS,))),
         ("### `case.h5`: where loads or ties act on blocks", exchange.schema_table(exchange.LOAD_FIELDS)),

@@ -18,6 +18,7 @@ from comparison.workflow.one_scene import run_scene
 from comparison.yade import Run, read_results
 from la_core import exchange
 from la_core.analysis import analyse, case_file
+from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
 from la_core.coulomb import CoulombSolution
 from la_core.exchange import PLATEAU_SHARE
 from la_core.scene import Scene, same_structure
@@ -149,7 +150,7 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
     value = np.where(way <= settled * travel, 1.0015, 1.0005)
 
     def sets(scene: Scene) -> dict[str, float]:
-        return case_file._settings_after_path(analysis_of(scene, way, value, 1.0))
+        return settings_after_path(analysis_of(scene, way, value, 1.0))
 
     if travel == 1.0:
         assert sets(scene) == {}
@@ -160,8 +161,20 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
     enough = min(settled * travel / found["least_stiffening"] / STARTS[-1], 1.0)
     assert share == pytest.approx(max(enough, PLATEAU_SHARE), rel=0.02, abs=way[1] / 32.0)
     assert sets(same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")) == {}
-    noise = case_file._settings_after_path(analysis_of(scene, way, 1e-9 * np.sin(way), 0.0))
+    noise = settings_after_path(analysis_of(scene, way, 1e-9 * np.sin(way), 0.0))
     assert "plateau_share" not in noise  # noise about a reaction of zero is small beside the weight
+
+
+@pytest.mark.parametrize(("near", "stiffening", "share"), [(0.3, 4.0, 0.125), (0.1, 4.0, None), (3.0, 12.0, 0.4167), (40.0, 32.0, 1.0)])
+def test_a_long_run_covers_the_way_to_half_a_percent(near: float, stiffening: float, share: float | None) -> None:
+    """A path of 64 travels that stays within 0.4 % from `near` on, and never within 0.1 %."""
+    scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 64.0, 64001)
+    analysis = analysis_of(scene, way, np.where(way <= near, 1.01, 1.004), 1.0)
+    found = settings_of_long_run(analysis)
+    assert found["least_stiffening"] == pytest.approx(stiffening, rel=1e-3)
+    assert found.get("plateau_share") == (None if share is None else pytest.approx(share, rel=1e-3))
+    assert settings_after_path(analysis) == {"least_stiffening": 32.0, "plateau_share": 1.0}
+    assert settings_of_long_run(analysis_of(scene, way[:1001], np.ones(1001), 1.0)) == {}
 
 
 def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float) -> Any:
@@ -186,6 +199,26 @@ def test_what_counts_as_rattling_is_small_beside_a_block_or_beside_the_reaction(
     assert settings.rattling_of(one, chosen, reaction) == pytest.approx(allowed)
     one.live, one.support_speed = np.array([1.0, 0.0, 0.0]), 1.0
     assert settings.rattling_of(one, chosen, reaction) == chosen.rattling  # there the reaction is a multiplier
+
+
+def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the scene sets holds in both; a file without settings of a long run, as of version 0.2.0, has one set for both."""
+    analysis = analyse(same_structure(scenes.shipped("wall_third"), {"yade.rattling": 0.03}, "set"))
+    assert analysis.coulomb is not None
+    late = replace(analysis.at_inset, coulomb=replace(analysis.coulomb, travel=16.0))
+    case_file.write_case(tmp_path / "case.h5", replace(analysis, at_inset=late), "test")
+    data = exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY, exchange.LONG_RUN_SETTINGS))
+    one = case.from_fields(data)
+    assert one.overrides == {"least_stiffening": 32.0, "rattling": 0.03}
+    assert one.long_overrides == {"least_stiffening": 4.0, "rattling": 0.03}
+    assert settings.affordable(one) is one
+    monkeypatch.setattr(settings, "SMALL_WORK", 0.9 * settings.steps_to_plateau(settings.derive(one)) * len(one.host))
+    short = settings.affordable(one)
+    assert short.overrides == one.long_overrides
+    assert settings.steps_to_plateau(settings.derive(short)) < settings.steps_to_plateau(settings.derive(one))
+    del data["scene/settings_of_long_run"]
+    alike = case.from_fields(data)
+    assert alike.long_overrides == alike.overrides == one.overrides
 
 
 def test_a_large_structure_has_its_swing_damped_at_once_moves_faster_and_stops_sooner(

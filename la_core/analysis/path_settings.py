@@ -1,0 +1,68 @@
+"""The settings of YADE that follow from the path of limit analysis: all that YADE learns from a prediction, and never a value."""
+
+import numpy as np
+
+from la_core import exchange
+from la_core.analysis.accuracy import scale
+from la_core.analysis.result import LimitAnalysis
+from la_core.coulomb import CoulombSolution
+
+LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
+STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
+# Of the value's size: a curve that stays this near to its end has settled. YADE states the first for its settings; the second is the
+# uncertainty at which a long run stops.
+SETTLED, SETTLED_OF_LONG_RUN = 1e-3, 5e-3
+
+
+def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
+    """Return the settings of YADE that follow from a path which needed more than one travel to become flat.
+
+    They are the stiffness of the joints, over that of limit analysis, and the share of the travel before a run may stop.
+    With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
+    path would make steps too short: YADE may then stop only where all of its plateau lies beyond the travel that the path took to settle.
+    Empty where the path needed one travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in
+    proportion to it.
+    """
+    coulomb = _long_path(analysis)
+    if coulomb is None:
+        return {}
+    stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
+    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    return {"least_stiffening": stiffening} | _share(settled, stiffening)
+
+
+def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
+    """Return the settings in place of `settings_after_path` where a run with those would take long.
+
+    A path may come near its end early and then wander about it for many travels: that of a wall of 250 blocks stays within 0.5 % from
+    0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run asks for 0.5 %, as it does of its plateau.
+    """
+    coulomb = _long_path(analysis)
+    if coulomb is None:
+        return {}
+    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED_OF_LONG_RUN * scale(analysis))
+    stiffening = min(STIFFENING_PER_TRAVEL * max(settled, 1.0), MOST_STIFFENING)
+    return {"least_stiffening": stiffening} | _share(settled, stiffening)
+
+
+def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
+    """Return the prediction whose path needed more than one travel; None where there is none, or where the scene settles the stiffness."""
+    given, coulomb = analysis.scene.yade, analysis.coulomb
+    is_given = "normal_stiffness" in given or bool(given.get("wedging"))
+    return coulomb if coulomb is not None and coulomb.travel > LONG_PATH and not is_given else None
+
+
+def _share(settled: float, stiffening: float) -> dict[str, float]:
+    """Return the share of a run's travel before it may stop, where the usual one is less. settled: travels of the path."""
+    share = min(settled / stiffening / exchange.LATEST_START, 1.0)
+    return {"plateau_share": share} if share > exchange.PLATEAU_SHARE else {}
+
+
+def _settled_after(coulomb: CoulombSolution, travel: float, near: float) -> float:
+    """Return the travels after which a path stays `near` its value (N, N m, multiplier); 0 where it always does. travel: of one, m or rad.
+
+    What comes after a plateau that the curve leaves does not count.
+    """
+    travels = coulomb.path_settlement / travel
+    away = (np.abs(coulomb.path_value - coulomb.value) > near) & (travels <= coulomb.travel)
+    return float(travels[away].max(initial=0.0))
