@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from yade_scripts.case import Case
+from yade_scripts.near_faces import NearFaces
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import Status
@@ -55,6 +56,34 @@ class Plan:
     stiffening: float | None = None
     damping: float | None = None
     swing: float | None = None
+
+
+class WithoutSearch:
+    """Makes attempts without the search for new contacts, until one of them shows that it is needed.
+
+    Parameters
+    ----------
+    run : callable
+        Makes one attempt with given settings; with faces near the spheres it ends where one of them may be met.
+    """
+
+    def __init__(self, run: Callable[[Case, Settings, NearFaces | None], Protocol]) -> None:
+        self._run, self._searches = run, False
+
+    def __call__(self, case: Case, settings: Settings) -> Protocol:
+        """Make one attempt; its steps are those of both where it was repeated with the search."""
+        if case.displacement == "small":
+            return self._run(case, settings, None)
+        before = 0
+        if not self._searches:
+            made = self._run(replace(case, displacement="small"), settings, NearFaces(case, settings))
+            if not made.met_face:
+                return made
+            self._searches, before = True, made.steps
+        # The stable step is that of the listed contacts. A block that meets another one swings faster.
+        made = self._run(case, replace(settings, settling_step=min(settings.settling_step, settings.time_step)), None)
+        made.steps += before
+        return made
 
 
 def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
@@ -122,11 +151,15 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
 
 
 def _calmer(attempt: Protocol, plan: Plan, steps: int) -> Plan | None:
-    """Return the attempt after one that rattles: with its swing damped, else with critical dashpots; None where neither may be made."""
+    """Return the attempt after one that rattles: with its swing damped, else with critical dashpots; None where neither may be made.
+
+    It is a quick one again: what speed does is known only from two attempts with the same damping.
+    """
+    quick = attempt.settings.quick_speed or 1.0
     if _may_calm(attempt) and _affordable(attempt, steps, 1.0):
-        return replace(plan, swing=SWING_DAMPING)
+        return replace(plan, pace=quick, swing=SWING_DAMPING)
     longer = CRITICAL / attempt.settings.damping_ratio
-    return replace(plan, damping=CRITICAL) if _affordable(attempt, steps, longer) else None
+    return replace(plan, pace=quick, damping=CRITICAL) if _affordable(attempt, steps, longer) else None
 
 
 def _may_calm(attempt: Protocol) -> bool:

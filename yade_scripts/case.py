@@ -67,6 +67,8 @@ class Case:
         Vertices (n, 3) of each block, m.
     parts : tuple of tuple of np.ndarray
         Vertices (n, 3) of the convex parts of each block, m; one part for a convex block.
+    faces : tuple of tuple of np.ndarray
+        Outward unit normals and offsets (f, 4), m, of the face planes of these parts.
     block_a, block_b : np.ndarray
         Blocks (C,) of each contact point; a is the lower index.
     normal : np.ndarray
@@ -114,6 +116,7 @@ class Case:
     inertia: np.ndarray
     vertices: tuple[np.ndarray, ...]
     parts: tuple[tuple[np.ndarray, ...], ...]
+    faces: tuple[tuple[np.ndarray, ...], ...]
     block_a: np.ndarray
     block_b: np.ndarray
     normal: np.ndarray
@@ -198,7 +201,9 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     alike = np.where((data["blocks/role"] == SUPPORT)[:, None], data["scene/support_twist"], 0.0)
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
     boxes = tuple(sphere_placement.box_extents(points) for points in vertices)
-    host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]])
+    planes = sphere_placement.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
+    faces = (data["blocks/face_block"], *planes)
+    host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]], faces)
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),
@@ -221,6 +226,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         inertia=data["blocks/inertia"][index],
         vertices=vertices,
         parts=_parts(data, index, vertices),
+        faces=_faces(data, index, faces),
         block_a=place[block_a],
         block_b=place[block_b],
         normal=data["interfaces/normal"][interface],
@@ -242,6 +248,17 @@ def _parts(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarra
         return tuple((points,) for points in vertices)
     start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
     return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
+
+
+def _faces(data: Mapping[str, Any], index: np.ndarray, faces: sphere_placement.Faces) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the face planes of the convex parts of each block in `index` (B,)."""
+    owner, planes = faces[0], np.column_stack(faces[1:])
+    if "parts/block" not in data:
+        order = np.argsort(owner, kind="stable")
+        first, last = (np.searchsorted(owner[order], index, side) for side in ("left", "right"))
+        return tuple((planes[order[low:high]],) for low, high in zip(first, last, strict=True))
+    start, of_part = data["parts/face_start"], data["parts/block"]
+    return tuple(tuple(planes[start[part] : start[part + 1]] for part in np.flatnonzero(of_part == block)) for block in index)
 
 
 def _overrides(field: str, data: Mapping[str, Any]) -> dict[str, Any]:

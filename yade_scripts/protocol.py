@@ -11,12 +11,13 @@ from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
+from yade_scripts.near_faces import NearFaces
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings, rattling_of
 
-ROWS_BETWEEN_FITS = 20
+ROWS_BETWEEN_FITS, ROWS_BETWEEN_LOOKS = 20, 4
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
 GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
@@ -42,6 +43,10 @@ class Protocol:
         Rows and poses so far.
     progress : callable
         Receives stage, fraction, settlement, reaction and message of each row.
+    near : NearFaces or None
+        Faces near the spheres that they do not touch: the run ends where one of them may be met. None where YADE looks for new contacts.
+    met_face : bool
+        Whether it ended so.
     status : Status or None
         How the run ended; None while it runs.
     message : str
@@ -59,6 +64,8 @@ class Protocol:
     model: Model
     record: Record
     progress: Progress
+    near: NearFaces | None = None
+    met_face: bool = False
     status: Status | None = None
     message: str = ""
     asked_settlement: float = 0.0
@@ -127,8 +134,8 @@ class Protocol:
         self.asked_settlement = -settings.speed * steps * settings.time_step
 
     def _settle(self) -> None:
-        settings, dt = self.settings, self.settings.time_step
-        self.model.integrator.damping = 0.0
+        settings, dt = self.settings, self.settings.settling_step
+        self.model.integrator.damping, Omega().dt = 0.0, dt
         self._stage, self._start_time = SETTLEMENT, max(Omega().time, self._end_time)
         if settings.swing_damping > 0.0:
             self._damper = swing_damper(self.case, settings, self.model.inertia, self.record.states)
@@ -202,7 +209,7 @@ class Protocol:
 
     def _pause(self) -> None:
         """End the stage with this step; its end is computed, because YADE goes on in its own thread and may not have counted the step."""
-        self._end_time, self._end_step = Omega().time + self.settings.time_step, Omega().iter + 1
+        self._end_time, self._end_step = Omega().time + Omega().dt, Omega().iter + 1
         Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
@@ -214,6 +221,9 @@ class Protocol:
             self._end(Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after a settlement of {row.settlement:.3g}")
         elif self._stage == GRAVITY and row.displacement > limit:
             self._end(Status.COLLAPSED, f"a block has moved {row.displacement:.3g} m under gravity alone")
+        elif self.near is not None and len(self.record.rows) % ROWS_BETWEEN_LOOKS == 0 and self.near.are_met(*self.record.motion()):
+            self.met_face = True
+            self._end(Status.FAILED, f"a block comes to a face that it did not touch, at a settlement of {row.settlement:.3g}")
         elif time.monotonic() - self._began > self.settings.time_limit:
             self._end(Status.TIMEOUT, f"time limit of {self.settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}")
 
@@ -238,7 +248,7 @@ class Protocol:
             self.asked_settlement += self._speed * (row.time - self._last_time)
             self._last_time = row.time
             if self._speed < settings.speed:
-                self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * settings.time_step)
+                self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * Omega().dt)
         else:
             self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
         if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:  # a lifted support begins below 0

@@ -105,6 +105,8 @@ class Record:
         case, bodies = self.case, Omega().bodies
         self._clumps, self._supports = ([self.model.clump[block] for block in blocks] for blocks in (case.free, case.supports))
         self.states, self._support_states = ([bodies[clump].state for clump in clumps] for clumps in (self._clumps, self._supports))
+        self._all_states = [bodies[clump].state for clump in self.model.clump]
+        self._built = np.array([(turn[0], turn[1], turn[2], turn[3]) for turn in self.model.rotation])
         self._rest, self._mass, inertia = self.model.position[case.free], case.mass[case.free], self.model.inertia
         self._inert_mass, self._inertia = inertia.mass[case.free], inertia.tensor[case.free]
         self._loads, self._turned = case.applied_load[case.free, :3], np.flatnonzero(case.applied_load[:, 3:].any(axis=1)).tolist()
@@ -235,10 +237,19 @@ class Record:
 
     def pose(self) -> State:
         """Return the present state: settlement, displacements, rotations and contact forces."""
-        bodies = Omega().bodies
-        moved = _array(bodies[clump].state.pos for clump in self.model.clump) - self.model.position
-        turned = np.array([self.rotation(block) for block in range(len(self.case.role))])
-        return self.settlement(), moved, turned, self.contact_forces()
+        return self.settlement(), *self.motion(), self.contact_forces()
+
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return displacements (B, 3), m, and rotation vectors (B, 3), rad, of all blocks relative to the case's geometry."""
+        states = self._all_states
+        moved = _array(state.pos for state in states) - self.model.position
+        now = np.array([(turn[0], turn[1], turn[2], turn[3]) for turn in (state.ori for state in states)])
+        (axis, real), (axis_built, real_built) = ((turns[:, :3], turns[:, 3:]) for turns in (now, self._built))
+        vector = real_built * axis - real * axis_built - np.cross(axis, axis_built)
+        cosine = (axis * axis_built).sum(axis=1, keepdims=True) + real * real_built
+        sine = np.linalg.norm(vector, axis=1, keepdims=True)
+        angle = 2.0 * np.arctan2(sine, np.abs(cosine))
+        return moved, vector * np.where(cosine >= 0.0, 1.0, -1.0) * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0.0)
 
     def store_pose(self) -> None:
         """Store the present state, and note contacts that the case does not list."""

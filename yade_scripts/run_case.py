@@ -96,22 +96,22 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     sys.path.append(find_yade())
     from yade import config  # noqa: PLC0415
 
-    from yade_scripts import attempts, bodies, faces, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts import attempts, bodies, faces, near_faces, protocol, recorder, run_fields  # noqa: PLC0415
 
     _remove_scratch_folder()
     seconds = settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived)
     reporter.forecast(seconds, config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
 
-    def attempt(one: case.Case, chosen: settings.Settings) -> protocol.Protocol:
+    def attempt(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
         model = bodies.build(one, left, "watch()", "pull()", "calm()")
-        made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress)
+        made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near)
         _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()
         made.settings = dataclasses.replace(chosen, time_limit=limit)
         return made
 
-    values = run_fields.fields(attempts.make(problem, derived, attempt), time.monotonic() - began)
+    values = run_fields.fields(attempts.make(problem, derived, attempts.WithoutSearch(attempt)), time.monotonic() - began)
     exchange.write(options.run, exchange.RUN_FIELDS, values, options.inputs)
     reporter.done(values["result/status"])
 

@@ -54,7 +54,8 @@ class Settings:
     normal_damping: float  # N s/m, viscosity of one contact point along the normal
     shear_damping: float  # N s/m, viscosity across the joint
     time_step_share: float  # time step over the largest stable one
-    time_step: float  # s, time step of the integration
+    time_step: float  # s, time step while the structure comes to rest
+    settling_step: float  # s, time step from then on: there is no local damping, and a longer step is stable
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
     max_travel: float  # m or rad, largest motion of the support
     travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
@@ -140,11 +141,13 @@ def _derived(case: Case, overrides: dict[str, float]) -> Settings:
     set_default(**stiffness)
     sag = case.sag * case.normal_stiffness / chosen["normal_stiffness"]
     set_default(**_damping(case, chosen))
-    stable = _stable_time_step(case, chosen)
-    set_default(time_step=chosen["time_step_share"] * stable)
-    if chosen["time_step"] > stable:
-        rule = f"it must be at most {stable:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
-        raise CaseError(f"scene/settings: time_step is {chosen['time_step']:.3g} s; {rule}")
+    stable = _stable_time_steps(case, chosen)
+    set_default(time_step=chosen["time_step_share"] * stable["time_step"])
+    set_default(settling_step=overrides.get("time_step", chosen["time_step_share"] * stable["settling_step"]))
+    for name, longest in stable.items():
+        if chosen[name] > longest:
+            rule = f"it must be at most {longest:.3g} s, a time_step_share of 1: beyond that the integration is unstable"
+            raise CaseError(f"scene/settings: {name} is {chosen[name]:.3g} s; {rule}")
     gravity = float(np.linalg.norm(case.gravity))
     # A structure that sags by u under its weights swings with a period of about 2 pi sqrt(u / g), and sideways in the same way.
     slow = slowness(case)
@@ -193,7 +196,7 @@ def slowness(case: Case) -> float:
 
 def steps_to_plateau(settings: Settings) -> float:
     """Return the time steps of all attempts, if each stops at the first plateau that it may."""
-    own = (0.5 * settings.ramp_time + settings.plateau_travel / settings.speed) / settings.time_step
+    own = (0.5 * settings.ramp_time + settings.plateau_travel / settings.speed) / settings.settling_step
     return own * (1.0 + (1.0 / settings.quick_speed if settings.quick_speed > 0.0 else 0.0))
 
 
@@ -246,11 +249,13 @@ def contact_damping(case: Case, inertia: Inertia, normal: float, shear: float) -
     return factor[:, None] * np.array([normal, shear])
 
 
-def _stable_time_step(case: Case, chosen: dict[str, Any]) -> float:
+def _stable_time_steps(case: Case, chosen: dict[str, Any]) -> dict[str, float]:
+    """Return the longest stable `time_step`, under local damping, and the longest stable `settling_step`, s."""
     stiffness = chosen["normal_stiffness"], chosen["shear_stiffness"]
     inertia = inertia_of(case, *stiffness, chosen["added_mass"])
-    # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
-    frequency = math.sqrt((1.0 + chosen["gravity_damping"]) * highest_eigenvalue(springs_of(case, *stiffness), inertia))
+    stiffest = highest_eigenvalue(springs_of(case, *stiffness), inertia)
     dashpots = springs_of(case, *contact_damping(case, inertia, chosen["normal_damping"], chosen["shear_damping"]).T)
-    decay = (1.0 + chosen["gravity_damping"]) * highest_eigenvalue(dashpots, inertia)
-    return stable_time_step(frequency, decay)
+    decay = highest_eigenvalue(dashpots, inertia)
+    # Local damping makes a braking force larger by its share, which acts as a mass less by as much.
+    more = {"time_step": 1.0 + chosen["gravity_damping"], "settling_step": 1.0}
+    return {name: stable_time_step(math.sqrt(factor * stiffest), factor * decay) for name, factor in more.items()}

@@ -25,12 +25,10 @@ def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     return (low, high) if len(vertices) == 8 and on_corner.all() and len(corners) == 8 else None
 
 
-def spheres(data: Mapping[str, Any], boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return host (C,) and inset (C,), m, of the sphere of each contact point; hosts and `boxes` are block numbers of the file."""
+def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[np.ndarray, np.ndarray]:
+    """Return host (C,) and inset (C,), m, of each contact point's sphere; hosts, `boxes` and `faces` have block numbers of the file."""
     interface, position, plane = data["contacts/interface"], data["contacts/position"], bool(data["scene/plane"])
     block_a, block_b, normal = (data[f"interfaces/{name}"][interface] for name in ("block_a", "block_b", "normal"))
-    planes = face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
-    faces = (data["blocks/face_block"], *planes)
     on_a = depth_in_faces(position, normal, block_a, faces, plane)
     on_b = depth_in_faces(position, -normal, block_b, faces, plane)
     is_box = np.isin(np.arange(len(data["blocks/role"])), boxes)

@@ -52,7 +52,7 @@ UNITS = {  # by unit: keys whose own names are clear, with as much of their path
     "N s/m": "yade.normal_damping yade.shear_damping",
     "m/s or rad/s": "yade.speed",
     "m/s": "yade.fall_speed",
-    "s": "yade.time_step yade.ramp_time yade.gravity_ramp yade.gravity_time yade.time_limit",
+    "s": "yade.time_step yade.settling_step yade.ramp_time yade.gravity_ramp yade.gravity_time yade.time_limit",
     "J": "yade.rest_energy",
     "periods": "yade.travel_periods",
     "-": "yade.damping_ratio yade.threads yade.stiffening yade.least_stiffening yade.plateau_share yade.quick_speed yade.rattling "

@@ -11,13 +11,13 @@ RADIUS_OVER_INSET = 0.5  # radius of a contact sphere in YADE over the inset: it
 # Settings of a YADE run that a case file may contain in `scene/settings`; `yade_scripts.settings` explains each.
 SETTINGS = (
     "normal_stiffness", "shear_stiffness", "damping_ratio", "normal_damping", "shear_damping", "time_step_share", "time_step",
-    "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_ramp", "gravity_time",
-    "rest_unbalanced", "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty", "plateau_drift",
-    "stop_uncertainty", "reaction_floor", "settings_uncertainty", "threads", "time_limit", "stiffening", "least_stiffening",
-    "plateau_share", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
+    "settling_step", "sphere_radius", "max_travel", "travel_periods", "speed", "ramp_time", "wedging", "gravity_damping", "gravity_ramp",
+    "gravity_time", "rest_unbalanced", "rest_energy", "fall_speed", "record_rows", "poses", "plateau_travel", "plateau_uncertainty",
+    "plateau_drift", "stop_uncertainty", "reaction_floor", "settings_uncertainty", "threads", "time_limit", "stiffening",
+    "least_stiffening", "plateau_share", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
 )  # fmt: skip
 # Runs of version 0.2.0 do not have these.
 LATER_SETTINGS = (
     "stiffening", "least_stiffening", "rattling", "quick_speed", "servo_frequency", "servo_damping", "added_mass", "swing_damping",
-    "gravity_ramp", "threads", "plateau_share",
+    "gravity_ramp", "threads", "plateau_share", "settling_step",
 )  # fmt: skip

@@ -52,7 +52,7 @@ def measure(path: Path, steps: int, profile: bool) -> dict:
         "real": omega.interactions.countReal(),
         "pose_bytes": sum(array.nbytes for array in record.poses[-1][1:]),
         "poses": chosen.poses,
-        "steps_of_travel": round(chosen.max_travel / chosen.speed / chosen.time_step),
+        "steps_of_travel": round(chosen.max_travel / chosen.speed / chosen.settling_step),
         "rows": chosen.record_rows,
     }
     if profile:

@@ -26,7 +26,7 @@ class Held(protocol.Protocol):
     hold: int = 0
 
     def _settle(self) -> None:
-        self.model.integrator.damping = 0.0
+        self.model.integrator.damping, bodies.Omega().dt = 0.0, self.settings.settling_step
         self.rested = len(self.record.rows)
         self.model.watch.iterPeriod = max(1, self.hold // ROWS)
         self.sag = self.record.poses[-1][1]

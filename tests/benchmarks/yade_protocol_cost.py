@@ -9,6 +9,7 @@ travel, a motion that costs YADE itself less. CPU seconds.
 """
 
 import argparse
+import dataclasses
 import json
 import os
 import sys
@@ -24,7 +25,7 @@ for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
 sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
-from yade_scripts import attempts, bodies, case, driving, protocol, recorder, settings  # noqa: E402
+from yade_scripts import attempts, bodies, case, driving, near_faces, protocol, recorder, settings  # noqa: E402
 
 
 @dataclass
@@ -49,10 +50,10 @@ class Watched(protocol.Protocol):
         self.watching += time.process_time() - began
 
 
-def driven(one: case.Case, chosen: settings.Settings, stream) -> tuple[Watched, float]:
+def driven(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
     """A run by the protocol, progress and all, and its seconds without those of building the model."""
     model = bodies.build(one, chosen, "watch()", calm="calm()")
-    run = Watched(one, chosen, model, recorder.Record(one, model), run_case.Reporter(stream).progress)
+    run = Watched(one, chosen, model, recorder.Record(one, model), run_case.Reporter(stream).progress, near)
     sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
     run.run()
@@ -72,7 +73,7 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
     model.watch.dead = True
     began = time.process_time()
     omega.run(run.rested, True)
-    model.integrator.damping = 0.0
+    model.integrator.damping, omega.dt = 0.0, run.settings.settling_step
     driving.set_speed(one, model.drive, speeds[0])
     model.watch.dead, model.watch.iterPeriod = not left, run.model.watch.iterPeriod
     omega.run(steps - run.rested, True)
@@ -82,17 +83,17 @@ def bare(run: Watched, steps: int, speeds: list[float]) -> float:
 def verdict(path: Path) -> dict:
     """All attempts of a run."""
     memory_before = peak_memory()
-    one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
+    one = settings.affordable(case.from_fields(exchange.read(path, run_case.case_fields(path))))
     seconds, watching = [], []
     with Path(os.devnull).open("w") as nowhere:
 
-        def attempt(changed: case.Case, chosen: settings.Settings) -> Watched:
-            run, spent = driven(changed, chosen, nowhere)
+        def attempt(changed: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None) -> Watched:
+            run, spent = driven(changed, chosen, near, nowhere)
             seconds.append(spent)
             watching.append(run.watching)
             return run
 
-        made = attempts.make(one, settings.derive(one), attempt)
+        made = attempts.make(one, settings.derive(one), attempts.WithoutSearch(attempt))
     return {
         "total": time.process_time(),  # of the whole process so far, loading YADE and building the models included
         "protocol": [sum(seconds)],
@@ -110,8 +111,10 @@ def measure(path: Path, rounds: int) -> dict:
     memory_before = peak_memory()
     one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
     chosen = settings.derive(one)
+    near = near_faces.NearFaces(one, chosen) if one.displacement == "finite" else None
+    one = dataclasses.replace(one, displacement="small")  # as the attempts of a run begin
     with Path(os.devnull).open("w") as nowhere:
-        run, seconds = driven(one, chosen, nowhere)
+        run, seconds = driven(one, chosen, near, nowhere)
         result = {
             "total": time.process_time(),  # of the whole process so far, loading YADE and building the model included
             "protocol": [seconds],
@@ -130,11 +133,11 @@ def measure(path: Path, rounds: int) -> dict:
             "memory_before": memory_before,
         }
         first, steps = run, result["steps"]
-        constant = first.record.settlement() / ((steps - first.rested) * chosen.time_step)
+        constant = first.record.settlement() / ((steps - first.rested) * chosen.settling_step)
         for _ in range(rounds):
             result["bare"].append(bare(first, steps, first.speeds))
             result["constant"].append(bare(first, steps, [constant]))
-            run, seconds = driven(one, chosen, nowhere)
+            run, seconds = driven(one, chosen, near, nowhere)
             result["protocol"].append(seconds)
             result["watching"].append(run.watching)
     return result

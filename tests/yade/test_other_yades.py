@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from displaced_blocks import buffer
 from faulty_runs import TOOL
 
 from comparison.cli.commands import main
@@ -50,7 +51,7 @@ def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
 def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
     altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """As Debian 13 builds it. A trapezium is no box along the axes; with finite displacements spheres may meet any of its faces."""
+    """As Debian 13 builds it. A trapezium is no box along the axes: it is refused once a sphere comes near a face that it did not touch."""
     altered_yade("2025.2.0", *POLYHEDRA)
     out, box = tmp_path / "out", "box     = { from = [0.0, 0.0, 0.0], to = [1.0, 0.2, 0.5] }"
     assert box in two_pads
@@ -59,9 +60,13 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
         path = tmp_path / f"{displacement}.toml"
         path.write_text(f'{trapezium.split("[expected]")[0]}\n[effects]\ndisplacement = "{displacement}"\n')
     capsys.readouterr()
-    assert main(["run", "two_pads", str(tmp_path / "small.toml"), "-o", str(out)]) == 0
-    assert capsys.readouterr().err.count("running YADE 2025.2.0 (untested version, see `crosscheck doctor`)") == 2
-    assert main(["run", str(tmp_path / "finite.toml"), "-o", str(out)]) == TOOL
+    assert main(["run", "two_pads", str(tmp_path / "small.toml"), str(tmp_path / "finite.toml"), "-o", str(out)]) == 0
+    assert capsys.readouterr().err.count("running YADE 2025.2.0 (untested version, see `crosscheck doctor`)") == 3
+    stop, slanted = buffer(), "prism = { profile = [[0.4002, 0.0], [0.8, 0.0], [0.7, 0.4], [0.4002, 0.4]], y = [-0.1, 0.3] }"
+    upright = "box = { from = [0.4002, -0.1, 0.0], to = [0.8, 0.3, 0.4] }"
+    assert upright in stop
+    (tmp_path / "met.toml").write_text(stop.replace(upright, slanted))
+    assert main(["run", str(tmp_path / "met.toml"), "-o", str(out)]) == TOOL
     said = capsys.readouterr().err
     assert "is not a box along the axes" in said and 'displacement = "small"' in said and said.count("YADE: failed") == 1
     assert "Debian 12" in said and "Traceback" not in said

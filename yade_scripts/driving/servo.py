@@ -116,5 +116,5 @@ def servo_of(case: Case, settings: Settings) -> Servo:
     sag = case.sag * case.normal_stiffness / settings.normal_stiffness
     frequency = settings.servo_frequency * math.sqrt(gravity / sag)
     decay = 2.0 * settings.servo_damping * frequency
-    every = max(1, int(LAG / (decay * settings.time_step)))
+    every = max(1, int(LAG / (decay * settings.settling_step)))
     return Servo(frequency**2 / gravity, decay / gravity, settings.speed, settings.ramp_time, every, 1.0 / frequency)

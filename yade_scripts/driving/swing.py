@@ -87,7 +87,7 @@ def swing_damper(case: Case, settings: Settings, inertia: Inertia, states: Seque
     """Return the damper of a run with these settings, for the YADE states of the free blocks."""
     sag = case.sag * case.normal_stiffness / settings.normal_stiffness
     frequency = math.sqrt(float(np.linalg.norm(case.gravity)) / sag)
-    every = max(1, int(EVERY / (frequency * settings.time_step)))
-    elapsed = frequency * every * settings.time_step  # rad
+    every = max(1, int(EVERY / (frequency * settings.settling_step)))
+    elapsed = frequency * every * settings.settling_step  # rad
     share, renewed = (1.0 - math.exp(-rate * elapsed) for rate in (2.0 * settings.swing_damping, 1.0 / (2.0 * math.pi * MEAN_PERIODS)))
     return SwingDamper(states, not case.plane, inertia.tensor[case.free], share, renewed, every, inertia.mass[case.free])

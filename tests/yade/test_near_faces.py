@@ -1,0 +1,122 @@
+"""Faces near a sphere: while no gap to them is used up, no sphere touches a face that the case does not list."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scenes
+from displaced_blocks import GAP, buffer, with_effects
+from verdict_scenes import EARLIER_SEED, drawn
+
+from la_core import exchange
+from la_core.analysis import case_file
+from la_core.analysis.modelling import structural_model
+from la_core.analysis.stage import analyse
+from la_core.scene import Scene
+from yade_scripts import case, settings
+from yade_scripts.near_faces import LEFT, NEAR, NearFaces
+
+CORNER = [[0.0, 0.0], [0.8, 0.0], [0.8, 0.3], [0.3, 0.3], [0.3, 0.8], [0.0, 0.8]]
+
+
+def compound() -> Scene:
+    """A block with a re-entrant corner, and one in that corner that leaves a gap to its upright face."""
+    parts = (
+        scenes.box("fixed base", (0.0, 0.0, -0.2), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("settling base", (0.4, 0.0, -0.2), (0.8, 0.2, 0.0), "support"),
+        scenes.block("corner", prism=(CORNER, [0.0, 0.2])),
+        scenes.box("in it", (0.3002, 0.0, 0.3), (0.7, 0.2, 0.6)),
+    )
+    return scenes.build(*parts, inset=0.001)
+
+
+SCENES: dict[str, Callable[[], Scene]] = {
+    "wall": lambda: scenes.build(*scenes.wall(4, 3, split=0.8), inset=0.001),
+    "leaning wall": lambda: drawn(1, EARLIER_SEED).scene,
+    "two leaves": lambda: drawn(4, EARLIER_SEED).scene,
+    "a block near a stop": lambda: with_effects(buffer()),
+    "compound": compound,
+}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def one(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> case.Case:
+    """The case of a scene, with finite displacements."""
+    path = tmp_path_factory.mktemp("near") / "case.h5"
+    scene = SCENES[request.param]()
+    case_file.write_case(
+        path, analyse(structural_model(replace(scene, effects=scene.effects.model_copy(update={"displacement": "finite"})))), ""
+    )
+    fields = (*exchange.CASE_FIELDS, *exchange.present(path, (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SWAY)))
+    return case.from_fields(exchange.read(path, fields))
+
+
+def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, rotation: np.ndarray) -> float:
+    """Least distance (m) by which a sphere of a moved block lies outside a face plane of every convex part it is no partner of."""
+    radius = chosen.sphere_radius * one.own_inset / one.inset
+    inward = np.where((one.host == one.block_b)[:, None], one.normal, -one.normal)
+    turns = [scenes.rotation(tuple(vector), float(np.linalg.norm(vector))) if vector.any() else np.eye(3) for vector in rotation]
+    centre = np.array([
+        one.centroid[host] + displacement[host] + turns[host] @ (point + size * into - one.centroid[host])
+        for host, point, size, into in zip(one.host, one.position, radius, inward, strict=True)
+    ])  # fmt: skip
+    least = np.inf
+    for block, parts in enumerate(one.faces):
+        back = (centre - one.centroid[block] - displacement[block]) @ turns[block] + one.centroid[block]
+        met = (one.host != block) & (one.target != block) & ((one.role[one.host] == case.FREE) | (one.role[block] == case.FREE))
+        for faces in parts:
+            outside = (back @ faces[:, :3].T - faces[:, 3]).max(axis=1) - radius
+            least = min(least, float(outside[met].min(initial=np.inf)))
+    return least
+
+
+@pytest.mark.parametrize("size", [1e-5, 1e-4, 3e-4, 1e-3])
+def test_while_no_gap_is_used_up_no_sphere_touches_another_face(one: case.Case, size: float) -> None:
+    chosen = settings.derive(one)
+    near, chance = NearFaces(one, chosen), np.random.default_rng(1)
+    outcomes = []
+    for _ in range(20):
+        displacement, rotation = (size * chance.uniform(-1.0, 1.0, (len(one.role), 3)) for _ in range(2))
+        if one.plane:
+            displacement[:, 1], rotation[:, [0, 2]] = 0.0, 0.0
+        outcomes.append(near.are_met(displacement, rotation))
+        assert outcomes[-1] or beyond(one, chosen, displacement, rotation) > 0.0
+    assert size > 1e-5 or not any(outcomes)  # and nothing is met by the strain of the joints
+
+
+def test_a_gap_is_used_up_by_a_motion_towards_the_face_and_by_no_other(one: case.Case) -> None:
+    near = NearFaces(one, settings.derive(one))
+    assert len(near.gap) and near.gap.min() > 0.0
+    least = int(near.gap.argmin())
+    still, way = np.zeros((len(one.role), 3)), near.gap[least] * near.normal[least]
+    for share, met in ((-(1.0 - LEFT) * 1.01, True), (-(1.0 - LEFT) * 0.5, False)):
+        moved = still.copy()
+        moved[one.host[near.sphere[least]]] = share * way
+        assert near.are_met(moved, still) == met
+    assert not near.are_met(still, still)
+
+
+def test_a_block_that_goes_far_may_meet_what_was_not_near(one: case.Case) -> None:
+    chosen = settings.derive(one)
+    still = np.zeros((len(one.role), 3))
+    limit = 0.5 * NEAR * chosen.max_travel * one.support_speed
+    far = still + np.array([0.0, 0.0, limit])  # all together: no gap changes
+    near = NearFaces(one, chosen)
+    assert near.are_met(1.01 * far, still) and not near.are_met(0.99 * far, still)
+
+
+def test_two_held_blocks_never_meet(one: case.Case) -> None:
+    held = replace(one, role=np.full(len(one.role), 1))
+    near = NearFaces(held, settings.derive(one))
+    assert not len(near.gap) and not near.are_met(np.zeros((len(one.role), 3)), np.zeros((len(one.role), 3)))
+
+
+def test_the_stop_is_among_the_faces_near_the_block(tmp_path: Path) -> None:
+    case_file.write_case(tmp_path / "case.h5", analyse(with_effects(buffer())), "")
+    found = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    chosen = settings.derive(found)
+    near = NearFaces(found, chosen)
+    stop = near.block == found.role.tolist().index(case.FIXED)
+    assert near.gap[stop].min() == pytest.approx(GAP + found.inset - chosen.sphere_radius, rel=1e-6)
