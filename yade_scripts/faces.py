@@ -27,7 +27,7 @@ class YadeError(Exception):
 def faces_of(case: Case, block: int) -> list[tuple[Body, np.ndarray]]:
     """Return the massless bodies that other blocks' spheres touch, each with the indices of its contact points.
 
-    As a rule it is one body, the block's solid. With small displacements, one box for each face in contact replaces a polyhedron:
+    As a rule it is one body, the block's solid. Unless YADE looks for new contacts, one box for each face in contact replaces a polyhedron:
     a step is then three to seven times as fast, because YADE searches polyhedra triangle by triangle.
     """
     touching = np.flatnonzero(case.target == block)

@@ -30,7 +30,7 @@ def estimated_times(points: int, yade: bool = True) -> dict[str, TimeEstimate]:
     """Estimate the times of both methods from the number of contact points.
 
     The laws are fitted to the recorded times of the shipped scenes and of walls of up to 250 blocks, where limit analysis follows a path
-    of states and YADE takes more steps for a larger structure. Blocks that YADE needs polyhedra for, as in a dome, take longer.
+    of states and YADE takes more steps for a larger structure.
 
     Parameters
     ----------
