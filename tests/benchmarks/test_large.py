@@ -2,7 +2,9 @@
 
 import benchmark_large
 import numpy as np
+import pytest
 from benchmark_large import SCENES, page
+from verdict_scenes import drawn
 
 from la_core.model import assemble
 
@@ -22,6 +24,14 @@ def test_the_sizes_are_those_that_the_scenes_are_named_after() -> None:
     assert 60 <= sizes["10 x 6 wall"] <= 66 and abs(sizes["250 blocks"] - 250) <= 5 and abs(sizes["1,000 blocks"] - 1000) <= 20
 
 
+@pytest.mark.parametrize("number", [0, 4, 8])
+def test_the_random_structures_are_two_to_three_times_as_long_and_high_as_those_of_the_verdicts(number: int) -> None:
+    scene, small = SCENES[f"random {number}"](), drawn(number, benchmark_large.RANDOM_SEED).scene
+    assert 48 <= scene.blocks.free.sum() <= 200 and scene.title == small.title
+    larger = np.ptp(scene.blocks.vertices, axis=0) / np.ptp(small.blocks.vertices, axis=0)
+    assert 1.2 < larger[0] < 4.0 and larger[1] == pytest.approx(1.0)
+
+
 def test_the_page_shows_values_verdicts_and_reasons() -> None:
     entry = {
         "name": "250 blocks", "blocks": 248, "friction": 0.4, "weight": 1e4, "threads": 2, "verdict": "disagree", "reason": "they differ",
@@ -33,3 +43,6 @@ def test_the_page_shows_values_verdicts_and_reasons() -> None:
     assert text.index("| 250 blocks | 248 |") < text.index("| 1,000 blocks | 248 |")
     assert "| 9.1 % | ✗ disagree | 20 | 120 | 1,234,567 | 2.5 |" in text and "| timeout | – | ? inconclusive |" in text
     assert "**250 blocks** is disagree: they differ" in text
+    assert "Random irregular structures" not in text
+    text = page({"versions": {}, "scenes": {"random 3": entry | {"name": "random 3"}, "250 blocks": entry}})
+    assert text.index("| 250 blocks |") < text.index("Random irregular structures") < text.index("| random 3 |")

@@ -52,18 +52,18 @@ class Drawn:
     scene: Scene
 
 
-def drawn(number: int, seed: int = SEED) -> Drawn:
-    """Return the random scene of a number from 0 to SCENES - 1."""
+def drawn(number: int, seed: int = SEED, size: float = 1.0) -> Drawn:
+    """Return the random scene of a number from 0 to SCENES - 1; size: of the structure over the usual, in length and courses."""
     kind, motion = KINDS[number % len(KINDS)], MOTIONS[number // len(KINDS) % len(MOTIONS)]
     attempt = 0
     while True:
         random = np.random.default_rng((seed, number, attempt))
         attempt += 1
         try:
-            scene = la_core.build(tables(random, kind, motion), f"verdict_{number:03d}")
+            scene = la_core.build(tables(random, kind, motion, size), f"verdict_{number:03d}")
         except SceneError:
             continue
-        if LEAST_BLOCKS <= int(scene.blocks.free.sum()) <= MOST_BLOCKS and _stands(scene):
+        if LEAST_BLOCKS <= int(scene.blocks.free.sum()) / size**2 <= MOST_BLOCKS and _stands(scene):
             return Drawn(number, kind, motion, scene)
 
 
@@ -74,10 +74,10 @@ def _stands(scene: Scene) -> bool:
         return False
 
 
-def tables(random: np.random.Generator, kind: str, motion: str) -> dict[str, Any]:
+def tables(random: np.random.Generator, kind: str, motion: str, size: float = 1.0) -> dict[str, Any]:
     """Return the tables of a random scene."""
-    length = GRID * int(random.integers(36, 64))
-    stones = list({"lintel": _lintel, "two leaves": _leaves}.get(kind, _wall)(random, length))
+    length = GRID * int(size * random.integers(36, 64))
+    stones = list({"lintel": _lintel, "two leaves": _leaves}.get(kind, _wall)(random, length, size))
     lean = random.uniform(0.02, 0.1) * random.choice((-1.0, 1.0)) if kind == "leaning wall" else 0.0
     slope = random.uniform(0.03, 0.15) * random.choice((-1.0, 1.0)) if kind == "inclined beds" else 0.0
     share = GRID * round(length * random.uniform(0.2, 0.55) / GRID)
@@ -114,21 +114,21 @@ def _cuts(random: np.random.Generator, low: float, high: float) -> list[float]:
     return [*found, high]
 
 
-def _wall(random: np.random.Generator, length: float) -> Iterator[Stone]:
+def _wall(random: np.random.Generator, length: float, size: float) -> Iterator[Stone]:
     """Yield a wall of courses of different heights."""
     bottom = 0.0
-    for _ in range(int(random.integers(4, 8))):
+    for _ in range(int(size * random.integers(4, 8))):
         top = round(bottom + float(random.uniform(0.18, 0.4)), 3)
         cuts = _cuts(random, 0.0, length)
         yield from (Stone(low, high, bottom, top) for low, high in pairwise(cuts))
         bottom = top
 
 
-def _lintel(random: np.random.Generator, length: float) -> Iterator[Stone]:
+def _lintel(random: np.random.Generator, length: float, size: float) -> Iterator[Stone]:
     """Yield two piers, a lintel over their opening, and courses above it."""
-    first = GRID * int(random.integers(10, 14))
-    last = length - GRID * int(random.integers(10, 14))
-    bottom, piers, above = 0.0, int(random.integers(3, 5)), int(random.integers(1, 4))
+    first = GRID * int(size * random.integers(10, 14))
+    last = length - GRID * int(size * random.integers(10, 14))
+    bottom, piers, above = 0.0, int(size * random.integers(3, 5)), int(size * random.integers(1, 4))
     for course in range(piers + 1 + above):
         top = round(bottom + float(random.uniform(0.2, 0.4)), 3)
         if course < piers:
@@ -143,9 +143,9 @@ def _lintel(random: np.random.Generator, length: float) -> Iterator[Stone]:
         bottom = top
 
 
-def _leaves(random: np.random.Generator, length: float) -> Iterator[Stone]:
+def _leaves(random: np.random.Generator, length: float, size: float) -> Iterator[Stone]:
     """Yield a wall of two leaves in space; some courses are of through-stones, the last one always."""
-    bottom, courses, middle = 0.0, int(random.integers(3, 6)), GRID * int(random.integers(3, 6))
+    bottom, courses, middle = 0.0, int(size * random.integers(3, 6)), GRID * int(random.integers(3, 6))
     for course in range(courses):
         top = round(bottom + float(random.uniform(0.2, 0.4)), 3)
         through = course == courses - 1 or random.uniform() < 0.3
