@@ -91,3 +91,22 @@ print("left" if folder.exists() else "removed")
         [yade.python, "-s", "-c", statement], env=process.yade_environment(), capture_output=True, text=True, check=False
     )
     assert ended.stdout.splitlines()[-1:] == ["removed"], ended.stderr
+
+
+def test_the_console_of_yade_is_loaded_only_where_more_than_its_version_is_asked() -> None:
+    yade = process.find_yade()
+    statement = f"""
+import sys
+sys.path[:0] = [{str(process.ROOT / "yade_scripts")!r}]
+import run_case
+run_case.defer_console()
+import IPython
+assert IPython.__version__[0].isdigit() and "IPython.core" not in sys.modules
+assert callable(IPython.start_ipython) and "IPython.core" in sys.modules
+assert sys.modules["IPython"] is not IPython and IPython.__path__
+print("loaded")
+"""
+    ended = subprocess.run(
+        [yade.python, "-s", "-c", statement], env=process.yade_environment(), capture_output=True, text=True, check=False
+    )
+    assert ended.stdout.splitlines()[-1:] == ["loaded"], ended.stderr
