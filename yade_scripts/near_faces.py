@@ -29,10 +29,10 @@ class NearFaces:
     ----------
     sphere, block : (N,) arrays
         Contact points whose spheres are near a part, and the blocks of these parts.
-    normal : (N, 3) array
-        Outward normal of the part's face plane that is farthest from the sphere.
-    gap : (N,) array
-        Distance of the sphere from this plane, m.
+    faces : list of (f, 4) arrays
+        Outward normals of the part's face planes, and their distances from the sphere at the start, m.
+    normal, gap : (N, 3) and (N,) arrays
+        Those of the plane that is farthest from the sphere.
     """
 
     def __init__(self, case: Case, settings: Settings) -> None:
@@ -41,16 +41,16 @@ class NearFaces:
         radius = settings.sphere_radius * case.own_inset / case.inset
         centre = case.position + radius[:, None] * np.where(on_b[:, None], case.normal, -case.normal)
         self._reach = NEAR * settings.max_travel * case.support_speed
-        found = []
+        found, self.faces = [], []
         for block, parts in enumerate(case.parts):
             other = (host != block) & (case.target != block) & ((case.role[host] == FREE) | (case.role[block] == FREE))
             for vertices, faces in zip(parts, case.faces[block], strict=True):
                 low, high = vertices.min(axis=0) - self._reach, vertices.max(axis=0) + self._reach
                 near = np.flatnonzero(other & ((centre > low) & (centre < high)).all(axis=1))
-                beyond = centre[near] @ faces[:, :3].T - faces[:, 3]
+                beyond = centre[near] @ faces[:, :3].T - faces[:, 3] - radius[near, None]
                 best = beyond.argmax(axis=1)
-                gap = beyond[np.arange(len(near)), best] - radius[near]
-                found.append((near, np.full(len(near), block), faces[best, :3], gap))
+                found.append((near, np.full(len(near), block), faces[best, :3], beyond.max(axis=1)))
+                self.faces += [np.column_stack([faces[:, :3], distances]) for distances in beyond]
         self.sphere, self.block, self.normal, self.gap = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
         self._arm_host = centre[self.sphere] - case.centroid[host[self.sphere]]
         self._arm_block = centre[self.sphere] - case.centroid[self.block]
@@ -64,4 +64,9 @@ class NearFaces:
         host = self.case.host[self.sphere]
         moved = displacement[host] - displacement[self.block]
         moved += np.cross(rotation[host], self._arm_host) - np.cross(rotation[self.block], self._arm_block)
-        return bool((self.gap + np.einsum("ni,ni->n", moved, self.normal) <= LEFT * self.gap).any())
+        used_up = self.gap + np.einsum("ni,ni->n", moved, self.normal) <= LEFT * self.gap
+        for pair in np.flatnonzero(used_up).tolist():  # another plane may still be between the two
+            normal, distance = self.faces[pair][:, :3], self.faces[pair][:, 3]
+            if (distance + normal @ moved[pair]).max() <= LEFT * self.gap[pair]:
+                return True
+        return False
