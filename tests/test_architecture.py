@@ -242,7 +242,7 @@ def test_the_readme_lists_the_rooms_in_their_order(place: str) -> None:
     (line,) = [line for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines() if line.startswith(f"| `{place}` |")]
     listed = line.split("|")[-2].strip(" `").split()
     assert set(listed) == {path.parent.name for path in (ROOT / place).glob("*/__init__.py")}
-    if place != "yade_scripts":  # its two rooms share the modules on its floor
+    if place != "yade_scripts":  # its rooms share the modules on its floor
         assert listed == [name.removeprefix(f"{place}.") for name in ROOMS if name.removeprefix(f"{place}.") in listed]
 
 

@@ -15,11 +15,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from yade_scripts.case import Case
-from yade_scripts.near_faces import NearFaces
+from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
+from yade_scripts.rattling import rattles
 from yade_scripts.recorder import Status
-from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_large, most_steps, slowness
+from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_large, is_long, most_steps, slowness
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
@@ -71,18 +72,21 @@ class WithoutSearch:
         self._run, self._searches = run, False
 
     def __call__(self, case: Case, settings: Settings) -> Protocol:
-        """Make one attempt; its steps are those of both where it was repeated with the search."""
+        """Make one attempt, a second time where it needs the search."""
         if case.displacement == "small":
             return self._run(case, settings, None)
-        before = 0
+        dropped = 0
+        if all(box is not None for box in case.boxes) and is_long(case):
+            self._searches = True  # among boxes the search costs a fifth of a step, and an attempt in vain would take minutes
         if not self._searches:
             made = self._run(replace(case, displacement="small"), settings, NearFaces(case, settings))
             if not made.met_face:
                 return made
-            self._searches, before = True, made.steps
+            self._searches, dropped = True, made.steps
         # The stable step is that of the listed contacts. A block that meets another one swings faster.
         made = self._run(case, replace(settings, settling_step=min(settings.settling_step, settings.time_step)), None)
-        made.steps += before
+        made.dropped_steps = dropped
+        made.message += "; YADE looked for new contacts"
         return made
 
 
@@ -94,7 +98,7 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
         attempt = run(case, settings_of(case, derived, plan, large))
-        steps += attempt.steps
+        steps += attempt.steps + attempt.dropped_steps
         outcome = _with_rate(attempt, before)
         again = _next(attempt, outcome, plan, steps)
         if again is None:
@@ -133,7 +137,7 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
     settings, given, pace = attempt.settings, attempt.case.overrides, plan.pace
     if attempt.status not in (Status.PLATEAU, Status.NO_PLATEAU):
         return None  # a quick attempt that falls would fall at any speed
-    if attempt.may_damp and attempt.rattles and (calmer := _calmer(attempt, plan, steps)):
+    if attempt.may_damp and rattles(attempt.case, settings, attempt.record) and (calmer := _calmer(attempt, plan, steps)):
         return calmer
     creeps = attempt.status is Status.NO_PLATEAU and attempt.plateau.creeps
     stiffer = STIFFER * settings.stiffening

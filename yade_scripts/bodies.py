@@ -24,8 +24,8 @@ from yade import (
 from yade.utils import createInteraction
 
 from yade_scripts.case import FREE, Case
+from yade_scripts.contacts.faces import YadeError, faces_of
 from yade_scripts.driving import drives_of
-from yade_scripts.faces import YadeError, faces_of
 from yade_scripts.settings import Settings, contact_damping, inertia_of
 from yade_scripts.vibration import Inertia
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from yade_scripts import sphere_placement
+from yade_scripts.contacts import sphere_placement
+from yade_scripts.contacts.convex_parts import box_extents, face_planes, faces_of_parts, parts_of
 
 FREE, FIXED, SUPPORT = 0, 1, 2
 _UNIT = 1e-9  # of a unit vector's length: round-off
@@ -200,8 +201,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     place[index] = np.arange(len(index))
     alike = np.where((data["blocks/role"] == SUPPORT)[:, None], data["scene/support_twist"], 0.0)
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
-    boxes = tuple(sphere_placement.box_extents(points) for points in vertices)
-    planes = sphere_placement.face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
+    boxes = tuple(box_extents(points) for points in vertices)
+    planes = face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
     faces = (data["blocks/face_block"], *planes)
     host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]], faces)
     case = Case(
@@ -225,8 +226,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         live_load=data.get("blocks/live_load", np.zeros((total, 6)))[index],
         inertia=data["blocks/inertia"][index],
         vertices=vertices,
-        parts=_parts(data, index, vertices),
-        faces=_faces(data, index, faces),
+        parts=parts_of(data, index, vertices),
+        faces=faces_of_parts(data, index, faces),
         block_a=place[block_a],
         block_b=place[block_b],
         normal=data["interfaces/normal"][interface],
@@ -240,25 +241,6 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     )
     _refuse_unrunnable(case)
     return case
-
-
-def _parts(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarray, ...]) -> tuple[tuple[np.ndarray, ...], ...]:
-    """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only where a block has several."""
-    if "parts/block" not in data:
-        return tuple((points,) for points in vertices)
-    start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
-    return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
-
-
-def _faces(data: Mapping[str, Any], index: np.ndarray, faces: sphere_placement.Faces) -> tuple[tuple[np.ndarray, ...], ...]:
-    """Return the face planes of the convex parts of each block in `index` (B,)."""
-    owner, planes = faces[0], np.column_stack(faces[1:])
-    if "parts/block" not in data:
-        order = np.argsort(owner, kind="stable")
-        first, last = (np.searchsorted(owner[order], index, side) for side in ("left", "right"))
-        return tuple((planes[order[low:high]],) for low, high in zip(first, last, strict=True))
-    start, of_part = data["parts/face_start"], data["parts/block"]
-    return tuple(tuple(planes[start[part] : start[part + 1]] for part in np.flatnonzero(of_part == block)) for block in index)
 
 
 def _overrides(field: str, data: Mapping[str, Any]) -> dict[str, Any]:

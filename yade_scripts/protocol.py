@@ -10,12 +10,14 @@ from yade import Omega
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
+from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
-from yade_scripts.near_faces import NearFaces
+from yade_scripts.lost_runs import loss_of
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
+from yade_scripts.rattling import jumps, rattles
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
-from yade_scripts.settings import CRITICAL, Settings, rattling_of
+from yade_scripts.settings import CRITICAL, Settings
 
 ROWS_BETWEEN_FITS, ROWS_BETWEEN_LOOKS = 20, 4
 ROWS_AT_REST = 3  # in succession: a swinging block passes through balance in one row, through standstill in another
@@ -23,7 +25,6 @@ GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
 EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
 LATE_POSES = 0.1  # of the way so far: largest distance between states from there on, so that a plateau holds several
-JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
 Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
 
 
@@ -47,6 +48,8 @@ class Protocol:
         Faces near the spheres that they do not touch: the run ends where one of them may be met. None where YADE looks for new contacts.
     met_face : bool
         Whether it ended so.
+    dropped_steps : int
+        Time steps of an attempt that this one repeats.
     status : Status or None
         How the run ended; None while it runs.
     message : str
@@ -66,6 +69,7 @@ class Protocol:
     progress: Progress
     near: NearFaces | None = None
     met_face: bool = False
+    dropped_steps: int = 0
     status: Status | None = None
     message: str = ""
     asked_settlement: float = 0.0
@@ -121,10 +125,7 @@ class Protocol:
             self.record.keep_plateau(self.plateau.start)
 
     def _wedge(self) -> None:
-        """Close the joints by a motion against the settlement, before gravity acts.
-
-        Blocks between parallel joints stand by friction on a thrust that their weights alone cannot create.
-        """
+        """Close the joints by a motion against the settlement, before gravity acts: weights alone may not create the thrust they need."""
         settings = self.settings
         steps = math.ceil(settings.wedging / settings.speed / settings.time_step)
         set_loads(self.case, self.model, 0.0)
@@ -213,19 +214,19 @@ class Protocol:
         Omega().pause()
 
     def _stop_if_lost(self, row: Row) -> None:
-        limit = self.settings.max_travel * self.case.support_speed
-        numbers = (row.reaction, row.kinetic_energy, row.unbalanced)
-        if not all(map(math.isfinite, numbers)):
-            self._end(Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable")
-        elif row.speed > self.settings.fall_speed:
-            self._end(Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after a settlement of {row.settlement:.3g}")
-        elif self._stage == GRAVITY and row.displacement > limit:
-            self._end(Status.COLLAPSED, f"a block has moved {row.displacement:.3g} m under gravity alone")
-        elif self.near is not None and len(self.record.rows) % ROWS_BETWEEN_LOOKS == 0 and self.near.are_met(*self.record.motion()):
+        loss = loss_of(self.case, self.settings, row, self._began)
+        has_fallen = loss is not None and loss[0] is Status.COLLAPSED  # a face that it did not touch may have caught the block
+        if (has_fallen or len(self.record.rows) % ROWS_BETWEEN_LOOKS == 0) and self._meets_face():
+            return
+        if loss is not None:
+            self._end(*loss)
+
+    def _meets_face(self) -> bool:
+        """Whether a sphere may have met a face that the case does not list; the run then ends."""
+        if self.near is not None and self.near.are_met(*self.record.motion()):
             self.met_face = True
-            self._end(Status.FAILED, f"a block comes to a face that it did not touch, at a settlement of {row.settlement:.3g}")
-        elif time.monotonic() - self._began > self.settings.time_limit:
-            self._end(Status.TIMEOUT, f"time limit of {self.settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}")
+            self._end(Status.FAILED, f"a block comes to a face that it did not touch, at a settlement of {self.record.settlement():.3g}")
+        return self.met_face
 
     def _load(self, elapsed: float) -> bool:
         """Let the weights act, `elapsed` seconds after the start of their ramp; return whether they still grow."""
@@ -263,28 +264,15 @@ class Protocol:
             may_end = self.search.look(self.asked_settlement)
             # A damped swing dies away as the run goes on, so that only a jump ends such a run early, at what it has shown by then.
             is_calmed = settings.swing_damping > 0.0
-            if self.may_damp and self.rattles and not is_calmed:
+            if self.may_damp and rattles(self.case, settings, self.record) and not is_calmed:
                 self._end_rattling()
-            elif may_end or (self.may_damp and is_calmed and self._jumps):
+            elif may_end or (self.may_damp and is_calmed and jumps(self.case, settings, self.record)):
                 self._judge()
 
     @property
     def may_damp(self) -> bool:
         """Whether an attempt with more damping may follow."""
         return self.settings.damping_ratio < CRITICAL and not {"damping_ratio", "normal_damping"} & set(self.case.overrides)
-
-    @property
-    def rattles(self) -> bool:
-        """Whether blocks jump on the way to the plateau or on it."""
-        return self._jumps or self.record.rattles(plateau.STARTS[0], self._rattling)
-
-    @property
-    def _jumps(self) -> bool:
-        return self.record.jumps(JUMP * self._rattling)
-
-    @property
-    def _rattling(self) -> float:
-        return rattling_of(self.case, self.settings, self.record.rows[-1].reaction)
 
     def _set_speed(self, elapsed: float) -> None:
         """Set the supports' speed `elapsed` seconds after the start, on a cosine ramp from rest to full speed."""
@@ -293,8 +281,12 @@ class Protocol:
 
     def _judge(self) -> None:
         """End the run: with a plateau, or without one."""
+        if self._meets_face():
+            return
         status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
-        if self.may_damp and self.rattles:  # up to the plateau: what came after one that the reaction left is cut off
+        if self.may_damp and rattles(
+            self.case, self.settings, self.record
+        ):  # up to the plateau: what came after one that the reaction left is cut off
             self._end_rattling()
         else:
             self._end(status, message)

@@ -118,7 +118,8 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     defer_console()
     from yade import config  # noqa: PLC0415
 
-    from yade_scripts import attempts, bodies, faces, near_faces, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts.contacts import faces, near_faces  # noqa: PLC0415
 
     _remove_scratch_folder()
     seconds = settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived)

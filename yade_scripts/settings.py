@@ -90,7 +90,9 @@ class Settings:
 
 
 def derive(case: Case, large: bool | None = None) -> Settings:
-    """Return the settings of a case; its overrides replace derived values. Raises CaseError for an unknown name or an invalid value.
+    """Return the settings of a case, as `affordable` returns it; its overrides replace derived values.
+
+    Raises CaseError for an unknown name or an invalid value.
 
     large: whether it counts as large; None decides it by the case.
     """
@@ -100,15 +102,16 @@ def derive(case: Case, large: bool | None = None) -> Settings:
 
 def affordable(case: Case) -> Case:
     """Return the case with the settings that it runs with: its `long_overrides` where a run with its `overrides` would be long."""
-    return replace(case, overrides=case.long_overrides) if _is_long(case) else case
+    return replace(case, overrides=case.long_overrides) if is_long(case) else case
 
 
 def is_large(case: Case) -> bool:
     """Whether a plane case takes so long that its run has the settings OF_LARGE."""
-    return case.plane and _is_long(case)
+    return case.plane and is_long(case)
 
 
-def _is_long(case: Case) -> bool:
+def is_long(case: Case) -> bool:
+    """Whether the first two attempts of a run with the case's `overrides` would take more than SMALL_WORK."""
     return steps_to_plateau(_derived(case, _checked(case.overrides))) * len(case.host) > SMALL_WORK
 
 

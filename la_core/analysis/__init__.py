@@ -2,12 +2,11 @@
 
 from la_core.analysis import case_file, reach
 from la_core.analysis.accuracy import HISTORY, INSET_SHARE, has_history, scale, shared_parts, with_accuracy
-from la_core.analysis.accuracy_record import Attempt
 from la_core.analysis.answer import Answer, answer_headings, answer_rows, solve
 from la_core.analysis.case_file import write_case
 from la_core.analysis.decisions import DecidedModel, decided_model
 from la_core.analysis.modelling import StructuralModel, drives, smallest_inset, structural_model, wedging
-from la_core.analysis.result import LimitAnalysis, associated_values, coulomb_values, path_values
+from la_core.analysis.result import Attempt, LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.analysis.stage import analyse
 

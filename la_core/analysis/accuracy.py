@@ -10,10 +10,9 @@ import math
 import time
 from dataclasses import replace
 
-from la_core.analysis.accuracy_record import AccuracyRecord, Attempt
 from la_core.analysis.modelling import StructuralModel, smallest_inset
 from la_core.analysis.one_pass import analyse_once
-from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.result import AccuracyRecord, Attempt, LimitAnalysis
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
 from la_core.limit import Solution, Status

@@ -12,10 +12,9 @@ import numpy as np
 
 from la_core import exchange
 from la_core.analysis import reach
-from la_core.analysis.accuracy_record import from_text, to_text
 from la_core.analysis.modelling import drives
 from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
-from la_core.analysis.result import Answers, LimitAnalysis
+from la_core.analysis.result import Answers, LimitAnalysis, record_from_text, record_to_text
 from la_core.coulomb import CoulombSolution, EquilibriumPath
 from la_core.digests import code_digest
 from la_core.geometry import Interfaces
@@ -73,7 +72,7 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         "scene/inset": assembly.inset,
         "scene/support_twist": _motion(scene),
         "scene/settings": as_text(settings_after_path(analysis)),
-        "scene/accuracy": to_text(record),
+        "scene/accuracy": record_to_text(record),
         "blocks/name": list(blocks.names),
         "blocks/aside": assembly.aside,
         **{f"blocks/{name}": getattr(blocks, name) for name in _BLOCK_ARRAYS},
@@ -198,7 +197,7 @@ def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], p
         stiffness=JointStiffness(**{name: float(data[field]) for name, field in _JOINT_FIELDS.items() if field in data}),
         least_gap=float(data["scene/least_gap"]),
         path=EquilibriumPath(**_values(data, "path", EquilibriumPath)) if "path/value" in data else None,
-        accuracy=from_text(data["scene/accuracy"]),
+        accuracy=record_from_text(data["scene/accuracy"]),
     )
 
 

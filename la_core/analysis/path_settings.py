@@ -9,8 +9,8 @@ from la_core.coulomb import CoulombSolution
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
-# Of the value's size: a curve that stays this near to its end has settled. YADE states the first for its settings; the second is the
-# uncertainty at which a long run stops.
+# Of the value's size: a curve that stays this near to its end has settled, for any run and for a long one. YADE states as much for its
+# settings.
 SETTLED, SETTLED_OF_LONG_RUN = 1e-3, 5e-3
 
 
@@ -35,14 +35,15 @@ def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the settings in place of `settings_after_path` where a run with those would take long.
 
     A path may come near its end early and then wander about it for many travels: that of a wall of 250 blocks stays within 0.5 % from
-    0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run asks for 0.5 %, as it does of its plateau.
+    0.3 travels on, within 0.1 % from 10 on, and is flat after 64. A long run asks for 0.5 % and states it. Empty as `settings_after_path`
+    is, and where the scene requests an accuracy.
     """
     coulomb = _long_path(analysis)
-    if coulomb is None:
+    if coulomb is None or analysis.scene.accuracy is not None:
         return {}
     settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED_OF_LONG_RUN * scale(analysis))
     stiffening = min(STIFFENING_PER_TRAVEL * max(settled, 1.0), MOST_STIFFENING)
-    return {"least_stiffening": stiffening} | _share(settled, stiffening)
+    return {"least_stiffening": stiffening, "settings_uncertainty": SETTLED_OF_LONG_RUN} | _share(settled, stiffening)
 
 
 def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:

@@ -22,7 +22,7 @@ from yade_scripts import attempts, bodies, case, protocol, recorder, settings  #
 
 
 def main() -> None:
-    one = case.from_fields(exchange.read(Path(sys.argv[1]), run_case.case_fields(Path(sys.argv[1]))))
+    one = settings.affordable(case.from_fields(exchange.read(Path(sys.argv[1]), run_case.case_fields(Path(sys.argv[1])))))
     stiffening = float(sys.argv[3]) * settings.derive(one).stiffening
     one = dataclasses.replace(one, overrides=one.overrides | {"stiffening": stiffening} | json.loads(sys.argv[4]))
     chosen = attempts.settings_of(one, settings.derive(one), attempts.Plan(float(sys.argv[2])))

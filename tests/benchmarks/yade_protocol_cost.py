@@ -25,7 +25,8 @@ for package in ("la_core", "yade_scripts"):
     run_case.load_package(package)
 sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
-from yade_scripts import attempts, bodies, case, driving, near_faces, protocol, recorder, settings  # noqa: E402
+from yade_scripts import attempts, bodies, case, driving, protocol, recorder, settings  # noqa: E402
+from yade_scripts.contacts import near_faces  # noqa: E402
 
 
 @dataclass
@@ -109,7 +110,7 @@ def verdict(path: Path) -> dict:
 def measure(path: Path, rounds: int) -> dict:
     """The protocol at one speed, with and without the driver."""
     memory_before = peak_memory()
-    one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
+    one = settings.affordable(case.from_fields(exchange.read(path, run_case.case_fields(path))))
     chosen = settings.derive(one)
     near = near_faces.NearFaces(one, chosen) if one.displacement == "finite" else None
     one = dataclasses.replace(one, displacement="small")  # as the attempts of a run begin

@@ -9,7 +9,7 @@ import scenes
 
 from comparison.cli.commands import main
 from la_core.analysis.accuracy import with_accuracy
-from la_core.analysis.accuracy_record import AccuracyRecord, Attempt, from_text, to_text
+from la_core.analysis.result import AccuracyRecord, Attempt, record_from_text, record_to_text
 from la_core.scene.scene import scene_of_text
 
 
@@ -55,10 +55,10 @@ def test_a_scene_with_an_impossible_accuracy_names_it(tmp_path: Path, capsys: py
 
 def test_a_purchase_survives_its_text() -> None:
     attempt = Attempt({"viscosity": 1e-3}, 1.5, {"friction's history": math.nan}, 0.1)
-    stored = from_text(to_text(AccuracyRecord(0.01, (attempt,), (), {"travel_periods": 300.0})))
+    stored = record_from_text(record_to_text(AccuracyRecord(0.01, (attempt,), (), {"travel_periods": 300.0})))
     assert stored is not None and stored.limit_analysis[0].settings == attempt.settings
     assert math.isnan(stored.limit_analysis[0].error) and stored.settings == {"travel_periods": 300.0}
-    assert from_text(to_text(None)) is None
+    assert record_from_text(record_to_text(None)) is None
 
 
 def test_what_was_bought_is_printed_reported_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

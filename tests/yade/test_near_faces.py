@@ -1,5 +1,6 @@
 """Faces near a sphere: while no gap to them is used up, no sphere touches a face that the case does not list."""
 
+import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +11,15 @@ import scenes
 from displaced_blocks import GAP, buffer, with_effects
 from verdict_scenes import EARLIER_SEED, drawn
 
+from comparison.yade import ROOT, find_yade
+from comparison.yade.process import yade_environment
 from la_core import exchange
 from la_core.analysis import case_file
 from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.scene import Scene
 from yade_scripts import case, settings
-from yade_scripts.near_faces import LEFT, NEAR, NearFaces
+from yade_scripts.contacts.near_faces import LEFT, NEAR, NearFaces
 
 CORNER = [[0.0, 0.0], [0.8, 0.0], [0.8, 0.3], [0.3, 0.3], [0.3, 0.8], [0.0, 0.8]]
 
@@ -34,6 +37,7 @@ def compound() -> Scene:
 
 SCENES: dict[str, Callable[[], Scene]] = {
     "wall": lambda: scenes.build(*scenes.wall(4, 3, split=0.8), inset=0.001),
+    "wall with a coarse inset": lambda: scenes.build(*scenes.wall(4, 3, split=0.8), inset=0.012),
     "leaning wall": lambda: drawn(1, EARLIER_SEED).scene,
     "two leaves": lambda: drawn(4, EARLIER_SEED).scene,
     "a block near a stop": lambda: with_effects(buffer()),
@@ -72,18 +76,22 @@ def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, 
     return least
 
 
-@pytest.mark.parametrize("size", [1e-5, 1e-4, 3e-4, 1e-3])
-def test_while_no_gap_is_used_up_no_sphere_touches_another_face(one: case.Case, size: float) -> None:
+@pytest.mark.parametrize("apart", [0.0, 0.1, 0.5, 2.0])
+def test_while_no_gap_is_used_up_no_sphere_touches_another_face(one: case.Case, apart: float) -> None:
+    """The structure turns and shifts as one, by half an inset, and each block by `apart` of an inset beside it."""
     chosen = settings.derive(one)
-    near, chance = NearFaces(one, chosen), np.random.default_rng(1)
-    outcomes = []
-    for _ in range(20):
-        displacement, rotation = (size * chance.uniform(-1.0, 1.0, (len(one.role), 3)) for _ in range(2))
+    near, chance, arm = NearFaces(one, chosen), np.random.default_rng(1), one.centroid - one.centroid.mean(axis=0)
+    quiet = []
+    for _ in range(30):
+        shift, turn = (0.25 * one.inset * chance.uniform(-1.0, 1.0, 3) for _ in range(2))
+        turn /= np.linalg.norm(arm, axis=1).max()
+        displacement = shift + np.cross(turn, arm) + apart * one.inset * chance.uniform(-1.0, 1.0, arm.shape)
+        rotation = turn + apart * one.inset * chance.uniform(-1.0, 1.0, arm.shape)
         if one.plane:
             displacement[:, 1], rotation[:, [0, 2]] = 0.0, 0.0
-        outcomes.append(near.are_met(displacement, rotation))
-        assert outcomes[-1] or beyond(one, chosen, displacement, rotation) > 0.0
-    assert size > 1e-5 or not any(outcomes)  # and nothing is met by the strain of the joints
+        quiet.append(not near.are_met(displacement, rotation))
+        assert not quiet[-1] or beyond(one, chosen, displacement, rotation) > 0.0
+    assert any(quiet) or apart > 0.1
 
 
 def test_a_gap_is_used_up_by_a_motion_towards_the_face_and_by_no_other(one: case.Case) -> None:
@@ -107,6 +115,24 @@ def test_a_block_that_goes_far_may_meet_what_was_not_near(one: case.Case) -> Non
     assert near.are_met(1.01 * far, still) and not near.are_met(0.99 * far, still)
 
 
+def test_a_contact_point_at_the_edge_of_a_slanted_face_ends_an_attempt(tmp_path: Path) -> None:
+    """YADE models the face as the top of a wider box, which would carry the sphere on."""
+    case_file.write_case(tmp_path / "case.h5", analyse(drawn(11, EARLIER_SEED).scene), "")
+    found = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    near, still = NearFaces(found, settings.derive(found)), np.zeros((len(found.role), 3))
+    least = int(near.edge[:, 3].argmin())
+    point = near.on_face[least]
+    assert 0.9 * found.inset < near.edge[least, 3] < 2.0 * found.inset
+    along = np.cross(found.normal[point], [0.0, 1.0, 0.0])
+    way = along * np.sign(along @ near.edge[least, :3])
+    for share, met in ((0.5, False), (1.0, True)):
+        moved = still.copy()
+        moved[found.host[point]] = share * near.edge[least, 3] / (way @ near.edge[least, :3]) * way
+        only = NearFaces(found, settings.derive(found))
+        only.gap, only.on_face, only.edge = np.full_like(only.gap, 1.0), near.on_face[[least]], near.edge[[least]]
+        assert only.are_met(moved, still) == met
+
+
 def test_two_held_blocks_never_meet(one: case.Case) -> None:
     held = replace(one, role=np.full(len(one.role), 1))
     near = NearFaces(held, settings.derive(one))
@@ -120,3 +146,35 @@ def test_the_stop_is_among_the_faces_near_the_block(tmp_path: Path) -> None:
     near = NearFaces(found, chosen)
     stop = near.block == found.role.tolist().index(case.FIXED)
     assert near.gap[stop].min() == pytest.approx(GAP + found.inset - chosen.sphere_radius, rel=1e-6)
+
+
+@pytest.mark.yade
+def test_attempts_look_for_new_contacts_from_the_first_one_on_that_meets_a_face(tmp_path: Path) -> None:
+    """A run that is made up, in YADE's interpreter: the second attempt meets a face."""
+    case_file.write_case(tmp_path / "case.h5", analyse(with_effects(buffer())), "")
+    yade = find_yade()
+    statement = f"""
+import dataclasses, sys
+from pathlib import Path
+from types import SimpleNamespace
+sys.path[:0] = [{str(ROOT)!r}, {str(yade.modules)!r}]
+from la_core import exchange
+from yade_scripts import attempts, case, run_case, settings
+path = Path({str(tmp_path / "case.h5")!r})
+one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
+chosen, made = settings.derive(one), []
+def run(one, chosen, near):
+    made.append((one.displacement, near is not None, chosen.settling_step))
+    return SimpleNamespace(met_face=len(made) == 2, steps=10 * len(made), dropped_steps=0, message="m")
+attempt = attempts.WithoutSearch(run)
+results = [attempt(one, chosen) for _ in range(3)]
+quick, careful = chosen.settling_step, chosen.time_step
+assert quick > careful
+assert made == [("small", True, quick), ("small", True, quick), ("finite", False, careful), ("finite", False, careful)]
+assert [(one.steps, one.dropped_steps) for one in results] == [(10, 0), (30, 20), (40, 0)]
+assert [one.message for one in results] == ["m", "m; YADE looked for new contacts", "m; YADE looked for new contacts"]
+assert attempt(dataclasses.replace(one, displacement="small"), chosen).message == "m" and made[-1] == ("small", False, quick)
+print("as told")
+"""
+    ended = subprocess.run([yade.python, "-s", "-c", statement], env=yade_environment(), capture_output=True, text=True, check=False)
+    assert ended.stdout.splitlines()[-1:] == ["as told"], ended.stderr

@@ -18,6 +18,7 @@ from comparison.workflow.one_scene import run_scene
 from comparison.yade import Run, read_results
 from la_core import exchange
 from la_core.analysis import analyse, case_file
+from la_core.analysis.accuracy import with_accuracy
 from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
 from la_core.coulomb import CoulombSolution
 from la_core.exchange import PLATEAU_SHARE
@@ -171,10 +172,11 @@ def test_a_long_run_covers_the_way_to_half_a_percent(near: float, stiffening: fl
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 64.0, 64001)
     analysis = analysis_of(scene, way, np.where(way <= near, 1.01, 1.004), 1.0)
     found = settings_of_long_run(analysis)
-    assert found["least_stiffening"] == pytest.approx(stiffening, rel=1e-3)
+    assert found["least_stiffening"] == pytest.approx(stiffening, rel=1e-3) and found["settings_uncertainty"] == 0.005
     assert found.get("plateau_share") == (None if share is None else pytest.approx(share, rel=1e-3))
     assert settings_after_path(analysis) == {"least_stiffening": 32.0, "plateau_share": 1.0}
     assert settings_of_long_run(analysis_of(scene, way[:1001], np.ones(1001), 1.0)) == {}
+    assert settings_of_long_run(analysis_of(with_accuracy(scene, 0.01), way, np.ones(64001), 1.0)) == {}
 
 
 def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float) -> Any:
@@ -210,7 +212,7 @@ def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Pat
     data = exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY, exchange.LONG_RUN_SETTINGS))
     one = case.from_fields(data)
     assert one.overrides == {"least_stiffening": 32.0, "rattling": 0.03}
-    assert one.long_overrides == {"least_stiffening": 4.0, "rattling": 0.03}
+    assert one.long_overrides == {"least_stiffening": 4.0, "rattling": 0.03, "settings_uncertainty": 0.005}
     assert settings.affordable(one) is one
     monkeypatch.setattr(settings, "SMALL_WORK", 0.9 * settings.steps_to_plateau(settings.derive(one)) * len(one.host))
     short = settings.affordable(one)

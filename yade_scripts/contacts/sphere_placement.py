@@ -1,28 +1,15 @@
 """Choose the block that carries the sphere of each contact point, and how large it may be; the other block offers its face."""
 
-import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from la_core.exchange import RADIUS_OVER_INSET
+from yade_scripts.contacts.convex_parts import Faces
 
-Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
-
-_BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
 CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
-
-
-def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return low and high corner (3,), m, of an axis-aligned box with these vertices (n, 3), or None for any other block."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    tolerance = _BOX_TOLERANCE * float((high - low).max())
-    at_high = np.abs(vertices - high) <= tolerance
-    on_corner = np.all(at_high | (np.abs(vertices - low) <= tolerance), axis=1)
-    corners = {tuple(row) for row in at_high.tolist()}
-    return (low, high) if len(vertices) == 8 and on_corner.all() and len(corners) == 8 else None
 
 
 def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[np.ndarray, np.ndarray]:
@@ -109,18 +96,3 @@ def _other_faces(
         along = normal[rows] @ face_normal[of_block].T
         across = plane & (np.abs(face_normal[of_block, 1]) > 0.5)
         yield rows, np.where((along > 1.0 - 1e-6) | across, np.inf, distance), along
-
-
-def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise seen from outside.
-
-    vertices (V, 3), m; face_vertex: vertex numbers of all loops; face_start (F + 1,): where each loop begins in it.
-    """
-    normals, offsets = np.empty((len(face_start) - 1, 3)), np.empty(len(face_start) - 1)
-    for face, (first, last) in enumerate(itertools.pairwise(face_start)):
-        points = vertices[face_vertex[first:last]]
-        arms = points - points.mean(axis=0)
-        area = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
-        normals[face] = area / np.linalg.norm(area)
-        offsets[face] = normals[face] @ points.mean(axis=0)
-    return normals, offsets

@@ -4,7 +4,7 @@ import numpy as np
 from yade import Body, Box
 
 from yade_scripts.case import FREE, Case
-from yade_scripts.sphere_placement import box_extents
+from yade_scripts.contacts.convex_parts import box_extents
 
 try:
     from yade.minieigenHP import Quaternion, Vector3

@@ -1,0 +1,55 @@
+"""Convex parts of blocks, and the planes of their faces."""
+
+import itertools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
+
+_BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
+
+
+def box_extents(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return low and high corner (3,), m, of an axis-aligned box with these vertices (n, 3), or None for any other block."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    tolerance = _BOX_TOLERANCE * float((high - low).max())
+    at_high = np.abs(vertices - high) <= tolerance
+    on_corner = np.all(at_high | (np.abs(vertices - low) <= tolerance), axis=1)
+    corners = {tuple(row) for row in at_high.tolist()}
+    return (low, high) if len(vertices) == 8 and on_corner.all() and len(corners) == 8 else None
+
+
+def face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return outward unit normals (F, 3) and offsets (F,), m, of face loops that run counter-clockwise seen from outside.
+
+    vertices (V, 3), m; face_vertex: vertex numbers of all loops; face_start (F + 1,): where each loop begins in it.
+    """
+    normals, offsets = np.empty((len(face_start) - 1, 3)), np.empty(len(face_start) - 1)
+    for face, (first, last) in enumerate(itertools.pairwise(face_start)):
+        points = vertices[face_vertex[first:last]]
+        arms = points - points.mean(axis=0)
+        area = np.cross(arms, np.roll(arms, -1, axis=0)).sum(axis=0)
+        normals[face] = area / np.linalg.norm(area)
+        offsets[face] = normals[face] @ points.mean(axis=0)
+    return normals, offsets
+
+
+def parts_of(data: Mapping[str, Any], index: np.ndarray, vertices: tuple[np.ndarray, ...]) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the vertices of the convex parts of each block in `index` (B,); the file lists parts only where a block has several."""
+    if "parts/block" not in data:
+        return tuple((points,) for points in vertices)
+    start, owner, points = data["parts/vertex_start"], data["parts/block"], data["blocks/vertices"]
+    return tuple(tuple(points[start[part] : start[part + 1]] for part in np.flatnonzero(owner == block)) for block in index)
+
+
+def faces_of_parts(data: Mapping[str, Any], index: np.ndarray, faces: Faces) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the face planes of the convex parts of each block in `index` (B,)."""
+    owner, planes = faces[0], np.column_stack(faces[1:])
+    if "parts/block" not in data:
+        order = np.argsort(owner, kind="stable")
+        first, last = (np.searchsorted(owner[order], index, side) for side in ("left", "right"))
+        return tuple((planes[order[low:high]],) for low, high in zip(first, last, strict=True))
+    start, of_part = data["parts/face_start"], data["parts/block"]
+    return tuple(tuple(planes[start[part] : start[part + 1]] for part in np.flatnonzero(of_part == block)) for block in index)

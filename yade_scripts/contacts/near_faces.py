@@ -1,0 +1,113 @@
+"""Faces near a contact sphere that it does not touch: a run looks for no new contact while none can form.
+
+With finite displacements a sphere may meet any face of any block. To look for such contacts YADE needs a collider and, for blocks that
+are no boxes along the axes, polyhedra, which it searches triangle by triangle. Most runs end long before a sphere comes near another face.
+At the start a face plane lies between each sphere and each convex part near it. No contact forms until the two blocks have approached each
+other across this plane by the gap between sphere and plane. So an attempt begins with the listed contacts alone. It is repeated with the
+search where such a gap is used up, or where a contact point comes to the edge of its face.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yade_scripts.case import FREE, Case
+from yade_scripts.settings import Settings
+
+NEAR = 10.0  # travels: farther parts are not watched, and the attempt ends where a block has moved by half of this
+LEFT = 0.1  # of a gap: what must be left of it, for blocks move on between two looks
+_SAME_FACE = 0.05  # of a sphere's radius: a part of the sphere's own partner with a smaller gap goes on in the plane of the contact
+_ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
+
+
+class NearFaces:
+    """Gaps between spheres and parts of blocks that they do not touch, and between contact points and the edges of their faces.
+
+    Parameters
+    ----------
+    case : Case
+        The case that runs.
+    settings : Settings
+        Settings of the attempt.
+
+    Attributes
+    ----------
+    sphere, block : (N,) arrays
+        Contact points whose spheres are near a part, and the blocks of these parts.
+    faces : list of (f, 4) arrays
+        Outward normals of the part's face planes, and their distances from the sphere at the start, m.
+    normal, gap : (N, 3) and (N,) arrays
+        Those of the plane that is farthest from the sphere.
+    on_face : (E,) array
+        Contact points on faces that YADE models as the top of a wider box; one entry for each edge.
+    edge : (E, 4) array
+        Outward normal across the edge, and the distance of the contact point from it, m.
+    """
+
+    def __init__(self, case: Case, settings: Settings) -> None:
+        self.case = case
+        self._radius = settings.sphere_radius * case.own_inset / case.inset
+        into_host = np.where((case.host == case.block_b)[:, None], case.normal, -case.normal)
+        self._centre = case.position + self._radius[:, None] * into_host
+        self._reach = NEAR * settings.max_travel * case.support_speed
+        found = list(self._near_parts())
+        self.faces = [planes for _, _, _, many in found for planes in many]
+        self.sphere = np.concatenate([spheres for spheres, *_ in found])
+        self.block = np.concatenate([np.full(len(spheres), block) for spheres, block, *_ in found])
+        best = np.concatenate([np.zeros((0, 4)), *(nearest for _, _, nearest, _ in found)])
+        self.normal, self.gap = best[:, :3], best[:, 3]
+        self.on_face, self.edge = self._edges(into_host)
+        around = zip(case.vertices, case.centroid, strict=True)
+        self._size = np.array([np.linalg.norm(vertices - centroid, axis=1).max() for vertices, centroid in around])
+
+    def _near_parts(self) -> Iterator[tuple[np.ndarray, int, np.ndarray, list[np.ndarray]]]:
+        """Yield for each convex part the spheres near it, its block, the plane farthest from each, and all planes of each."""
+        case, reach = self.case, self._reach + self._radius[:, None]
+        for block, parts in enumerate(case.parts):
+            other = (case.host != block) & ((case.role[case.host] == FREE) | (case.role[block] == FREE))
+            for vertices, faces in zip(parts, case.faces[block], strict=True):
+                low, high = vertices.min(axis=0) - reach, vertices.max(axis=0) + reach
+                spheres = np.flatnonzero(other & ((self._centre > low) & (self._centre < high)).all(axis=1))
+                distance = self._centre[spheres] @ faces[:, :3].T - faces[:, 3] - self._radius[spheres, None]
+                gap = distance.max(axis=1)
+                of_partner = case.target[spheres] == block
+                kept = np.flatnonzero(~of_partner | (gap > _SAME_FACE * self._radius[spheres]))
+                planes = [np.column_stack([faces[:, :3], distance[one]]) for one in kept]
+                yield spheres[kept], block, np.array([one[one[:, 3].argmax()] for one in planes]).reshape(-1, 4), planes
+
+    def _edges(self, into_host: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the contact points on faces of blocks that are no boxes, and the planes across the edges of these faces."""
+        case, points, planes = self.case, [np.zeros(0, dtype=int)], [np.zeros((0, 4))]
+        for block in np.unique(case.target).tolist():
+            if case.boxes[block] is not None or len(case.parts[block]) > 1:
+                continue  # a box is exact; a compound block is watched part by part
+            faces = case.faces[block][0]
+            for point in np.flatnonzero(case.target == block).tolist():
+                across = case.plane & (np.abs(faces[:, 1]) > _ACROSS)
+                others = faces[(faces[:, :3] @ into_host[point] < _ALONG) & ~across]
+                points.append(np.full(len(others), point))
+                planes.append(np.column_stack([others[:, :3], others[:, 3] - others[:, :3] @ case.position[point]]))
+        return np.concatenate(points), np.concatenate(planes)
+
+    def are_met(self, displacement: np.ndarray, rotation: np.ndarray) -> bool:
+        """Whether a sphere may have come to another face, for displacements (B, 3), m, and rotations (B, 3), rad, of the blocks."""
+        if (np.linalg.norm(displacement, axis=1) + np.linalg.norm(rotation, axis=1) * self._size).max() > 0.5 * self._reach:
+            return True
+        moved = self._approach(self.sphere, self.block, self._centre, displacement, rotation)
+        used_up = self.gap + np.einsum("ni,ni->n", moved, self.normal) <= LEFT * self.gap
+        for pair in np.flatnonzero(used_up).tolist():  # another plane may still be between the two
+            normal, distance = self.faces[pair][:, :3], self.faces[pair][:, 3]
+            if (distance + normal @ moved[pair]).max() <= LEFT * self.gap[pair]:
+                return True
+        slid = self._approach(self.on_face, self.case.target[self.on_face], self.case.position, displacement, rotation)
+        normal = self.case.normal[self.on_face]
+        slid -= np.einsum("ni,ni->n", slid, normal)[:, None] * normal
+        return bool((self.edge[:, 3] - np.einsum("ni,ni->n", slid, self.edge[:, :3]) <= LEFT * self.edge[:, 3]).any())
+
+    def _approach(
+        self, points: np.ndarray, blocks: np.ndarray, place: np.ndarray, displacement: np.ndarray, rotation: np.ndarray
+    ) -> np.ndarray:
+        """Return the motion (N, 3), m, of the hosts of contact points (N,) relative to blocks (N,), at the `place` (C, 3) of each point."""
+        case, host, at = self.case, self.case.host[points], place[points]
+        of_host = displacement[host] + np.cross(rotation[host], at - case.centroid[host])
+        return of_host - displacement[blocks] - np.cross(rotation[blocks], at - case.centroid[blocks])
