@@ -9,6 +9,7 @@ import on_path  # noqa: F401, I001  before what it makes importable
 import argparse
 import json
 import time
+from collections import Counter
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -56,8 +57,7 @@ YADE's settings for large structures were found on these scenes, which therefore
 than 1 %, agreement means that the reactions lie within the floor of the tolerance, 0.5 %."""
 RANDOM = """\
 Random irregular structures of 60 to 200 blocks, of the kinds of the [random verdicts](verdicts.md) and two to three times their length and
-courses. Nobody had seen one of them before; program and seed were fixed first. Those whose blocks fall out with the support, at a reaction
-of zero, show little."""
+courses. Program and seed were fixed before the first run. They ran with one thread, beside another run of YADE on the same two cores."""
 
 
 def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:
@@ -123,12 +123,14 @@ def page(record: dict[str, Any]) -> str:
     """Return the page of a record."""
     entries = [record["scenes"][name] for name in SCENES if name in record["scenes"]]
     reasons = [f"- **{entry['name']}** is {entry['verdict']}: {entry['reason']}" for entry in entries if entry["reason"]]
-    threads = ", ".join(f"{entry['name']} {entry['threads']}" for entry in entries)
     regular, irregular = ([entry for entry in entries if entry["name"].startswith("random") == of] for of in (False, True))
+    threads = ", ".join(f"{entry['name']} {entry['threads']}" for entry in regular)
+    counted = Counter(entry["verdict"] for entry in irregular)
+    tally = f"Of {len(irregular)} {counted['agree']} agree, {counted['inconclusive']} are inconclusive, {counted['disagree']} disagree."
     parts = [
         INTRODUCTION,
         table(HEADINGS, [_row(entry) for entry in regular]),
-        *([RANDOM, table(HEADINGS, [_row(entry) for entry in irregular])] if irregular else []),
+        *([f"{RANDOM} {tally}", table(HEADINGS, [_row(entry) for entry in irregular])] if irregular else []),
         "\n".join(reasons) or "Every structure agrees.",
         f"Threads of YADE: {threads}. Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
     ]
