@@ -203,6 +203,19 @@ def test_what_counts_as_rattling_is_small_beside_a_block_or_beside_the_reaction(
     assert settings.rattling_of(one, chosen, reaction) == chosen.rattling  # there the reaction is a multiplier
 
 
+def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_a_given_step(tmp_path: Path) -> None:
+    """Local damping ends with the gravity stage."""
+    case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    usual = settings.derive(one)
+    assert 1.1 * usual.time_step < usual.settling_step < 1.3 * usual.time_step
+    for given in ({"damping_ratio": 1.0}, {"time_step": 0.5 * usual.time_step}, {"gravity_damping": 0.0}):
+        chosen = settings.derive(replace(one, overrides=given))
+        assert chosen.settling_step == pytest.approx(chosen.time_step)
+    with pytest.raises(case.CaseError, match="settling_step is .* it must be at most"):
+        settings.derive(replace(one, overrides={"settling_step": 2.0 * usual.settling_step}))
+
+
 def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the scene sets holds in both; a file without settings of a long run, as of version 0.2.0, has one set for both."""
     analysis = analyse(same_structure(scenes.shipped("wall_third"), {"yade.rattling": 0.03}, "set"))
