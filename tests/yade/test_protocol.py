@@ -212,7 +212,7 @@ def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_
     for given in ({"damping_ratio": 1.0}, {"time_step": 0.5 * usual.time_step}, {"gravity_damping": 0.0}):
         chosen = settings.derive(replace(one, overrides=given))
         assert chosen.settling_step == pytest.approx(chosen.time_step)
-    with pytest.raises(case.CaseError, match="settling_step is .* it must be at most"):
+    with pytest.raises(case.CaseError, match=r"settling_step is .* it must be at most"):
         settings.derive(replace(one, overrides={"settling_step": 2.0 * usual.settling_step}))
 
 
