@@ -100,7 +100,7 @@ class Yade(Installation):
         warnings = []
         if "Polyhedra" in self.lacks:
             warnings.append(
-                f"{self.version} was built without polyhedra (CGAL): blocks that are not boxes along the axes must meet no new ones"
+                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes must not come near new ones"
             )
         if self.version not in TESTED:
             warnings.append(f"{self.version} is not among the tested versions ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")

@@ -47,7 +47,7 @@ def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
-    """Return the prediction whose path needed more than one travel; None where there is none, or where the scene settles the stiffness."""
+    """Return the prediction if its path needed more than one travel; None otherwise, and where the scene sets stiffness or wedging."""
     given, coulomb = analysis.scene.yade, analysis.coulomb
     is_given = "normal_stiffness" in given or bool(given.get("wedging"))
     return coulomb if coulomb is not None and coulomb.travel > LONG_PATH and not is_given else None
