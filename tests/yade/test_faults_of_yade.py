@@ -2,13 +2,13 @@
 
 import random
 import shutil
-import subprocess
-import threading
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
+import dying_yade
+import h5py
 import pytest
-from faulty_runs import RUN_SECONDS, TOOL, Fake, answer, one_message, unfinished
+from faulty_runs import TOOL, Fake, answer, one_message, unfinished
 
 from comparison.cli.commands import main
 from comparison.settings import SYSTEM_PYTHON
@@ -125,51 +125,41 @@ def test_the_ladder_of_costs_without_yade_says_so(
     one_message(capsys.readouterr().err, "holds no YADE")
 
 
-def killed_at(moment: float, out: Path, monkeypatch: pytest.MonkeyPatch) -> int:
-    """Exit code of a run whose YADE gets SIGKILL so many seconds after its start."""
-
-    class Killed(subprocess.Popen):  # type: ignore[type-arg]
-        def __init__(self, arguments: Any, *args: Any, **options: Any) -> None:
-            super().__init__(arguments, *args, **options)
-            if any("run_case.py" in str(argument) for argument in arguments):
-                timer = threading.Timer(moment, self.kill)
-                timer.daemon = True
-                timer.start()
-
-    with monkeypatch.context() as patch:
-        patch.setattr(process.subprocess, "Popen", Killed)
-        return main(["run", "two_pads", "-o", str(out), "-q"])
-
-
-def kill_and_recover(moments: list[float], undisturbed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    failed = 0
-    for k, moment in enumerate(moments):
-        out = tmp_path / str(k)
-        code = killed_at(moment, out, monkeypatch)
+def kill_and_recover(moments: Iterable[str], fake_python: Fake, undisturbed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for moment in moments:
+        out = tmp_path / moment
+        fake_python(f'shift 2; exec {SYSTEM_PYTHON} -s -u {dying_yade.__file__} {moment} "$@"')
+        assert main(["run", "two_pads", "-o", str(out), "-q"]) == TOOL, moment
         found = answer(out)
-        if code == TOOL:
-            failed += 1
-            assert found["yade"]["status"] == "failed" and "SIGKILL" in found["yade"]["message"]
-            assert not (out / "two_pads" / "run.h5").exists()
-            assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
+        assert found["yade"]["status"] == "failed" and "SIGKILL" in found["yade"]["message"]
+        assert not (out / "two_pads" / "run.h5").exists()
+        assert (moment == dying_yade.WRITTEN) == bool(unfinished(out))  # only then was anything half written
+        monkeypatch.delenv("CROSSCHECK_YADE_PYTHON")
+        assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
         assert answer(out) == answer(undisturbed)
         assert not unfinished(out)
-    assert failed > len(moments) / 3  # else it tested nothing
+
+
+def rows_of(run: Path) -> int:
+    with h5py.File(run / "two_pads" / "run.h5") as file:
+        return len(file["record/time"])
 
 
 @pytest.mark.slow
 def test_a_yade_killed_at_some_moments_is_run_again(
-    undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fake_python: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kill_and_recover([0.1, 0.35 * RUN_SECONDS, 0.5 * RUN_SECONDS], undisturbed, tmp_path, monkeypatch)
+    rows = rows_of(undisturbed)
+    moments = [dying_yade.LOADED, "1", str(rows // 2), str(rows), dying_yade.WRITTEN]
+    kill_and_recover(moments, fake_python, undisturbed, tmp_path, monkeypatch)
 
 
 @pytest.mark.long
 def test_a_yade_killed_at_any_moment_is_run_again(
-    undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fake_python: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    chance = random.Random(20)
-    kill_and_recover([chance.uniform(0.0, RUN_SECONDS) for _ in range(20)], undisturbed, tmp_path, monkeypatch)
+    moments = random.Random(20).sample(range(1, rows_of(undisturbed)), 20)
+    kill_and_recover(map(str, moments), fake_python, undisturbed, tmp_path, monkeypatch)
 
 
 def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
