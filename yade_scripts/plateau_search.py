@@ -11,6 +11,7 @@ from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, Record, Status
 from yade_scripts.settings import Settings
 
+UNSTEADINESS = 10.0  # of `stop_uncertainty`: share by which the velocity of a block may change
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 
 
@@ -107,7 +108,8 @@ class PlateauSearch:
             return True
         middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
         fastest = self.case.support_speed if self.case.live is None else plateau.largest_speed(middle, now)
-        return plateau.is_steady((states[0], middle, now), self.case.free, fastest)
+        enough = min(max(plateau.STEADY, UNSTEADINESS * self.settings.stop_uncertainty), plateau.STEADY_ENOUGH)
+        return plateau.is_steady((states[0], middle, now), self.case.free, fastest, enough)
 
     def _scale(self, fit: Plateau) -> float:
         """Return the reaction by which uncertainties are measured."""

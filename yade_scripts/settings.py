@@ -28,9 +28,10 @@ STIFFENING = (
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
 # Settings of a plane run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends
-# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does. In space light
-# dashpots let one jump lead from one plateau to another.
-OF_LARGE = {"swing_damping": SWING_DAMPING, "stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
+# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does. A damped swing
+# needs hardly any dashpots, and with fewer of them steps are half as long again. In space light dashpots let one jump lead from one plateau
+# to another.
+OF_LARGE = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1, "stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands

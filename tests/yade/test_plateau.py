@@ -218,3 +218,4 @@ def test_a_motion_is_steady_where_all_blocks_keep_their_velocity_or_all_but_one_
     ways = (1e-4 * velocity, 2e-4 * velocity, 2e-4 * velocity + 2e-4 * (velocity + change))
     states = [(s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True)]
     assert plateau.is_steady((states[0], states[1], states[2]), np.arange(1, blocks + 1), 1.0) is steady
+    assert plateau.is_steady((states[0], states[1], states[2]), np.arange(1, blocks + 1), 1.0, plateau.STEADY_ENOUGH)
