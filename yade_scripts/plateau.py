@@ -31,8 +31,9 @@ _RECTANGULAR = 1.0 / np.sqrt(12.0)
 
 EARLY = 0.01  # of the reaction: largest uncertainty of a plateau that the reaction leaves; a judge would not decide by a larger one
 LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
-# Of the velocity of the support: most by which that of a block may change over a plateau, and what the judge accepts.
-STEADY, STEADY_ENOUGH = 0.02, 0.05
+# Of the velocity of the support, most by which that of a block may change over a plateau, and of the free blocks those that may change by
+# more, for of a thousand blocks a few always do; then both shares as the judge accepts them.
+STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 
 
@@ -183,15 +184,15 @@ def largest_speed(first: State, last: State) -> float:
     return max(1.0, float(np.linalg.norm(last[1] - first[1], axis=1).max()) / travelled) if travelled > 0.0 else 1.0
 
 
-def is_steady(states: tuple[State, State, State], free: np.ndarray, fastest: float, enough: float = STEADY) -> bool:
+def is_steady(states: tuple[State, State, State], free: np.ndarray, fastest: float, shares: tuple[float, float] = STEADY) -> bool:
     """Whether the free blocks keep their velocity from the first state over the second to the last, but for a few of many.
 
-    free: their indices (F,); fastest: largest velocity over that of the settlement; enough: share of the largest velocity by which that of
-    a block may change. Half this share of the blocks may change by more: of a thousand blocks a few always do.
+    free: their indices (F,); fastest: largest velocity over that of the settlement; shares: of this velocity, by which that of a block may
+    change, and of the blocks, that may change by more.
     """
     before, after = ((now[1] - then[1])[free] / (now[0] - then[0]) for then, now in itertools.pairwise(states))
-    changed = np.linalg.norm(after - before, axis=1) > enough * fastest
-    return int(changed.sum()) <= 0.5 * enough * len(free)
+    changed = np.linalg.norm(after - before, axis=1) > shares[0] * fastest
+    return int(changed.sum()) <= shares[1] * len(free)
 
 
 def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Plateau:

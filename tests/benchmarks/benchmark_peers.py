@@ -1,9 +1,10 @@
 """Peers side by side in one run: our limit analysis against other solvers, and YADE against LMGC90.
 
-    python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md [--time-limit S] [--only SCENE ...]
+    python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md [--time-limit S] [--only SCENE ...] [--commands]
 
 Needs `pip install -e '.[peers]'` and `pip install --no-deps compas_lmgc90`; what is missing has a row that says so. Every solver runs in a
-process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats.
+process of its own with one thread and a time limit. Beside the Markdown goes a JSON file with all repeats. `--commands` measures whole
+commands alone, and keeps what the record has.
 """
 
 import argparse
@@ -14,17 +15,21 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import peers_command
 import peers_dynamics
 import peers_equilibrium
 import peers_limit
+from peers_command import Command
 from peers_dynamics import Run
 from peers_process import PeerEnded, PeerTooSlow, alone
 from peers_report import page, versions
 from peers_scenes import SCENES
 from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record, restored
 
+PARTS: dict[str, type] = {"limit analysis": Row, "in time": Run, "whole commands": Command}  # of the record
 COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
 TIME_LIMIT = 20.0  # s of the processor, for one solve
+COMMAND_LIMIT = 200.0  # s of the processor, for one command
 
 
 def limit_rows(scene: str, limit: float) -> Iterator[Row]:
@@ -63,28 +68,42 @@ def dynamic_runs(scene: str, limit: float) -> Iterator[Run]:
             yield Run(scene, method, setting, FAILED, note=str(ended))
 
 
+def commands(blocks: int) -> list[Command]:
+    """All methods in a whole command on one wall, repeated in turn."""
+    found = {method: Command(blocks, method) for method in peers_command.METHODS}
+    for _ in range(peers_command.REPEATS):
+        for method, one in found.items():
+            if one.note:
+                continue
+            try:
+                for value, seconds in alone(peers_command.measure, (blocks, method), COMMAND_LIMIT):
+                    found[method] = replace(one, value=value, processor=(*one.processor, seconds))
+            except PeerEnded as ended:
+                found[method] = replace(one, limit=COMMAND_LIMIT if isinstance(ended, PeerTooSlow) else math.nan, note=str(ended))
+    return list(found.values())
+
+
 def stored_page(output: Path) -> str:
     """The page as its record has it: nothing is run."""
+    limit, rows, runs, whole, made = stored(output)
+    return page(COMMAND, limit, rows, runs, whole, made)
+
+
+def stored(output: Path) -> tuple[float, list[Row], list[Run], list[Command], str]:
+    """What the record beside the page has: limit of a solve, rows, runs, commands, and what made them."""
     record = json.loads(output.with_suffix(".json").read_text(encoding="utf-8"))
-    rows, runs = (
-        [restored(kind, row) for row in record[name]] for name, kind in (("limit analysis", Row), ("in time", peers_dynamics.Run))
-    )
-    return page(COMMAND, record["limit"], rows, runs, record["versions"])
+    rows, runs, whole = ([restored(kind, row) for row in record.get(name, ())] for name, kind in PARTS.items())
+    return record["limit"], rows, runs, whole, record["versions"]
 
 
-def write(output: Path, limit: float, rows: list[Row], runs: list[Run]) -> None:
-    """Page and record of what is known so far; the last row is narrated."""
-    last = as_record((runs or rows)[-1])
+def write(output: Path, limit: float, rows: list[Row], runs: list[Run], whole: list[Command], made: str) -> None:
+    """Page and record of what is known so far; the last row is narrated. made: machine and packages that made it."""
+    last = as_record((whole or runs or rows)[-1])
     print(" | ".join(f"{value}" for name, value in last.items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
-    made = versions()
-    record = {
-        "versions": made,
-        "limit": limit,
-        "limit analysis": [as_record(row) for row in rows],
-        "in time": [as_record(run) for run in runs],
-    }
+    parts = {name: [as_record(one) for one in part] for name, part in zip(PARTS, (rows, runs, whole), strict=True)}
+    record = {"versions": made, "limit": limit, **parts}
     output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    output.write_text(page(COMMAND, limit, rows, runs, made), encoding="utf-8")
+    output.write_text(page(COMMAND, limit, rows, runs, whole, made), encoding="utf-8")
 
 
 def main() -> None:
@@ -92,17 +111,22 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.md")
     parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the processor")
     parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE")
+    parser.add_argument("--commands", action="store_true", help="measure whole commands alone, and keep the rest of the record")
     options = parser.parse_args()
-    rows: list[Row] = []
-    runs: list[Run] = []
-    for scene in options.only:
-        for row in limit_rows(scene, options.time_limit):
+    limit, rows, runs, whole, made = options.time_limit, list[Row](), list[Run](), list[Command](), versions()
+    if options.commands:
+        limit, rows, runs, _, made = stored(options.output)
+    for scene in () if options.commands else options.only:
+        for row in limit_rows(scene, limit):
             rows.append(row)
-            write(options.output, options.time_limit, rows, runs)
-    for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC):
-        for run in dynamic_runs(scene, options.time_limit):
+            write(options.output, limit, rows, runs, whole, made)
+    for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC and not options.commands):
+        for run in dynamic_runs(scene, limit):
             runs.append(run)
-            write(options.output, options.time_limit, rows, runs)
+            write(options.output, limit, rows, runs, whole, made)
+    for blocks in peers_command.WALLS:
+        whole += commands(blocks)
+        write(options.output, limit, rows, runs, whole, made)
 
 
 if __name__ == "__main__":

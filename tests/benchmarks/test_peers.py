@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import peers_command
 import peers_dynamics
 import peers_equilibrium
 import peers_limit
@@ -21,6 +22,7 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, as_record, number, restored
 from scipy.optimize import linprog
 
+from la_core.analysis import one_pass
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem
 from la_core.model.assembly import Assembly, assemble
@@ -75,6 +77,21 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
 
     monkeypatch.setitem(peers_limit.FOREIGN, "scipy", careless)
     assert peers_limit.foreign(pads(), "scipy", TIGHT).residual > ACCEPTED
+
+
+def test_a_whole_command_says_the_same_whoever_computes_its_bounds(monkeypatch) -> None:
+    monkeypatch.setitem(peers_command.WALLS, 10, (3, 3))
+    monkeypatch.setattr(one_pass, "solve_associated", one_pass.solve_associated)  # put back afterwards
+    found = {method: list(peers_command.measure(10, method)) for method in peers_command.METHODS}
+    own = found[OURS][0][0]
+    assert all(one[0][0] == pytest.approx(own, abs=SAME_OVER_WEIGHT) and one[0][1] > 0.0 for one in found.values())
+
+
+def test_the_ratio_of_whole_commands_is_that_of_the_faster_algorithm() -> None:
+    own, slow, fast = (peers_command.Command(10, *of) for of in ((OURS, 0.1, (1.0, 2.0, 9.0)), ("a", 0.1, (30.0,)), ("b", 0.1, (8.0,))))
+    none = peers_command.Command(20, "a", limit=200.0, note="time limit of 200 s")
+    assert peers_command.ratios([own, slow, fast, none]) == {10: 4.0}
+    assert peers_command.ratios([peers_command.Command(20, OURS, 0.1, (1.0,)), none]) == {}
 
 
 @solver

@@ -1,0 +1,118 @@
+"""A whole command, `crosscheck solve FILE --bounds`, and the same command whose cone programmes HiGHS solves as linear ones.
+
+Both read the file, find the joints, compute both bounds with and without inset, check them and print them.
+"""
+
+import on_path  # noqa: F401, I001  before what it makes importable
+import contextlib
+import io
+import json
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import tomli_w
+from peers_limit import HIGHS
+from peers_table import OURS, at_least, markdown, number
+
+FRICTION, DENSITY, BLOCK = 0.4, 1800.0, (0.4, 0.2, 0.2)  # -, kg/m3, m
+WALLS = {500: (22, 22), 1000: (31, 32), 2000: (44, 45), 5000: (70, 71)}  # blocks in a course and courses, by the number of blocks
+METHODS = (OURS, *HIGHS)
+FACETS = 8  # of a pyramid in place of a cone; in the plane two lines are the cone
+REPEATS = 3
+
+
+@dataclass(frozen=True)
+class Command:
+    """One method in the command on one wall.
+
+    processor: seconds of the processor of the whole process, one for each repeat. value: least reaction over the weight. limit: seconds
+    after which it was ended. note: why it has no answer.
+    """
+
+    blocks: int
+    method: str
+    value: float = math.nan
+    processor: tuple[float, ...] = ()
+    limit: float = math.nan
+    note: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Median over the repeats."""
+        return median(self.processor) if self.processor else math.nan
+
+
+def wall(blocks: int) -> dict[str, Any]:
+    """A plane wall in running bond as a scene file has it; the right third of its foundation settles."""
+    per_course, courses = WALLS[blocks]
+    length = per_course * BLOCK[0]
+    footing = {"height": 0.3, "settling": [round(2.0 * length / 3.0, 3), length]}
+    bond = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": list(BLOCK), "per_course": per_course, "courses": courses}
+    return {
+        "title": "Right third of a foundation settles",
+        "stone": {"density": DENSITY},
+        "joint": {"friction": FRICTION},
+        "wall": [bond | {"footing": footing}],
+        "settlement": {"direction": [0.0, 0.0, -1.0]},
+    }
+
+
+def measure(blocks: int, method: str) -> Iterator[tuple[float, float]]:
+    """Least reaction over the weight, and the seconds of the processor of this process, from its start until the command has ended."""
+    from comparison.cli import main
+
+    if method != OURS:
+        from la_core.analysis import one_pass
+        from la_core.limit import linearised
+
+        def by_highs(assembly: Any, drive: Any, *_: Any) -> Any:
+            return linearised.solve_linearised(assembly, drive, FACETS, True, HIGHS[method])
+
+        one_pass.solve_associated = by_highs
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "wall.toml"
+        path.write_text(tomli_w.dumps(wall(blocks)), encoding="utf-8")
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            code = main(["solve", str(path), "--bounds", "--json", "-q"])
+    answer = json.loads(printed.getvalue())
+    if code != 0:
+        raise RuntimeError(f"exit code {code}")
+    used = os.times()
+    yield answer["limit_analysis"]["associated"]["reaction"] / answer["weight"], used.user + used.system
+
+
+def ratios(commands: Sequence[Command]) -> dict[int, float]:
+    """Seconds of the faster of HiGHS's algorithms over ours, by the number of blocks."""
+    own = {one.blocks: one.seconds for one in commands if one.method == OURS}
+    found = {}
+    for blocks, seconds in own.items():
+        others = [one.seconds for one in commands if one.blocks == blocks and one.method != OURS and math.isfinite(one.seconds)]
+        if others:
+            found[blocks] = min(others) / seconds
+    return found
+
+
+def command_table(commands: Sequence[Command]) -> str:
+    """Markdown of the commands, in their order."""
+    own = {one.blocks: one.seconds for one in commands if one.method == OURS}
+    lines = [
+        (
+            f"{one.blocks:,}", one.method, f"{one.value:.6f}" if math.isfinite(one.value) else "–", at_least(one.seconds, one.limit),
+            at_least(one.seconds / own[one.blocks], one.limit / own[one.blocks]), one.note,
+        )
+        for one in commands
+    ]  # fmt: skip
+    return markdown(("blocks", "bounds by", "least R/W", "CPU s", "ratio", "note"), lines)
+
+
+def conclusion(commands: Sequence[Command]) -> str:
+    """What follows, as a sentence."""
+    found = [f"{number(ratio)} times on {blocks:,} blocks" for blocks, ratio in ratios(commands).items()]
+    return f"The whole command for the bounds, solved by HiGHS, takes {', '.join(found)} as long as ours." if found else ""
