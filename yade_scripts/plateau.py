@@ -31,8 +31,9 @@ _RECTANGULAR = 1.0 / np.sqrt(12.0)
 
 EARLY = 0.01  # of the reaction: largest uncertainty of a plateau that the reaction leaves; a judge would not decide by a larger one
 LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
-# Of the velocity of the support, most by which that of a block may change over a plateau, and of the free blocks those that may change by
-# more, for of a thousand blocks a few always do; then both shares as the judge accepts them.
+# Of the velocity of the support, most by which that of a block may change over a plateau; and of the free blocks those that may change by
+# more, for of a thousand blocks a few always do. Second, for a run that is content with a less certain plateau: below 5 % of the velocity
+# the judge takes a block to stand still, and lets 5 % of the mass move in one method only.
 STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
 

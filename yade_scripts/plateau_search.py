@@ -9,9 +9,8 @@ from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, Record, Status
-from yade_scripts.settings import Settings
+from yade_scripts.settings import Settings, is_content
 
-CONTENT = 0.005  # `stop_uncertainty` from which on the motion need be no steadier than the judge demands
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement
 
 
@@ -108,7 +107,7 @@ class PlateauSearch:
             return True
         middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
         fastest = self.case.support_speed if self.case.live is None else plateau.largest_speed(middle, now)
-        shares = plateau.STEADY if self.settings.stop_uncertainty < CONTENT else plateau.STEADY_ENOUGH
+        shares = plateau.STEADY_ENOUGH if is_content(self.settings) else plateau.STEADY
         return plateau.is_steady((states[0], middle, now), self.case.free, fastest, shares)
 
     def _scale(self, fit: Plateau) -> float:

@@ -28,11 +28,12 @@ STIFFENING = (
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9
 SWING_DAMPING = 0.5  # damping ratio of the blocks' swing after an attempt that rattles, or sticks and slips
 # Settings of a plane run beyond SMALL_WORK. Of many blocks some rattle in nearly every run, and an attempt in vain takes minutes. It ends
-# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does. A damped swing
-# needs hardly any dashpots, and with fewer of them steps are half as long again. In space light dashpots let one jump lead from one plateau
-# to another.
-OF_LARGE = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1, "stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
-CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long
+# with an uncertainty by which a judge may still decide, and moves twice as fast: its two attempts say what the speed does.
+OF_LARGE = {"stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
+# Its swing is damped at once, unless it sways more slowly than the damper's mean. A damped swing needs hardly any dashpots, and with fewer
+# of them steps are longer. In space light dashpots let one jump lead from one plateau to another.
+OF_LARGE_CALMED = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1}
+CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long as with 0.3
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
 STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
 ROWS = 1200  # of the record over the full travel, more for stiffer joints
@@ -98,7 +99,10 @@ def derive(case: Case, large: bool | None = None) -> Settings:
     large: whether it counts as large; None decides it by the case.
     """
     overrides = _checked(case.overrides)
-    return _derived(case, OF_LARGE | overrides if (is_large(case) if large is None else large) else overrides)
+    if not (is_large(case) if large is None else large):
+        return _derived(case, overrides)
+    is_calmed = slowness(case) == 1.0 and overrides.get("swing_damping") != 0.0
+    return _derived(case, OF_LARGE | (OF_LARGE_CALMED if is_calmed else {}) | overrides)
 
 
 def affordable(case: Case) -> Case:
@@ -198,6 +202,11 @@ def rattling_of(case: Case, settings: Settings, reaction: float) -> float:
 def slowness(case: Case) -> float:
     """Return the factor by which a run takes longer for its sideways swing; more than 1 for slender structures."""
     return max(1.0, SWAY_SHARE * math.sqrt(case.sway / case.sag))
+
+
+def is_content(settings: Settings) -> bool:
+    """Whether a run may end with a plateau as uncertain as that of a large structure."""
+    return settings.stop_uncertainty >= OF_LARGE["stop_uncertainty"]
 
 
 def steps_to_plateau(settings: Settings) -> float:

@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import peers_command
 import peers_dynamics
@@ -29,7 +30,7 @@ from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record, res
 PARTS: dict[str, type] = {"limit analysis": Row, "in time": Run, "whole commands": Command}  # of the record
 COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
 TIME_LIMIT = 20.0  # s of the processor, for one solve
-COMMAND_LIMIT = 200.0  # s of the processor, for one command
+COMMAND_LIMIT = 200.0  # s of the clock, for one command
 
 
 def limit_rows(scene: str, limit: float) -> Iterator[Row]:
@@ -76,8 +77,8 @@ def commands(blocks: int) -> list[Command]:
             if one.note:
                 continue
             try:
-                for value, seconds in alone(peers_command.measure, (blocks, method), COMMAND_LIMIT):
-                    found[method] = replace(one, value=value, processor=(*one.processor, seconds))
+                value, seconds = peers_command.measure(blocks, method, COMMAND_LIMIT)
+                found[method] = replace(one, value=value, processor=(*one.processor, seconds))
             except PeerEnded as ended:
                 found[method] = replace(one, limit=COMMAND_LIMIT if isinstance(ended, PeerTooSlow) else math.nan, note=str(ended))
     return list(found.values())
@@ -85,48 +86,52 @@ def commands(blocks: int) -> list[Command]:
 
 def stored_page(output: Path) -> str:
     """The page as its record has it: nothing is run."""
-    limit, rows, runs, whole, made = stored(output)
-    return page(COMMAND, limit, rows, runs, whole, made)
+    return page_of(json.loads(output.with_suffix(".json").read_text(encoding="utf-8")))
 
 
-def stored(output: Path) -> tuple[float, list[Row], list[Run], list[Command], str]:
-    """What the record beside the page has: limit of a solve, rows, runs, commands, and what made them."""
-    record = json.loads(output.with_suffix(".json").read_text(encoding="utf-8"))
+def page_of(record: dict[str, Any]) -> str:
+    """The page of a record."""
     rows, runs, whole = ([restored(kind, row) for row in record.get(name, ())] for name, kind in PARTS.items())
-    return record["limit"], rows, runs, whole, record["versions"]
+    return page(COMMAND, record["limit"], rows, runs, record["versions"], whole, record.get("versions of commands", ""))
 
 
-def write(output: Path, limit: float, rows: list[Row], runs: list[Run], whole: list[Command], made: str) -> None:
-    """Page and record of what is known so far; the last row is narrated. made: machine and packages that made it."""
-    last = as_record((whole or runs or rows)[-1])
-    print(" | ".join(f"{value}" for name, value in last.items() if name not in ("processor", "beside", "clock")), file=sys.stderr)
-    parts = {name: [as_record(one) for one in part] for name, part in zip(PARTS, (rows, runs, whole), strict=True)}
-    record = {"versions": made, "limit": limit, **parts}
+def write(output: Path, record: dict[str, Any], name: str, found: list[Any]) -> None:
+    """Page and record of what is known so far, with what was found of a part; its last row is narrated."""
+    record[name] = [as_record(one) for one in found]
+    print(" | ".join(f"{value}" for key, value in record[name][-1].items() if key not in ("beside", "clock")), file=sys.stderr)
     output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    output.write_text(page(COMMAND, limit, rows, runs, whole, made), encoding="utf-8")
+    output.write_text(page_of(record), encoding="utf-8")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.md")
     parser.add_argument("--time-limit", type=float, default=TIME_LIMIT, metavar="S", help="for one solve, of the processor")
-    parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE")
+    parser.add_argument("--only", nargs="+", choices=list(SCENES), default=list(SCENES), metavar="SCENE", help="without whole commands")
     parser.add_argument("--commands", action="store_true", help="measure whole commands alone, and keep the rest of the record")
     options = parser.parse_args()
-    limit, rows, runs, whole, made = options.time_limit, list[Row](), list[Run](), list[Command](), versions()
+    limits, in_time, whole = PARTS
     if options.commands:
-        limit, rows, runs, _, made = stored(options.output)
-    for scene in () if options.commands else options.only:
-        for row in limit_rows(scene, limit):
-            rows.append(row)
-            write(options.output, limit, rows, runs, whole, made)
-    for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC and not options.commands):
-        for run in dynamic_runs(scene, limit):
-            runs.append(run)
-            write(options.output, limit, rows, runs, whole, made)
-    for blocks in peers_command.WALLS:
-        whole += commands(blocks)
-        write(options.output, limit, rows, runs, whole, made)
+        record = json.loads(options.output.with_suffix(".json").read_text(encoding="utf-8"))
+    else:
+        record = {"versions": versions(), "limit": options.time_limit, **{name: [] for name in PARTS}}
+        rows: list[Row] = []
+        for scene in options.only:
+            for row in limit_rows(scene, options.time_limit):
+                rows.append(row)
+                write(options.output, record, limits, rows)
+        runs: list[Run] = []
+        for scene in (scene for scene in options.only if scene in peers_dynamics.DYNAMIC):
+            for run in dynamic_runs(scene, options.time_limit):
+                runs.append(run)
+                write(options.output, record, in_time, runs)
+    if options.commands or options.only == list(SCENES):
+        record["versions of commands"] = versions()
+        found: list[Command] = []
+        for blocks in peers_command.WALLS:
+            for command in commands(blocks):
+                found.append(command)
+                write(options.output, record, whole, found)
 
 
 if __name__ == "__main__":

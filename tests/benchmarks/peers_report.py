@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 
 from marked_text import listed, marked, sentences, span
-from peers_command import FACETS, Command, command_table, conclusion
+from peers_command import REPEATS, Command, command_table, conclusion
 from peers_dynamics import Run
 from peers_table import EQUILIBRIUM, LEAST_ERROR, OURS, SOLVED, Row, limit_table, markdown, number, power, summary_table
 
@@ -76,32 +76,34 @@ analysis on the same points.
 """
 
 
-COMMANDS = f"""\
+WHOLE = f"""\
 ## A whole command
 
 `crosscheck solve FILE --bounds` reads the file of a wall whose right third settles, finds its joints, computes the least and the greatest
-reaction with and without inset, checks all four and prints them. The same command runs with the bounds by HiGHS, as linear programmes; in
-the plane the {FACETS} facets of its pyramids are the exact cone. *blocks* is about their number. *CPU s* is the processor time of the whole
-process, from the start of Python, as the median of three runs in turn.
+reaction with and without inset, checks all four and prints them. The same command runs with HiGHS in place of our solver; in the plane both
+solve exactly the same problem, because the friction cone is two lines. *blocks* is about their number. *CPU s* is the processor time of
+the whole process, from the start of Python, as the median of {REPEATS} runs in turn. {{versions}}
 
 {{table}}
 """
 
 
-def page(command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run], whole: Sequence[Command], versions: str) -> str:
-    """The whole page as Markdown. limit: seconds for one solve; versions: machine and packages that made the rows, in a line."""
+def page(
+    command: str, limit: float, rows: Sequence[Row], runs: Sequence[Run], versions: str, whole: Sequence[Command] = (), made_by: str = ""
+) -> str:
+    """The whole page as Markdown. limit: seconds for one solve; versions, made_by: what made the rows, the commands."""
     parts = ["# Other solvers (peers), compared in one run\n", INTRODUCTION, f"```console\n$ {command}\n```\n", f"{versions}\n"]
     parts.append(marked("conclusions", conclusions(rows, runs, whole)) + "\n")
     if rows:
         parts.append(LIMIT.format(limit=limit, summary=summary_table(rows), table=limit_table(rows)))
     if whole:
-        parts.append(COMMANDS.format(table=command_table(whole)))
+        parts.append(WHOLE.format(table=command_table(whole), versions=made_by))
     if runs:
         parts.append(DYNAMICS.format(table=dynamics_table(runs)))
     return "\n".join(parts)
 
 
-def conclusions(rows: Sequence[Row], runs: Sequence[Run], whole: Sequence[Command]) -> str:
+def conclusions(rows: Sequence[Row], runs: Sequence[Run], whole: Sequence[Command] = ()) -> str:
     """What follows from the rows, as a list."""
     scenes = list(dict.fromkeys(row.scene for row in rows))
     timed = [row for row in rows if row.status == SOLVED and row.solver != OURS and math.isfinite(row.ratio)]

@@ -6,6 +6,7 @@ import math
 import os
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,6 @@ from peers_scenes import SCENES
 from peers_table import CANNOT, LEAST_REACTION, OURS, SOLVED, Row, as_record, number, restored
 from scipy.optimize import linprog
 
-from la_core.analysis import one_pass
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem
 from la_core.model.assembly import Assembly, assemble
@@ -80,11 +80,13 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
 
 
 def test_a_whole_command_says_the_same_whoever_computes_its_bounds(monkeypatch) -> None:
+    """The command itself complains where HiGHS was to compute the bounds and did not."""
     monkeypatch.setitem(peers_command.WALLS, 10, (3, 3))
-    monkeypatch.setattr(one_pass, "solve_associated", one_pass.solve_associated)  # put back afterwards
-    found = {method: list(peers_command.measure(10, method)) for method in peers_command.METHODS}
-    own = found[OURS][0][0]
-    assert all(one[0][0] == pytest.approx(own, abs=SAME_OVER_WEIGHT) and one[0][1] > 0.0 for one in found.values())
+    values = {method: peers_command.measure(10, method, LAST_RESORT)[0] for method in peers_command.METHODS}
+    assert values == pytest.approx(dict.fromkeys(values, values[OURS]), abs=SAME_OVER_WEIGHT)
+    monkeypatch.setattr(peers_command, "PROGRAMME", peers_command.PROGRAMME.replace("one_pass.solve_associated =", "_ ="))
+    with pytest.raises(PeerEnded, match="not computed by HiGHS"):
+        peers_command.measure(10, peers_command.METHODS[1], LAST_RESORT)
 
 
 def test_the_ratio_of_whole_commands_is_that_of_the_faster_algorithm() -> None:
@@ -92,6 +94,8 @@ def test_the_ratio_of_whole_commands_is_that_of_the_faster_algorithm() -> None:
     none = peers_command.Command(20, "a", limit=200.0, note="time limit of 200 s")
     assert peers_command.ratios([own, slow, fast, none]) == {10: 4.0}
     assert peers_command.ratios([peers_command.Command(20, OURS, 0.1, (1.0,)), none]) == {}
+    assert peers_command.ratios([replace(none, method=OURS), replace(slow, blocks=20)]) == {}
+    assert peers_command.conclusion([own, slow, fast]).endswith("takes 4.0 times as long on 10 blocks.")
 
 
 @solver

@@ -1,6 +1,7 @@
 """A YADE that dies by SIGKILL at a moment of its run: `dying_yade.py MOMENT run_case.py ...`, run by YADE's interpreter.
 
-The moment is "loaded", the number of a row, or "written", when the results lie under the name of an unfinished file.
+The moment is "loaded", the number of a row of all attempts, or "written", when the results lie under the name of an unfinished file. At
+"never" it lives on, and writes how many rows there were into the file `rows` beside its results.
 """
 
 import importlib.util
@@ -10,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-LOADED, WRITTEN = "loaded", "written"
+LOADED, WRITTEN, NEVER = "loaded", "written", "never"
 
 
 def die(*_: Any) -> None:
@@ -23,11 +24,12 @@ def main() -> int:
     assert spec is not None and spec.loader is not None
     run_case = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(run_case)
-    rows = 0
+    rows, report = 0, run_case.Reporter.progress
 
-    def count(*_: Any) -> None:
+    def count(*row: Any) -> None:
         nonlocal rows
         rows += 1
+        report(*row)
         if str(rows) == moment:
             die()
 
@@ -37,7 +39,10 @@ def main() -> int:
     if moment == WRITTEN:
         Path.replace = die  # type: ignore[assignment]
     del sys.argv[:2]
-    return int(run_case.main())
+    code = int(run_case.main())
+    if moment == NEVER:
+        Path(sys.argv[2]).with_name("rows").write_text(str(rows))
+    return code
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import dying_yade
-import h5py
 import pytest
 from faulty_runs import TOOL, Fake, answer, one_message, unfinished
 
@@ -125,10 +124,24 @@ def test_the_ladder_of_costs_without_yade_says_so(
     one_message(capsys.readouterr().err, "holds no YADE")
 
 
-def kill_and_recover(moments: Iterable[str], fake_python: Fake, undisturbed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def dying(fake_python: Fake) -> Fake:
+    """YADE's interpreter replaced by one that dies at a moment."""
+    return lambda moment: fake_python(f'shift 2; exec {SYSTEM_PYTHON} -s -u {dying_yade.__file__} {moment} "$@"')
+
+
+@pytest.fixture
+def rows(dying: Fake, plain_figures: None, tmp_path: Path) -> int:
+    """How many rows the attempts of a run have together."""
+    dying(dying_yade.NEVER)
+    assert main(["run", "two_pads", "-o", str(tmp_path / "whole"), "-q"]) == 0
+    return int((tmp_path / "whole" / "two_pads" / "rows").read_text())
+
+
+def kill_and_recover(moments: Iterable[str], dying: Fake, undisturbed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for moment in moments:
         out = tmp_path / moment
-        fake_python(f'shift 2; exec {SYSTEM_PYTHON} -s -u {dying_yade.__file__} {moment} "$@"')
+        dying(moment)
         assert main(["run", "two_pads", "-o", str(out), "-q"]) == TOOL, moment
         found = answer(out)
         assert found["yade"]["status"] == "failed" and "SIGKILL" in found["yade"]["message"]
@@ -140,26 +153,20 @@ def kill_and_recover(moments: Iterable[str], fake_python: Fake, undisturbed: Pat
         assert not unfinished(out)
 
 
-def rows_of(run: Path) -> int:
-    with h5py.File(run / "two_pads" / "run.h5") as file:
-        return len(file["record/time"])
-
-
 @pytest.mark.slow
 def test_a_yade_killed_at_some_moments_is_run_again(
-    fake_python: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rows: int, dying: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rows = rows_of(undisturbed)
     moments = [dying_yade.LOADED, "1", str(rows // 2), str(rows), dying_yade.WRITTEN]
-    kill_and_recover(moments, fake_python, undisturbed, tmp_path, monkeypatch)
+    kill_and_recover(moments, dying, undisturbed, tmp_path, monkeypatch)
 
 
 @pytest.mark.long
 def test_a_yade_killed_at_any_moment_is_run_again(
-    fake_python: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    rows: int, dying: Fake, undisturbed: Path, plain_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    moments = random.Random(20).sample(range(1, rows_of(undisturbed)), 20)
-    kill_and_recover(map(str, moments), fake_python, undisturbed, tmp_path, monkeypatch)
+    moments = random.Random(20).sample(range(1, rows), 20)
+    kill_and_recover(map(str, moments), dying, undisturbed, tmp_path, monkeypatch)
 
 
 def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:

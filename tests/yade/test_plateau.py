@@ -206,16 +206,27 @@ def test_correlation_length_of_known_processes() -> None:
     assert plateau.correlation_length(noise) == pytest.approx((1.0 + memory) / (1.0 - memory), rel=0.2)
 
 
-@pytest.mark.parametrize(("blocks", "changing", "steady"), [(30, 0, True), (30, 1, False), (250, 2, True), (250, 3, False)])
-def test_a_motion_is_steady_where_all_blocks_keep_their_velocity_or_all_but_one_in_a_hundred(
-    blocks: int, changing: int, steady: bool
+@pytest.mark.parametrize(
+    ("blocks", "changing", "change", "steady", "steady_enough"),
+    [
+        (30, 0, 0.03, True, True),
+        (30, 1, 0.03, False, True),
+        (250, 2, 0.03, True, True),
+        (250, 3, 0.03, False, True),
+        (250, 12, 0.06, False, True),
+        (250, 13, 0.06, False, False),
+    ],
+)
+def test_a_motion_is_steady_where_all_but_a_few_blocks_keep_their_velocity(
+    blocks: int, changing: int, change: float, steady: bool, steady_enough: bool
 ) -> None:
-    """Block 0 is a support, which does not count; some others change their velocity by 3 % of its own."""
-    velocity, change = np.ones((blocks + 1, 3)), np.zeros((blocks + 1, 3))
-    change[1 : 1 + changing, 2] = 0.03
-    change[0] = 1.0
+    """Block 0 is a support, which does not count; some others change their velocity by a share of its own."""
+    velocity, more = np.ones((blocks + 1, 3)), np.zeros((blocks + 1, 3))
+    more[1 : 1 + changing, 2] = change
+    more[0] = 1.0
     nothing = np.zeros((0, 3))
-    ways = (1e-4 * velocity, 2e-4 * velocity, 2e-4 * velocity + 2e-4 * (velocity + change))
-    states = [(s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True)]
-    assert plateau.is_steady((states[0], states[1], states[2]), np.arange(1, blocks + 1), 1.0) is steady
-    assert plateau.is_steady((states[0], states[1], states[2]), np.arange(1, blocks + 1), 1.0, plateau.STEADY_ENOUGH)
+    ways = (1e-4 * velocity, 2e-4 * velocity, 2e-4 * velocity + 2e-4 * (velocity + more))
+    first, middle, last = ((s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True))
+    free = np.arange(1, blocks + 1)
+    assert plateau.is_steady((first, middle, last), free, 1.0) is steady
+    assert plateau.is_steady((first, middle, last), free, 1.0, plateau.STEADY_ENOUGH) is steady_enough

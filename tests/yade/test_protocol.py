@@ -250,5 +250,9 @@ def test_a_large_structure_has_its_swing_damped_at_once_moves_faster_and_stops_s
     assert (large.swing_damping, large.stop_uncertainty, large.travel_periods) == (0.5, 0.005, pytest.approx(600.0))
     assert large.speed == pytest.approx(2.0 * small.speed)
     assert large.damping_ratio < small.damping_ratio and large.time_step > small.time_step
+    assert large.damping_ratio == 0.1 and settings.is_content(large) and not settings.is_content(small)
+    slender = settings.derive(replace(one, sway=100.0 * one.sag))
+    assert (slender.swing_damping, slender.damping_ratio, slender.stop_uncertainty) == (0.0, 0.3, 0.005)
     asked = settings.derive(replace(one, overrides={"swing_damping": 0.0, "stop_uncertainty": 1e-3}))
+    assert asked.damping_ratio == 0.3  # nothing else damps
     assert (asked.swing_damping, asked.stop_uncertainty, asked.travel_periods) == (0.0, 1e-3, pytest.approx(600.0))
