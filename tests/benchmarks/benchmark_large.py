@@ -57,8 +57,9 @@ YADE's settings for large structures were found on these scenes, which therefore
 than 1 %, agreement means that the reactions lie within the floor of the tolerance, 0.5 %."""
 RANDOM = """\
 Random irregular structures of 60 to 200 blocks, of the kinds of the [random verdicts](verdicts.md) and two to three times their length and
-courses. Program and seed were fixed before the first run. They ran with one thread, beside another run of YADE on the same two cores. Random 2
-and 10, whose runs count as large, ran again and alone with later settings; random 10 was among the walls that these were tried on."""
+courses. Program and seed were fixed before the first run. They ran with one thread, beside another run of YADE on the same two cores.
+Random 2 and 10, whose runs count as large, ran again and alone with later settings; random 10 was among the walls that these were tried
+on."""
 
 
 def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:

@@ -191,6 +191,16 @@ def record() -> tuple[list[Row], list[peers_dynamics.Run]]:
     return [restored(Row, row) for row in stored["limit analysis"]], [restored(peers_dynamics.Run, run) for run in stored["in time"]]
 
 
+def test_every_whole_command_of_the_record_has_an_answer_or_says_why_not_and_all_answers_agree() -> None:
+    stored = json.loads(PAGE.with_suffix(".json").read_text(encoding="utf-8"))["whole commands"]
+    commands = [restored(peers_command.Command, one) for one in stored]
+    assert [as_record(one) for one in commands] == stored
+    assert [(one.blocks, one.method) for one in commands] == [(b, m) for b in peers_command.WALLS for m in peers_command.METHODS]
+    for one in commands:
+        own = next(other.value for other in commands if (other.blocks, other.method) == (one.blocks, OURS))
+        assert one.note if math.isnan(one.value) else one.value == pytest.approx(own, abs=SAME_OVER_WEIGHT)
+
+
 def test_every_peer_has_a_row_on_every_scene_that_says_how_it_went_or_why_not(record) -> None:
     rows, runs = record
     solvers = (*peers_limit.SOLVERS, *peers_equilibrium.METHODS)
