@@ -30,7 +30,7 @@ from peers_table import EQUILIBRIUM, FAILED, LEAST_REACTION, Row, as_record, res
 PARTS: dict[str, type] = {"limit analysis": Row, "in time": Run, "whole commands": Command}  # of the record
 COMMAND = "python tests/benchmarks/benchmark_peers.py -o comparison/gallery/peers.md"
 TIME_LIMIT = 20.0  # s of the processor, for one solve
-COMMAND_LIMIT = 200.0  # s of the clock, for one command
+COMMAND_LIMIT = 200  # s of the processor, for one command
 
 
 def limit_rows(scene: str, limit: float) -> Iterator[Row]:
@@ -126,7 +126,7 @@ def main() -> None:
                 runs.append(run)
                 write(options.output, record, in_time, runs)
     if options.commands or options.only == list(SCENES):
-        record["versions of commands"] = versions()
+        record["versions of commands"] = versions(())
         found: list[Command] = []
         for blocks in peers_command.WALLS:
             for command in commands(blocks):

@@ -8,11 +8,14 @@ import on_path  # noqa: F401, I001  before what it makes importable
 import json
 import math
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -82,22 +85,22 @@ def wall(blocks: int) -> dict[str, Any]:
     }
 
 
-def measure(blocks: int, method: str, limit: float) -> tuple[float, float]:
+def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
     """Return the least reaction over the weight, and the seconds of the processor of the whole process.
 
-    Raises PeerEnded where there is no answer, or none after `limit` seconds of the clock.
+    Raises PeerEnded where there is no answer, or none after `limit` seconds of the processor.
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wall.toml"
         path.write_text(tomli_w.dumps(wall(blocks)), encoding="utf-8")
         command, before = [sys.executable, "-c", PROGRAMME, str(path), HIGHS.get(method, "")], os.times()
-        try:
-            done = subprocess.run(
-                command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, timeout=limit, check=False
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            raise PeerTooSlow(f"time limit of {limit:g} s") from None
+        end_at_limit = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit))
+        done = subprocess.run(
+            command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, preexec_fn=end_at_limit, check=False
+        )  # fmt: skip
     after = os.times()
+    if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise PeerTooSlow(f"time limit of {limit} s")
     if done.returncode != 0:
         raise PeerEnded(" ".join(done.stderr.split())[-200:] or f"exit code {done.returncode}")
     answer = json.loads(done.stdout)

@@ -187,12 +187,12 @@ def _fixed(value: float, places: int) -> str:
     return f"{value:.{places}f}" if math.isfinite(value) else "–"
 
 
-def versions() -> str:
-    """Machine and versions in a paragraph."""
+def versions(peers: Sequence[str] = PACKAGES) -> str:
+    """Machine and versions in a paragraph; YADE's where there are peers beside HiGHS."""
     known = describe()
-    found = {name: _version(name) for name in PACKAGES}
+    found = {name: _version(name) for name in peers}
     try:
-        found["YADE"] = find_yade().version
+        found |= {"YADE": find_yade().version} if peers else {}
     except YadeMissingError:
         found["YADE"] = "not installed"
     shown = {name: known[name] for name in ("python", "clarabel", "scipy", "numpy")} | found

@@ -82,11 +82,14 @@ def test_a_peer_that_is_wrong_is_not_called_solved(monkeypatch) -> None:
 def test_a_whole_command_says_the_same_whoever_computes_its_bounds(monkeypatch) -> None:
     """The command itself complains where HiGHS was to compute the bounds and did not."""
     monkeypatch.setitem(peers_command.WALLS, 10, (3, 3))
-    values = {method: peers_command.measure(10, method, LAST_RESORT)[0] for method in peers_command.METHODS}
+    values = {method: peers_command.measure(10, method, int(LAST_RESORT))[0] for method in peers_command.METHODS}
     assert values == pytest.approx(dict.fromkeys(values, values[OURS]), abs=SAME_OVER_WEIGHT)
     monkeypatch.setattr(peers_command, "PROGRAMME", peers_command.PROGRAMME.replace("one_pass.solve_associated =", "_ ="))
     with pytest.raises(PeerEnded, match="not computed by HiGHS"):
-        peers_command.measure(10, peers_command.METHODS[1], LAST_RESORT)
+        peers_command.measure(10, peers_command.METHODS[1], int(LAST_RESORT))
+    monkeypatch.setattr(peers_command, "PROGRAMME", "while True: pass")
+    with pytest.raises(PeerEnded, match="time limit of 1 s"):
+        peers_command.measure(10, OURS, 1)
 
 
 def test_the_ratio_of_whole_commands_is_that_of_the_faster_algorithm() -> None:
