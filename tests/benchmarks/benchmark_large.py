@@ -62,19 +62,23 @@ Random 2 and 10, whose runs count as large, ran again and alone with later setti
 on."""
 
 
-def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:
-    """A plane wall in running bond, the right third of whose foundation settles. size: of a block, m; more: keys of the wall."""
+def wall_tables(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> dict[str, Any]:
+    """Scene file of a plane wall in running bond whose right third settles. size: of a block, m; more: keys of the wall."""
     length = per_course * size[0]
     footing = {"height": 0.3, "settling": [round(2.0 * length / 3.0, 3), length]}
     bond = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": list(size), "per_course": per_course, "courses": courses}
-    tables = {
+    return {
         "title": "Right third of a foundation settles",
         "stone": {"density": DENSITY},
         "joint": {"friction": FRICTION},
         "wall": [bond | {"footing": footing} | more],
         "settlement": {"direction": [0.0, 0.0, -1.0]},
     }
-    return la_core.build(tables, "large")
+
+
+def wall(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> Scene:
+    """The scene of `wall_tables`."""
+    return la_core.build(wall_tables(size, per_course, courses, **more), "large")
 
 
 def facade() -> Scene:

@@ -96,7 +96,7 @@ def page_of(record: dict[str, Any]) -> str:
 
 
 def write(output: Path, record: dict[str, Any], name: str, found: list[Any]) -> None:
-    """Page and record of what is known so far, with what was found of a part; its last row is narrated."""
+    """Write the record with the rows of one part, and its page; print the last row."""
     record[name] = [as_record(one) for one in found]
     print(" | ".join(f"{value}" for key, value in record[name][-1].items() if key not in ("beside", "clock")), file=sys.stderr)
     output.with_suffix(".json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")

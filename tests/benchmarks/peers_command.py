@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import tomli_w
+from benchmark_large import BLOCK, wall_tables
 from marked_text import listed
 from peers_limit import HIGHS
 from peers_process import ONE_THREAD, PeerEnded, PeerTooSlow
@@ -28,7 +28,6 @@ from peers_table import OURS, at_least, markdown, number
 
 from la_core.limit.linearised import LEAST_FACETS
 
-FRICTION, DENSITY, BLOCK = 0.4, 1800.0, (0.4, 0.2, 0.2)  # -, kg/m3, m
 WALLS = {500: (22, 22), 1000: (31, 32), 2000: (44, 45), 5000: (70, 71)}  # blocks in a course and courses, by the number of blocks
 METHODS = (OURS, *HIGHS)
 REPEATS = 3
@@ -70,21 +69,6 @@ class Command:
         return median(self.processor) if self.processor else math.nan
 
 
-def wall(blocks: int) -> dict[str, Any]:
-    """A plane wall in running bond as a scene file has it; the right third of its foundation settles."""
-    per_course, courses = WALLS[blocks]
-    length = per_course * BLOCK[0]
-    footing = {"height": 0.3, "settling": [round(2.0 * length / 3.0, 3), length]}
-    bond = {"bond": "running", "origin": [0.0, 0.0, 0.0], "block": list(BLOCK), "per_course": per_course, "courses": courses}
-    return {
-        "title": "Right third of a foundation settles",
-        "stone": {"density": DENSITY},
-        "joint": {"friction": FRICTION},
-        "wall": [bond | {"footing": footing}],
-        "settlement": {"direction": [0.0, 0.0, -1.0]},
-    }
-
-
 def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
     """Return the least reaction over the weight, and the seconds of the processor of the whole process.
 
@@ -92,14 +76,14 @@ def measure(blocks: int, method: str, limit: int) -> tuple[float, float]:
     """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wall.toml"
-        path.write_text(tomli_w.dumps(wall(blocks)), encoding="utf-8")
+        path.write_text(tomli_w.dumps(wall_tables(BLOCK, *WALLS[blocks])), encoding="utf-8")
         command, before = [sys.executable, "-c", PROGRAMME, str(path), HIGHS.get(method, "")], os.times()
-        end_at_limit = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit))
+        end_at_limit = partial(resource.setrlimit, resource.RLIMIT_CPU, (limit, limit + 1))  # then SIGXCPU, and not SIGKILL
         done = subprocess.run(
             command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, preexec_fn=end_at_limit, check=False
         )  # fmt: skip
     after = os.times()
-    if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+    if done.returncode == -signal.SIGXCPU:
         raise PeerTooSlow(f"time limit of {limit} s")
     if done.returncode != 0:
         raise PeerEnded(" ".join(done.stderr.split())[-200:] or f"exit code {done.returncode}")

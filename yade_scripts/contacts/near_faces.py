@@ -12,12 +12,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from yade_scripts.case import FREE, Case
+from yade_scripts.contacts.sphere_placement import are_others
 from yade_scripts.settings import Settings
 
 NEAR = 10.0  # travels: farther parts are not watched, and the attempt ends where a block has moved by half of this
 LEFT = 0.1  # of a gap: what must be left of it, for blocks move on between two looks
 _SAME_FACE = 0.05  # of a sphere's radius: a part of the sphere's own partner with a smaller gap goes on in the plane of the contact
-_ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
 
 
 class NearFaces:
@@ -82,9 +82,9 @@ class NearFaces:
             if case.boxes[block] is not None or len(case.parts[block]) > 1:
                 continue  # a box is exact; a compound block is watched part by part
             faces = case.faces[block][0]
-            for point in np.flatnonzero(case.target == block).tolist():
-                across = case.plane & (np.abs(faces[:, 1]) > _ACROSS)
-                others = faces[(faces[:, :3] @ into_host[point] < _ALONG) & ~across]
+            touching = np.flatnonzero(case.target == block)
+            for point, is_other in zip(touching.tolist(), are_others(faces[:, :3], into_host[touching], case.plane), strict=True):
+                others = faces[is_other]
                 points.append(np.full(len(others), point))
                 planes.append(np.column_stack([others[:, :3], others[:, 3] - others[:, :3] @ case.position[point]]))
         return np.concatenate(points), np.concatenate(planes)

@@ -9,6 +9,7 @@ from la_core.exchange import RADIUS_OVER_INSET
 from yade_scripts.contacts.convex_parts import Faces
 
 CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
+_ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
@@ -94,5 +95,13 @@ def _other_faces(
         rows, of_block = np.flatnonzero(block == number), np.flatnonzero(owner == number)
         distance = face_offset[of_block] - position[rows] @ face_normal[of_block].T
         along = normal[rows] @ face_normal[of_block].T
-        across = plane & (np.abs(face_normal[of_block, 1]) > 0.5)
-        yield rows, np.where((along > 1.0 - 1e-6) | across, np.inf, distance), along
+        yield rows, np.where(are_others(face_normal[of_block], normal[rows], plane), distance, np.inf), along
+
+
+def are_others(faces: np.ndarray, normal: np.ndarray, plane: bool) -> np.ndarray:
+    """Return whether faces with outward normals (F, 3) are other ones than those with the normals (n, 3), as (n, F).
+
+    In plane cases faces across y do not count as others.
+    """
+    across = plane & (np.abs(faces[:, 1]) > _ACROSS)
+    return (normal @ faces.T <= _ALONG) & ~across
