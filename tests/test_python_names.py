@@ -15,7 +15,6 @@ import pytest
 
 import comparison
 import la_core
-from comparison.workflow import one_scene
 
 ROOT = Path(__file__).parent.parent
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
@@ -110,7 +109,7 @@ def test_sections_of_a_docstring_are_read_as_numpydoc_has_them() -> None:
 @both_packages
 def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # the report's, which nobody looks at here
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # the report's, which nobody looks at here
     tried = 0
     for name in package.__all__:
         for example in doctest.DocTestFinder(recurse=False).find(getattr(package, name), name, module=False, globs={}):
@@ -122,7 +121,7 @@ def test_examples_of_the_names_are_true(package, tmp_path: Path, monkeypatch: py
 
 @pytest.mark.yade
 def test_the_code_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # the report's, which nobody looks at here
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # the report's, which nobody looks at here
     (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     monkeypatch.chdir(tmp_path)
     exec(code, {})

@@ -4,6 +4,7 @@ import io
 import warnings
 from pathlib import Path
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from la_core.exchange import write_whole
@@ -22,5 +23,9 @@ def rendered(figure: Figure, suffix: str) -> bytes:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
-        figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
+        if suffix == ".png":  # savefig draws twice, first to find the layout, which drawing once finds, too
+            figure.set_dpi(DPI)
+            FigureCanvasAgg(figure).print_png(content, metadata=metadata)
+        else:
+            figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
     return content.getvalue()

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from comparison import provenance
-from comparison.figures import report_figures as figures_of
-from comparison.figures import save
 from comparison.judge import (
     FINER_PATHS,
     PLAIN_SCENE,
@@ -23,7 +21,6 @@ from comparison.judge import (
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
 from comparison.numbers import format_number
-from comparison.report import structure_facts, viewer
 from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, write_text
 from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
@@ -166,13 +163,16 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
 
 def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:
     """Compare both methods, draw the figures, and write comparison.json last; nothing is done when its inputs are unchanged."""
+    from comparison.figures import report_figures, save  # noqa: PLC0415  `yade_stage` loads these while YADE runs
+    from comparison.report import structure_facts, viewer  # noqa: PLC0415
+
     results = outcome.results
     scene, analysis = results.scene, results.analysis
     effects = dataclasses.asdict(analysis.assembly.effects)
     first = first_prediction(analysis, folder)
     made_of = [outcome.inputs, outcome.yade, outcome.notes, effects, first, outcome.first_verdict]
     inputs = stage_digest(json.dumps(made_of, sort_keys=True), COMPARISON_CODE)
-    drawings = {folder / f"{name}.png": draw for name, draw in (figures or figures_of)(results).items()}
+    drawings = {folder / f"{name}.png": draw for name, draw in (figures or report_figures)(results).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE
     if previous.get("inputs") == inputs and all(path.is_file() for path in (*drawings, view)):

@@ -2,7 +2,9 @@
 
 import dataclasses
 import hashlib
+import importlib
 import json
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -104,7 +106,7 @@ def yade_stage(
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
             listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
 
-        run_yade(installation, folder, inputs, time_limit, hear)
+        run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)
         run = read_run(path, analysis.assembly)
         if exchange.inputs_digest(path) != inputs:
             raise exchange.ExchangeError(f"{path}: its digest is not that of the run that was started; run the scene again")
@@ -115,3 +117,8 @@ def yade_stage(
     except (YadeFailedError, exchange.ExchangeError) as error:
         listener.stage(scene.name, "YADE", f"failed: {error}")
         return None, without_run("failed", str(error))
+
+
+def _load_drawing() -> None:
+    """Load what draws and reports in a thread: it takes as long as YADE takes to start."""
+    threading.Thread(target=importlib.import_module, args=("comparison.report",), daemon=True).start()

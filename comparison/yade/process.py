@@ -180,7 +180,14 @@ def yade_environment() -> dict[str, str]:
     return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread, **large_pages}
 
 
-def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, progress: Callable[[dict[str, Any]], None]) -> None:
+def run_yade(
+    yade: Installation,
+    folder: Path,
+    inputs: str,
+    time_limit: float,
+    progress: Callable[[dict[str, Any]], None],
+    started: Callable[[], None] = lambda: None,
+) -> None:
     """Run `case.h5` of a folder in YADE to its end, and write `run.h5` and `yade.log` there.
 
     Raises YadeFailedError when no result was written, and YadeMissingError where this is because YADE does not load. An interruption of
@@ -199,6 +206,8 @@ def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, p
     progress : callable
         Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds,
         YADE's version and what its build lacks.
+    started : callable
+        Called once YADE's process has started; what it does in threads costs no time while YADE loads.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]
@@ -208,7 +217,7 @@ def run_yade(yade: Installation, folder: Path, inputs: str, time_limit: float, p
     try:
         log.unlink(missing_ok=True)  # a link in its place would lead elsewhere
         with log.open("x") as record:
-            code = _followed(command, variables, folder, time_limit + GRACE, record, progress)
+            code = _followed(command, variables, folder, time_limit + GRACE, record, progress, started)
     except OSError as error:  # an error of the log itself does not name its file
         raise OSError(error.errno, error.strerror, error.filename or str(log)) from error
     if code != 0 or not run.exists():
@@ -224,6 +233,7 @@ def _followed(
     seconds: float,
     record: TextIO,
     progress: Callable[[dict[str, Any]], None],
+    started: Callable[[], None],
 ) -> int:
     """Run a process and return its exit code; it is killed after `seconds`, or when this call ends. `record` receives its output."""
     process = subprocess.Popen(
@@ -234,6 +244,7 @@ def _followed(
     overtime.daemon = True
     try:
         overtime.start()
+        started()
         assert process.stdout is not None  # it is a pipe
         for line in process.stdout:
             record.write(line)

@@ -56,13 +56,19 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 
 
 def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
-    """Solve every drive of every assembly, the assemblies side by side."""
+    """Solve every drive of every assembly, the drives side by side; the answer of one assembly is near that of the next."""
+    problems = [scaled_problem(assembly) for assembly in assemblies]
 
-    def solved(assembly: Assembly) -> Answers:
-        problem, bounds = scaled_problem(assembly), dict[Drive, Solution]()
-        for drive in drives(scene):
-            fallen = (solution for solution in bounds.values() if solution.status is Status.INFEASIBLE)
-            bounds[drive] = next(fallen, None) or solve_associated(assembly, drive, problem)  # one solve is enough where it cannot stand
-        return Answers(assembly, bounds)
+    def solved(drive: Drive) -> list[Solution]:
+        solutions: list[Solution] = []
+        for assembly, problem in zip(assemblies, problems, strict=True):
+            solutions.append(solve_associated(assembly, drive, problem, near=solutions[-1] if solutions else None))
+        return solutions
 
-    return side_by_side(solved, assemblies)
+    by_drive = dict(zip(drives(scene), side_by_side(solved, drives(scene)), strict=True))
+    answers = []
+    for number, assembly in enumerate(assemblies):
+        bounds = {drive: solutions[number] for drive, solutions in by_drive.items()}
+        fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
+        answers.append(Answers(assembly, dict.fromkeys(bounds, fallen) if fallen else bounds))  # what cannot stand does so under no drive
+    return answers

@@ -10,6 +10,7 @@ from scipy import sparse
 
 TOLERANCE = 1e-9  # on feasibility and gap in the solver; the caller recomputes the residuals of the answer
 MOST_ITERATIONS = 300
+REGULARISATION = 1e-10  # of linear systems that are not refined; the solver's own, 1e-8, needs refinement
 SUPERNODAL_ROWS = 100_000  # about 10,000 blocks in the plane, 2,800 in 3D: beyond it faer factorises faster than qdldl
 
 
@@ -99,6 +100,8 @@ class Programme:
     refine : bool
         Correct the solution of every linear system iteratively. It takes a quarter of the time and gains digits that
         a caller who checks the answer seldom needs.
+    regularisation : float
+        What the solver adds to the diagonals of linear systems that it does not refine.
     """
 
     def __init__(
@@ -109,6 +112,7 @@ class Programme:
         tolerance: float = TOLERANCE,
         equilibrate: bool = True,
         refine: bool = True,
+        regularisation: float = REGULARISATION,
     ) -> None:
         rows, size = matrix.shape
         settings = clarabel.DefaultSettings()
@@ -122,7 +126,7 @@ class Programme:
         settings.equilibrate_enable = equilibrate
         settings.iterative_refinement_enable = refine
         if not refine:
-            settings.static_regularization_constant = 1e-10  # the default, 1e-8, needs refinement
+            settings.static_regularization_constant = regularisation
         kinds = [clarabel.ZeroConeT(cones.equalities)] if cones.equalities else []
         kinds += [clarabel.NonnegativeConeT(cones.inequalities)] if cones.inequalities else []
         kinds += [clarabel.SecondOrderConeT(3)] * cones.second_order
@@ -153,6 +157,7 @@ def maximise(
     tolerance: float = TOLERANCE,
     equilibrate: bool = True,
     refine: bool = True,
+    regularisation: float = REGULARISATION,
 ) -> ProgrammeAnswer:
     """Solve a linear conic programme once: maximise power . x subject to matrix x + offset in the product of `cones`.
 
@@ -160,7 +165,7 @@ def maximise(
     `Programme`.
     """
     start = time.perf_counter()
-    answer = Programme(matrix, cones, tolerance=tolerance, equilibrate=equilibrate, refine=refine).solve(power, offset)
+    answer = Programme(matrix, cones, None, tolerance, equilibrate, refine, regularisation).solve(power, offset)
     return replace(answer, seconds=time.perf_counter() - start)
 
 

@@ -5,7 +5,7 @@ from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import decide_dem_effects
 from la_core.model.effects import Effects
 from la_core.model.joints import JointStiffness, joint_stiffness
-from la_core.model.scaling import columns, global_forces, scaled_load, support_motion, twists_of
+from la_core.model.scaling import columns, global_forces, local_forces, scaled_load, support_motion, twists_of
 
 __all__ = [
     "PLANE_FREEDOMS",
@@ -17,6 +17,7 @@ __all__ = [
     "decide_dem_effects",
     "global_forces",
     "joint_stiffness",
+    "local_forces",
     "per_length",
     "scaled_load",
     "support_motion",

@@ -50,3 +50,8 @@ def global_forces(assembly: Assembly, local: np.ndarray) -> np.ndarray:
     """Contact forces (C, 3) in N along the global axes, from scaled local components (normal, tangents), flat or (C, 2 or 3)."""
     shaped = local.reshape(len(assembly.points), -1) * assembly.weight
     return np.einsum("ck,ckj->cj", shaped, assembly.axes[:, : shaped.shape[1]])
+
+
+def local_forces(assembly: Assembly, forces: np.ndarray, components: int) -> np.ndarray:
+    """Inverse of `global_forces`, flat: scaled local components of contact forces (C, 3) in N. components: 2 in the plane, or 3."""
+    return np.einsum("cj,ckj->ck", forces, assembly.axes[:, :components]).ravel() / assembly.weight

@@ -47,9 +47,16 @@ def test_solving_a_small_scene_loads_only_what_it_uses(tmp_path: Path) -> None:
     assert not loaded & (EXTRAS | DRAWS | OF_SCIPY | OWN)
 
 
-def test_a_run_loads_no_extra_and_no_window(tmp_path: Path) -> None:
+def test_a_run_starts_yade_before_it_loads_what_draws(tmp_path: Path) -> None:
     loaded = loaded_by("import comparison.cli.scene_verbs.run", tmp_path)
-    assert "matplotlib.figure" in loaded
+    assert "comparison.workflow.stages" in loaded
+    assert not loaded & (EXTRAS | DRAWS)
+
+
+def test_what_draws_is_loaded_in_a_thread_without_extras_and_windows(tmp_path: Path) -> None:
+    wait = "[thread.join() for thread in threading.enumerate() if thread is not threading.current_thread()]"
+    loaded = loaded_by(f"import threading\nfrom comparison.workflow import stages\nstages._load_drawing()\n{wait}", tmp_path)
+    assert {"comparison.report", "comparison.figures", "matplotlib.figure"} <= loaded
     assert not loaded & (EXTRAS | {"matplotlib.pyplot", "scipy.optimize", "scipy.stats"})
 
 

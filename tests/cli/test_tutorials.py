@@ -8,7 +8,6 @@ import pytest
 
 from comparison.cli.commands import main
 from comparison.cli.help_verbs import tutorial
-from comparison.workflow import one_scene
 
 pytestmark = pytest.mark.slow
 
@@ -18,7 +17,7 @@ every_tutorial = pytest.mark.parametrize("name", tutorial.NAMES)
 
 @pytest.fixture(autouse=True)
 def no_report_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # the walk-throughs draw their own
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # the walk-throughs draw their own
 
 
 def test_every_script_is_listed_in_the_order_of_reading(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,8 +7,6 @@ from conftest import Silent
 from hard_cases import FALLS, QUICK, REFUSED, HardCase, catalogue
 from hard_cases_table import Outcome, outcome, row
 
-from comparison.workflow import one_scene
-
 CASES = list(catalogue())
 IN_EVERY_RUN = ("pads, friction 0", "columns, friction 0.9", "lintel that overhangs", "support that slides away")  # seconds of YADE each
 ONCE_ENDLESS = (  # with the true inertia of every block and without regard to slow swings
@@ -21,7 +19,7 @@ RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promis
 
 @pytest.fixture(autouse=True)
 def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})
 
 
 def of(cases: list[HardCase], in_every_run: tuple[str, ...]) -> pytest.MarkDecorator:

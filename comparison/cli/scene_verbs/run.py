@@ -9,7 +9,6 @@ from typing import Any
 
 from rich.console import Console
 
-from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
@@ -35,9 +34,16 @@ def execute(context: Context) -> int:
             comparisons.append(comparison)
     except (SceneError, FolderInUseError):  # an error found only during the run: earlier scenes keep their report
         if comparisons:
-            conclude([(options.output, comparisons)], context)
+            _conclude(comparisons, context)
         raise
-    return conclude([(options.output, comparisons)], context)
+    return _conclude(comparisons, context)
+
+
+def _conclude(comparisons: list[dict[str, Any]], context: Context) -> int:
+    """Write the report of these comparisons and return the exit code."""
+    from comparison.cli.conclude import conclude  # loads matplotlib, which a run loads while YADE works
+
+    return conclude([(context.options.output, comparisons)], context)
 
 
 def _in_turn(models: list[StructuralModel], context: Context) -> Iterator[dict[str, Any]]:

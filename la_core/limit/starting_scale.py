@@ -1,0 +1,49 @@
+"""Scale of the rows of a programme, from which the conic solver starts nearer to its answer.
+
+The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone change neither
+the cone nor the answer, but the start.
+"""
+
+import numpy as np
+
+from la_core.limit.problem import ScaledProblem
+from la_core.model import Assembly, local_forces
+
+HEAD_SCALE = 10.0  # of the rows of joints parallel to gravity; joints perpendicular to it have 1
+NEAR_SCALE = 30.0  # largest scale by the forces of a similar problem, and the inverse of the least one: more than that costs accuracy
+NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; less of it leaves forces out of balance
+
+
+def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, forces: np.ndarray | None = None) -> np.ndarray:
+    """Scale (count,) of the rows; the rows of the contact points come last.
+
+    With forces of a similar problem the solver takes half to nine tenths of its iterations. Without them, larger scales
+    at head joints save a tenth to a fifth.
+
+    forces: contact forces (C, 3), N, of a similar problem; they are ignored where it has other contact points.
+    """
+    rows = problem.rows.shape[0]
+    if forces is not None and len(forces) == len(assembly.points):
+        sizes = _sizes_of_multipliers(assembly, problem, forces)
+        by_row = np.maximum(NEAR_SCALE * sizes / sizes.max(), 1.0 / NEAR_SCALE)
+    else:
+        pressed = np.abs(assembly.normal @ assembly.down)
+        point = problem.flow_rule.indices[problem.flow_rule.indptr[:-1]] // (problem.flow_rule.shape[1] // len(pressed))
+        by_row = HEAD_SCALE ** (1.0 - pressed[point])
+    return np.concatenate([np.ones(count - rows), by_row])
+
+
+def _sizes_of_multipliers(assembly: Assembly, problem: ScaledProblem, forces: np.ndarray) -> np.ndarray:
+    """Sizes (m,) of the multipliers whose contact forces are `forces` (C, 3), N; a cone of three rows has that of its first.
+
+    The columns of the rows of inequalities and cones are orthogonal: the least multipliers follow without a solution of
+    equations. Rows where sliding is excluded get a rough size, which is enough for a scale.
+    """
+    flow_rule = problem.flow_rule
+    squares = np.asarray(flow_rule.multiply(flow_rule).sum(axis=0)).ravel()
+    local = local_forces(assembly, forces, len(squares) // len(assembly.points))
+    sizes = np.abs(flow_rule @ np.divide(local, squares, out=np.zeros_like(local), where=squares > 0.0))
+    cones = 3 * problem.cones.second_order
+    if cones:
+        sizes[-cones:] = np.repeat(sizes[-cones::3], 3)
+    return sizes
