@@ -16,7 +16,6 @@ from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
 
 from comparison.cli.commands import main
-from comparison.workflow import one_scene
 from comparison.workflow.one_scene import run_scene
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import settings as settings_of_analysis
@@ -182,7 +181,7 @@ def copy(undisturbed: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """One empty figure in the place of four, for tests that are not about drawing."""
-    monkeypatch.setattr(one_scene, "figures_of", lambda results: {"assembly": Figure})
+    monkeypatch.setattr("comparison.figures.report_figures", lambda results: {"assembly": Figure})
 
 
 @pytest.fixture(autouse=True)

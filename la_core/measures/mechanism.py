@@ -6,6 +6,7 @@ from la_core.geometry import Blocks
 from la_core.model import Assembly
 
 MOVING_SHARE = 0.05  # of the fastest body's speed: blocks below this stand still; elastic strain is far below it
+LEAST_EXCHANGE = 1e-6  # of the weight at the fastest block's speed: power that a solution within its residuals can tell from none
 
 
 def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
@@ -86,11 +87,14 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
     """Power of friction, sum of mu n |u_t|, over the power that the weights exchange, sum of |w . v|.
 
     It is 0 where no loaded joint slides. Dilatancy then has no effect, and the associated answer is also Coulomb's.
+    Weights that exchange less than the accuracy of a solution count as if they exchanged that much: the share of a
+    structure that moves without power would be a ratio of rounding errors.
     twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
     _, sliding = contact_speeds(assembly, twists)
     compression = np.maximum(assembly.split(forces)[0], 0.0)
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
+    exchanged = max(exchanged, LEAST_EXCHANGE * assembly.weight * block_speeds(assembly.blocks, twists).max())
     if exchanged == 0.0:
         return 0.0
     return float(np.sum(assembly.points.friction * compression * sliding) / exchanged)

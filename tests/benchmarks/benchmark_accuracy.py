@@ -17,6 +17,7 @@ from marked_text import listed, marked, sentences
 from rich.console import Console
 from scenes import shipped
 
+from comparison import figures
 from comparison.judge.requested_accuracy import percent
 from comparison.numbers import DASH
 from comparison.progress import Narration
@@ -119,7 +120,7 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         rows = [measured(name, accuracy, Path(folder), narration) for name in options.scenes for accuracy in accuracies(name)]
     text = page(rows, ", ".join(f"{key} {value}" for key, value in describe().items() if key != "crosscheck"))

@@ -18,6 +18,7 @@ from hard_cases import FALLS, REFUSED, HardCase, catalogue
 from independent_mechanics import OtherSolvers, ask_other_solvers, drives
 from rich.console import Console
 
+from comparison import figures
 from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
 from comparison.provenance import describe
@@ -149,7 +150,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("-o", "--output", type=Path)
     options = parser.parse_args()
-    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # nobody looks at eighty of them
     cases = [case for case in catalogue() if not options.names or any(name in case.name for name in options.names)]
     with tempfile.TemporaryDirectory() as folder, Narration(Console(stderr=True)) as narration:
         outcomes = [outcome(case, Path(folder) / str(k), narration, not (options.quick and case.long)) for k, case in enumerate(cases)]

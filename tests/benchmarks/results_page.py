@@ -25,7 +25,7 @@ from comparison.judge.effects_table import EFFECTS
 from comparison.judge.requested_accuracy import percent
 from comparison.numbers import with_uncertainty
 from comparison.progress import Narration
-from comparison.workflow import one_scene
+from comparison import figures
 from la_core.scene import load_scene, shipped
 from la_core.text_table import number_text
 
@@ -235,7 +235,7 @@ def left_out_list(entries: dict[str, Entry]) -> str:
 def run_limit_analysis(names: Sequence[str], folder: Path) -> None:
     """Run limit analysis of the scenes alone, and store each as soon as it is done."""
     entries = read_record()
-    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     with Narration(Console(stderr=True)) as narration:
         for name in names:
             entries[name] = with_limit_analysis(entries[name], name, folder, narration)
@@ -245,7 +245,7 @@ def run_limit_analysis(names: Sequence[str], folder: Path) -> None:
 def run(names: Sequence[str], folder: Path) -> None:
     """Run the scenes, and store each as soon as it is done."""
     entries = read_record()
-    one_scene.figures_of = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
+    figures.report_figures = lambda *results: {}  # type: ignore[assignment]  # figures are no part of what is measured
     expected = {name: entries.get(name, {}).get("seconds", USUAL) for name in names}
     pace = 1.0  # of this run over the last one
     with Narration(Console(stderr=True)) as narration:

@@ -9,7 +9,6 @@ import scenes
 
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
-from comparison.workflow import one_scene
 from comparison.yade import Results
 from la_core.analysis.accuracy import ATTEMPTS, LOOSE, with_accuracy
 from la_core.analysis.stage import analyse
@@ -56,7 +55,7 @@ def test_limit_analysis_keeps_its_promise(name: str, accuracy: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 def test_yade_keeps_its_promise(accuracy: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(one_scene, "figures_of", lambda *results: {})  # they would take most of the time
+    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})  # they would take most of the time
     names = [*EXACT[:-1], *(("stack_bond_wall",) if accuracy > min(ACCURACIES) else ("arch_spreading",))]  # 10 s at the finest
     assert main(["run", *names, "--accuracy", str(accuracy), "-o", str(tmp_path), "-q"]) == 0
     for name in names:

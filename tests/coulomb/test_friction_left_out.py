@@ -1,5 +1,6 @@
 """Friction is left out only where no joint slides, and there it changes nothing."""
 
+import numpy as np
 import pytest
 import scenes
 from reduced_models import SOLVER, arch, with_friction
@@ -9,6 +10,7 @@ from la_core.analysis.stage import analyse
 from la_core.coulomb.sliding import SLIDING_SHARE
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
+from la_core.measures.mechanism import sliding_share
 from la_core.model.assembly import assemble
 
 SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this
@@ -45,6 +47,23 @@ def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
     effects = decided_model(scenes.shipped(name)).assembly.effects
     assert effects.friction == "coulomb" and effects.elasticity == "plateau"
     assert "the joint between" in effects.reasons["friction"]
+
+
+def test_a_motion_without_power_does_not_slide_by_its_rounding_errors() -> None:
+    """A lintel turns about the edge below its centroid: neither its weight nor friction does work, and their quotient is noise."""
+    parts = [
+        scenes.box("fixed pad", (0.0, 0.0, 0.0), (1.0, 1.0, 0.2), "fixed"),
+        scenes.box("pad", (1.5, 0.0, 0.0), (2.0, 1.0, 0.2), "support"),
+    ]
+    scene = scenes.build(*parts, scenes.box("lintel", (0.0, 0.0, 0.2), (2.0, 1.0, 0.7)), inset=0.0)
+    assembly = assemble(scene)
+    lintel = scene.blocks.names.index("lintel")
+    twists, forces = np.zeros((len(scene.blocks), 6)), np.zeros((len(assembly.points), 3))
+    twists[lintel, 4], twists[lintel, 0], twists[lintel, 2] = 1.0, 0.25 + 1e-15, 1e-13  # about y, at half its height
+    forces[:, 2] = assembly.weight / len(forces)
+    assert sliding_share(assembly, twists, forces) < SLIDING_SHARE
+    twists[lintel, 0] += 1e-3
+    assert sliding_share(assembly, twists, forces) > SLIDING_SHARE
 
 
 def test_without_friction_joints_slide_and_nothing_dilates() -> None:
