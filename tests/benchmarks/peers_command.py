@@ -38,7 +38,7 @@ solved = []
 if algorithm:
     from la_core.analysis import one_pass
     from la_core.limit import solve_linearised
-    def by_highs(assembly, drive, *_):
+    def by_highs(assembly, drive, *_, **__):
         solved.append(drive)
         return solve_linearised(assembly, drive, {LEAST_FACETS}, True, algorithm)
     one_pass.solve_associated = by_highs

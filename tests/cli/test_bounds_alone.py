@@ -75,8 +75,8 @@ def test_bounds_alone_of_a_law_of_bounds_are_held_against_its_expected_value(tmp
 def test_the_status_of_every_bound_decides_the_exit_code(drive: Drive, monkeypatch: pytest.MonkeyPatch) -> None:
     original = one_pass.solve_associated
 
-    def inaccurate(assembly, asked, problem):
-        solution = original(assembly, asked, problem)
+    def inaccurate(assembly, asked, problem, near):
+        solution = original(assembly, asked, problem, near=near)
         return dataclasses.replace(solution, status=Status.INACCURATE) if asked is drive else solution
 
     monkeypatch.setattr(one_pass, "solve_associated", inaccurate)

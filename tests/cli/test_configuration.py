@@ -76,7 +76,7 @@ def test_what_is_nearer_to_the_command_holds(monkeypatch: pytest.MonkeyPatch) ->
 def test_a_time_limit_reaches_yade_and_the_command_line_s_goes_before(monkeypatch: pytest.MonkeyPatch) -> None:
     limits = []
     monkeypatch.setattr("comparison.cli.scene_verbs.run.run_scene", lambda *given: limits.append(given[-1]) or {})
-    monkeypatch.setattr("comparison.cli.scene_verbs.run.conclude", lambda *given: 0)
+    monkeypatch.setattr("comparison.cli.conclude.conclude", lambda *given: 0)
     folder_says("time_limit = 7")
     assert main(["run", "two_pads"]) == 0
     assert main(["run", "two_pads", "--time-limit", "9"]) == 0
