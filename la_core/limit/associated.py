@@ -109,7 +109,8 @@ def solve_associated(
 ) -> Solution:
     """Solve one limit analysis. A structure that cannot stand raises no error: its status is INFEASIBLE.
 
-    A quick attempt comes first. Where the residuals do not confirm its answer, the next of the ATTEMPTS follows.
+    A quick attempt comes first, from a nearby answer where there is one. Where the residuals do not confirm its answer,
+    the next of the ATTEMPTS follows.
 
     Parameters
     ----------
@@ -132,8 +133,10 @@ def solve_associated(
     """
     problem = problem or scaled_problem(assembly)
     attempts: list[Solution] = []
-    for equilibrate, refine in ATTEMPTS:
-        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, near))
+    forces = near.forces if near is not None and near.status is Status.SOLVED else None
+    starts = [] if forces is None else [(*ATTEMPTS[0], forces)]
+    for equilibrate, refine, start in [*starts, *((*attempt, None) for attempt in ATTEMPTS)]:
+        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, start))
         status = attempts[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
@@ -156,15 +159,14 @@ def _attempt(
     accuracy: float,
     equilibrate: bool,
     refine: bool,
-    near: Solution | None,
+    near: np.ndarray | None,
 ) -> Solution:
     driven = driven_problem(assembly, problem, drive)
     count = len(driven.offset)
     tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * int(assembly.blocks.free.sum())) * (accuracy / ACCEPTED)
     tolerance *= REFINED_SHARE if refine else 1.0
-    forces = near.forces if near is not None and near.status is Status.SOLVED else None
-    scale = sparse.diags(np.ones(count) if refine else starting_scale(assembly, problem, count, forces))
-    regularisation = REGULARISATION if forces is None else NEAR_REGULARISATION
+    scale = sparse.diags(np.ones(count) if refine else starting_scale(assembly, problem, count, near))
+    regularisation = REGULARISATION if near is None else NEAR_REGULARISATION
     scaled_rows, scaled_offset = scale @ driven.rows, scale @ driven.offset
     answer = maximise(driven.power, scaled_rows, scaled_offset, driven.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:

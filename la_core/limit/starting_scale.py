@@ -10,7 +10,7 @@ from la_core.limit.problem import ScaledProblem
 from la_core.model import Assembly, local_forces
 
 HEAD_SCALE = 10.0  # of the rows of joints parallel to gravity; joints perpendicular to it have 1
-NEAR_SCALE = 30.0  # largest scale by the forces of a similar problem, and the inverse of the least one: more than that costs accuracy
+NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the inverse of the least one: more than that costs accuracy
 NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; less of it leaves forces out of balance
 
 
