@@ -21,6 +21,8 @@ def test_the_facade_has_about_1500_blocks_openings_and_a_third_that_settles() ->
 
 def test_the_sizes_are_those_that_the_scenes_are_named_after() -> None:
     sizes = {name: int(SCENES[name]().blocks.free.sum()) for name in ("10 x 6 wall", "250 blocks", "1,000 blocks")}
+    in_space = SCENES["250 blocks in space"]()
+    assert not assemble(in_space).effects.plane and int(in_space.blocks.free.sum()) == sizes["250 blocks"]
     assert 60 <= sizes["10 x 6 wall"] <= 66 and abs(sizes["250 blocks"] - 250) <= 5 and abs(sizes["1,000 blocks"] - 1000) <= 20
 
 
