@@ -23,9 +23,14 @@ def rendered(figure: Figure, suffix: str) -> bytes:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
-        if suffix == ".png":  # savefig draws twice, first to find the layout, which drawing once finds, too
-            figure.set_dpi(DPI)
-            FigureCanvasAgg(figure).print_png(content, metadata=metadata)
+        if suffix == ".png":  # savefig draws twice; one drawing finds the same layout
+            before, canvas = figure.dpi, figure.canvas
+            try:
+                figure.set_dpi(DPI)
+                FigureCanvasAgg(figure).print_png(content, metadata=metadata)
+            finally:
+                figure.set_dpi(before)
+                figure.set_canvas(canvas)
         else:
             figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
     return content.getvalue()

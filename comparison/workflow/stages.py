@@ -1,5 +1,6 @@
 """The stored stage of YADE, and what it shares with that of limit analysis; a stage whose inputs did not change is not run again."""
 
+import contextlib
 import dataclasses
 import hashlib
 import importlib
@@ -120,5 +121,10 @@ def yade_stage(
 
 
 def _load_drawing() -> None:
-    """Load what draws and reports in a thread: it takes as long as YADE takes to start."""
-    threading.Thread(target=importlib.import_module, args=("comparison.report",), daemon=True).start()
+    """Load what draws and reports in a thread: it takes about as long as YADE takes to start."""
+
+    def load() -> None:
+        with contextlib.suppress(Exception):  # the comparison loads it again, and says what is wrong
+            importlib.import_module("comparison.report")
+
+    threading.Thread(target=load, daemon=True).start()

@@ -207,7 +207,7 @@ def run_yade(
         Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds,
         YADE's version and what its build lacks.
     started : callable
-        Called once YADE's process has started; what it does in threads costs no time while YADE loads.
+        Called once YADE's process has started; a thread that it starts runs while YADE loads.
     """
     case, run, log = folder / "case.h5", folder / "run.h5", folder / "yade.log"
     options = ["--inputs", inputs, "--time-limit", time_limit]

@@ -8,7 +8,7 @@ from la_core.analysis.prediction import with_prediction
 from la_core.analysis.result import Answers, LimitAnalysis
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import EquilibriumPath, follow_path
-from la_core.limit import Drive, Solution, Status, scaled_problem, solve_associated
+from la_core.limit import Drive, ScaledProblem, Solution, Status, scaled_problem, solve_associated
 from la_core.model import Assembly
 from la_core.scene import RequestedPath, Scene
 from la_core.side_by_side import side_by_side
@@ -56,19 +56,28 @@ def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettin
 
 
 def _bounds(scene: Scene, assemblies: Sequence[Assembly]) -> list[Answers]:
-    """Solve every drive of every assembly, the drives side by side; the answer of one assembly is near that of the next."""
-    problems = [scaled_problem(assembly) for assembly in assemblies]
+    """Solve every drive of every assembly.
 
-    def solved(drive: Drive) -> list[Solution]:
+    Two drives are solved side by side, and the answer of one assembly is near that of the next. A single drive is solved
+    for all assemblies side by side.
+    """
+    asked, problems = drives(scene), [(assembly, scaled_problem(assembly)) for assembly in assemblies]
+    chains = [problems] if len(asked) > 1 else [[problem] for problem in problems]
+
+    def solved(work: tuple[Drive, list[tuple[Assembly, ScaledProblem]]]) -> list[Solution]:
+        drive, chain = work
         solutions: list[Solution] = []
-        for assembly, problem in zip(assemblies, problems, strict=True):
+        for assembly, problem in chain:
             solutions.append(solve_associated(assembly, drive, problem, near=solutions[-1] if solutions else None))
         return solutions
 
-    by_drive = dict(zip(drives(scene), side_by_side(solved, drives(scene)), strict=True))
-    answers = []
-    for number, assembly in enumerate(assemblies):
-        bounds = {drive: solutions[number] for drive, solutions in by_drive.items()}
-        fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
-        answers.append(Answers(assembly, dict.fromkeys(bounds, fallen) if fallen else bounds))  # what cannot stand does so under no drive
-    return answers
+    found = side_by_side(solved, [(drive, chain) for drive in asked for chain in chains])
+    in_turn = [solution for solutions in found for solution in solutions]  # drive by drive, each with all assemblies
+    every = len(assemblies)
+    return [Answers(assembly, _alike(dict(zip(asked, in_turn[number::every], strict=True)))) for number, assembly in enumerate(assemblies)]
+
+
+def _alike(bounds: dict[Drive, Solution]) -> dict[Drive, Solution]:
+    """Return the bounds of one assembly: where it cannot stand under one drive, that is the answer of each drive without a value."""
+    fallen = next((solution for solution in bounds.values() if solution.status is Status.INFEASIBLE), None)
+    return {drive: solution if fallen is None or solution.status is Status.SOLVED else fallen for drive, solution in bounds.items()}

@@ -6,7 +6,7 @@ from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, 
 from la_core.limit.conic import Cones, Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.plane_in_space import residual_in_space
-from la_core.limit.problem import ACCEPTED, Drive, box_limits, scaled_problem
+from la_core.limit.problem import ACCEPTED, Drive, ScaledProblem, box_limits, scaled_problem
 from la_core.limit.static import consistent_reaction
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "Programme",
     "ProgrammeAnswer",
     "ProgrammeOutcome",
+    "ScaledProblem",
     "Solution",
     "Status",
     "box_limits",

@@ -124,7 +124,8 @@ def solve_associated(
         Largest residual of an answer called SOLVED; the solver's tolerance is derived from it.
     near : Solution, optional
         Answer of a similar problem with as many contact points, such as the same drive at another inset. It saves up to
-        half the iterations of the quick attempt and does not change what is solved.
+        half the iterations of the quick attempt and does not change what is solved. It is ignored where it is not
+        SOLVED or has another number of contact points.
 
     Returns
     -------
@@ -133,7 +134,8 @@ def solve_associated(
     """
     problem = problem or scaled_problem(assembly)
     attempts: list[Solution] = []
-    forces = near.forces if near is not None and near.status is Status.SOLVED else None
+    is_near = near is not None and near.status is Status.SOLVED and len(near.forces) == len(assembly.points)
+    forces = near.forces if near is not None and is_near else None
     starts = [] if forces is None else [(*ATTEMPTS[0], forces)]
     for equilibrate, refine, start in [*starts, *((*attempt, None) for attempt in ATTEMPTS)]:
         attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, start))

@@ -1,7 +1,7 @@
 """Scale of the rows of a programme, from which the conic solver starts nearer to its answer.
 
-The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone change neither
-the cone nor the answer, but the start.
+The solver starts from velocities and forces of one size in all rows. Equal scales of the rows of a cone leave the cone as
+it is. They change the start only, and which of several possible answers the solver returns.
 """
 
 import numpy as np
@@ -10,21 +10,21 @@ from la_core.limit.problem import ScaledProblem
 from la_core.model import Assembly, local_forces
 
 HEAD_SCALE = 10.0  # of the rows of joints parallel to gravity; joints perpendicular to it have 1
-NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the inverse of the least one: more than that costs accuracy
+NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the inverse of the least one: larger ones cost accuracy
 NEAR_REGULARISATION = 1e-9  # of the linear systems of rows with such scales; less of it leaves forces out of balance
 
 
 def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, forces: np.ndarray | None = None) -> np.ndarray:
     """Scale (count,) of the rows; the rows of the contact points come last.
 
-    With forces of a similar problem the solver takes half to nine tenths of its iterations. Without them, larger scales
-    at head joints save a tenth to a fifth.
+    With forces of a similar problem the solver mostly takes half to nine tenths of its iterations. Without them, larger
+    scales at head joints save a tenth to a fifth.
 
-    forces: contact forces (C, 3), N, of a similar problem; they are ignored where it has other contact points.
+    forces: contact forces (C, 3), N, of a similar problem with as many contact points; forces that are all 0 are ignored.
     """
     rows = problem.rows.shape[0]
-    if forces is not None and len(forces) == len(assembly.points):
-        sizes = _sizes_of_multipliers(assembly, problem, forces)
+    sizes = np.zeros(0) if forces is None else _sizes_of_multipliers(assembly, problem, forces)
+    if sizes.max(initial=0.0) > 0.0:
         by_row = np.maximum(NEAR_SCALE * sizes / sizes.max(), 1.0 / NEAR_SCALE)
     else:
         pressed = np.abs(assembly.normal @ assembly.down)

@@ -6,7 +6,7 @@ from la_core.geometry import Blocks
 from la_core.model import Assembly
 
 MOVING_SHARE = 0.05  # of the fastest body's speed: blocks below this stand still; elastic strain is far below it
-LEAST_EXCHANGE = 1e-6  # of the weight at the fastest block's speed: power that a solution within its residuals can tell from none
+LEAST_EXCHANGE = 1e-6  # of the weight at the fastest block's speed: a mechanism with less power has rounding errors only
 
 
 def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:

@@ -50,11 +50,11 @@ INTRODUCTION = """\
 # Large structures by both methods
 
 Structures of 60 to 1,500 blocks whose right third settles, by both methods to a verdict, on a machine that does nothing else. The
-first four are walls in running bond, plane but for *in space*, whose blocks may move in all directions; *brick facade* has five windows
-and a door under lintels. Seconds are wall time; YADE's are those of all its attempts. A whole run adds reading, checks and numbers.
+first four are walls in running bond. All are plane except *in space*, whose blocks may move in all directions; *brick facade* has five
+windows and a door under lintels. Seconds are wall time; YADE's are those of all its attempts. A whole run adds reading, checks and numbers.
 Written by `python tests/benchmarks/benchmark_large.py --threads 2`.
 
-YADE's settings for large structures were found on these scenes, which therefore prove little about others. Where a method states more
+YADE's settings for large structures were found on the plane ones, which therefore prove little about others. Where a method states more
 than 1 %, agreement means that the reactions lie within the floor of the tolerance, 0.5 %."""
 RANDOM = """\
 Random irregular structures of 60 to 200 blocks, of the kinds of the [random verdicts](verdicts.md) and two to three times their length and

@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -95,15 +96,15 @@ def environment(sources: Path, caches: Path) -> dict[str, str]:
 def used(command: Sequence[str | Path], variables: dict[str, str], folder: Path) -> tuple[float, float, str]:
     """Seconds of a process by the processor, with those that it waits for, and by the clock; last line of its standard error.
 
-    It must end well.
+    Raises RuntimeError where the process fails.
     """
-    before = os.times()
+    before, start = os.times(), time.perf_counter()
     ended = subprocess.run(command, env=variables, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
-    after = os.times()
+    after, clock = os.times(), time.perf_counter() - start
     if ended.returncode not in (0, 4):  # 4: a prediction is inaccurate, which says nothing about the seconds
         raise RuntimeError(f"{command} ended with {ended.returncode}: {ended.stderr}")
     seconds = after.children_user - before.children_user + after.children_system - before.children_system
-    return seconds, after.elapsed - before.elapsed, (ended.stderr.splitlines() or [""])[-1]
+    return seconds, clock, (ended.stderr.splitlines() or [""])[-1]
 
 
 def yade_start() -> list[str | Path]:
@@ -178,7 +179,7 @@ def conclusions(record: dict[str, Any]) -> str:
         f"{libraries:.2f} s of them, {libraries / solve:.0%}, are Python and the libraries it needs, before a line of this program runs.",
         f"`{RUNS}` takes {run:.2f} s, {'within' if run <= RUN else 'above'} the aim of {RUN:g} s; {yade:.2f} s of them are in YADE, "
         f"which takes {alone:.2f} s to start. The rest, {run - yade:.2f} s, is this program and the libraries that draw its figures. "
-        f"By the clock it takes {clock:.2f} s on two cores, because these libraries are loaded while YADE starts.",
+        + (f"By the clock it takes {clock:.2f} s: these libraries are loaded while YADE starts." if clock < run else ""),
     ]
     if "before" in rows[SOLVES]:
         names = (SOLVES, "crosscheck solve two_pads --bounds", "crosscheck run two_pads --no-yade")

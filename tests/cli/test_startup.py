@@ -14,6 +14,7 @@ from rich.console import Console
 from comparison import __main__ as entry
 from comparison import cli, progress
 from comparison.progress import Narration
+from comparison.yade import process
 from la_core.analysis import analyse
 from la_core.geometry import Blocks, near_pairs, shapes
 from la_core.model import Assembly
@@ -47,7 +48,7 @@ def test_solving_a_small_scene_loads_only_what_it_uses(tmp_path: Path) -> None:
     assert not loaded & (EXTRAS | DRAWS | OF_SCIPY | OWN)
 
 
-def test_a_run_starts_yade_before_it_loads_what_draws(tmp_path: Path) -> None:
+def test_the_verb_run_loads_nothing_that_draws(tmp_path: Path) -> None:
     loaded = loaded_by("import comparison.cli.scene_verbs.run", tmp_path)
     assert "comparison.workflow.stages" in loaded
     assert not loaded & (EXTRAS | DRAWS)
@@ -58,6 +59,18 @@ def test_what_draws_is_loaded_in_a_thread_without_extras_and_windows(tmp_path: P
     loaded = loaded_by(f"import threading\nfrom comparison.workflow import stages\nstages._load_drawing()\n{wait}", tmp_path)
     assert {"comparison.report", "comparison.figures", "matplotlib.figure"} <= loaded
     assert not loaded & (EXTRAS | {"matplotlib.pyplot", "scipy.optimize", "scipy.stats"})
+
+
+def test_yade_s_process_runs_when_its_start_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up YADE waits until the caller has been told, and only then writes its result."""
+    scripts = tmp_path / "scripts"
+    scripts.mkdir()
+    waits = "import pathlib, sys, time\nwhile not pathlib.Path('told').exists():\n    time.sleep(0.01)\npathlib.Path(sys.argv[2]).touch()\n"
+    (scripts / "run_case.py").write_text(waits, encoding="utf-8")
+    monkeypatch.setattr(process, "SCRIPTS", scripts)
+    yade = process.Installation(Path(sys.executable), tmp_path)
+    process.run_yade(yade, tmp_path, "", 60.0, lambda report: None, (tmp_path / "told").touch)
+    assert (tmp_path / "run.h5").exists()
 
 
 def test_the_collector_rests_while_the_program_loads_and_works_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -48,6 +48,7 @@ def made_up_yade(monkeypatch: pytest.MonkeyPatch) -> Callable[[Make], list[bytes
         found_at_start: list[bytes] = []
 
         def run_yade(yade: Any, folder: Path, inputs: str, time_limit: float, progress: Any, started: Any) -> None:
+            assert started is stages._load_drawing
             found_at_start.append((folder / "case.h5").read_bytes())
             scene = load_scene(folder / "scene.toml", name=folder.name)
             write_run(folder / "run.h5", make(read_case(folder / "case.h5", scene)), inputs)
