@@ -134,11 +134,11 @@ def solve_associated(
     """
     problem = problem or scaled_problem(assembly)
     attempts: list[Solution] = []
-    is_near = near is not None and near.status is Status.SOLVED and len(near.forces) == len(assembly.points)
-    forces = near.forces if near is not None and is_near else None
-    starts = [] if forces is None else [(*ATTEMPTS[0], forces)]
-    for equilibrate, refine, start in [*starts, *((*attempt, None) for attempt in ATTEMPTS)]:
-        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, start))
+    trials: list[tuple[bool, bool, np.ndarray | None]] = [(*attempt, None) for attempt in ATTEMPTS]
+    if near is not None and near.status is Status.SOLVED and len(near.forces) == len(assembly.points):
+        trials.insert(0, (*ATTEMPTS[0], near.forces))
+    for equilibrate, refine, forces in trials:
+        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, forces))
         status = attempts[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
@@ -161,14 +161,15 @@ def _attempt(
     accuracy: float,
     equilibrate: bool,
     refine: bool,
-    near: np.ndarray | None,
+    forces: np.ndarray | None,
 ) -> Solution:
+    """Solve once. forces: contact forces (C, 3), N, of a nearby answer to start from."""
     driven = driven_problem(assembly, problem, drive)
     count = len(driven.offset)
     tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * int(assembly.blocks.free.sum())) * (accuracy / ACCEPTED)
     tolerance *= REFINED_SHARE if refine else 1.0
-    scale = sparse.diags(np.ones(count) if refine else starting_scale(assembly, problem, count, near))
-    regularisation = REGULARISATION if near is None else NEAR_REGULARISATION
+    scale = sparse.diags(np.ones(count) if refine else starting_scale(assembly, problem, count, forces))
+    regularisation = REGULARISATION if forces is None else NEAR_REGULARISATION
     scaled_rows, scaled_offset = scale @ driven.rows, scale @ driven.offset
     answer = maximise(driven.power, scaled_rows, scaled_offset, driven.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:

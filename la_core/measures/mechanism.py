@@ -87,8 +87,8 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
     """Power of friction, sum of mu n |u_t|, over the power that the weights exchange, sum of |w . v|.
 
     It is 0 where no loaded joint slides. Dilatancy then has no effect, and the associated answer is also Coulomb's.
-    Weights that exchange less than the accuracy of a solution count as if they exchanged that much: the share of a
-    structure that moves without power would be a ratio of rounding errors.
+    A mechanism whose weights exchange less than LEAST_EXCHANGE counts as if they exchanged that much: otherwise the share
+    of a motion without power would be a ratio of rounding errors.
     twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
     _, sliding = contact_speeds(assembly, twists)

@@ -67,7 +67,7 @@ def test_scales_are_the_sizes_of_the_multipliers_within_their_limits(plane: bool
     assert (scale[1:].min(), scale[1:].max()) == (pytest.approx(1.0 / NEAR_SCALE), pytest.approx(NEAR_SCALE))
 
 
-def test_an_answer_without_forces_or_of_other_points_is_no_start(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_answer_that_is_not_solved_or_has_other_points_is_no_start(monkeypatch: pytest.MonkeyPatch) -> None:
     rounded, sharp = pair(wall(True, 4))
     near = solve_associated(rounded, Drive.YIELDING)
     scales: list[float] = []
