@@ -20,6 +20,7 @@ from la_core.limit.conic import REGULARISATION, TOLERANCE, ProgrammeAnswer, Prog
 from la_core.limit.no_sliding import shared_friction
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, box_limits, driven_problem, scaled_problem
 from la_core.limit.starting_scale import NEAR_REGULARISATION, starting_scale
+from la_core.limit.symmetric_part import SymmetricPart, symmetric_part
 from la_core.measures import residuals
 from la_core.model import Assembly, global_forces, support_motion, twists_of
 
@@ -133,12 +134,14 @@ def solve_associated(
         The accepted attempt, or the one with the smallest residuals; seconds and iterations are those of all attempts.
     """
     problem = problem or scaled_problem(assembly)
+    driven = driven_problem(assembly, problem, drive)
+    part = symmetric_part(assembly, problem, driven)
     attempts: list[Solution] = []
     trials: list[tuple[bool, bool, np.ndarray | None]] = [(*attempt, None) for attempt in ATTEMPTS]
     if near is not None and near.status is Status.SOLVED and len(near.forces) == len(assembly.points):
         trials.insert(0, (*ATTEMPTS[0], near.forces))
     for equilibrate, refine, forces in trials:
-        attempts.append(_attempt(assembly, problem, drive, accuracy, equilibrate, refine, forces))
+        attempts.append(_attempt(assembly, problem, drive, driven, part if not refine else None, accuracy, equilibrate, refine, forces))
         status = attempts[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
@@ -158,28 +161,34 @@ def _attempt(
     assembly: Assembly,
     problem: ScaledProblem,
     drive: Drive,
+    driven: DrivenProblem,
+    part: SymmetricPart | None,
     accuracy: float,
     equilibrate: bool,
     refine: bool,
     forces: np.ndarray | None,
 ) -> Solution:
-    """Solve once. forces: contact forces (C, 3), N, of a nearby answer to start from."""
-    driven = driven_problem(assembly, problem, drive)
+    """Solve once, by the symmetric part where there is one. forces: contact forces (C, 3), N, of a nearby answer to start from."""
     count = len(driven.offset)
     tolerance = min(SHARE_ASKED * ACCEPTED, TOLERANCE * int(assembly.blocks.free.sum())) * (accuracy / ACCEPTED)
     tolerance *= REFINED_SHARE if refine else 1.0
-    scale = sparse.diags(np.ones(count) if refine else starting_scale(assembly, problem, count, forces))
+    scale = np.ones(count) if refine else starting_scale(assembly, problem, count, forces)
     regularisation = REGULARISATION if forces is None else NEAR_REGULARISATION
-    scaled_rows, scaled_offset = scale @ driven.rows, scale @ driven.offset
-    answer = maximise(driven.power, scaled_rows, scaled_offset, driven.cones, tolerance, equilibrate, refine, regularisation)
+    posed = driven
+    if part is not None:
+        posed, scale = part.of(assembly, problem, driven), scale[part.rows(assembly, problem, count)]
+    scaled_rows, scaled_offset = sparse.diags(scale) @ posed.rows, scale * posed.offset
+    answer = maximise(posed.power, scaled_rows, scaled_offset, posed.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:
         return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.UNBOUNDED, answer)
     if answer.outcome is ProgrammeOutcome.RAY:
         return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return without_value(assembly, Status.FAILED, answer)
-    scaled = replace(answer, multipliers=scale @ answer.multipliers)
-    solution = solution_of(assembly, problem, drive, driven, scaled, accuracy)
+    whole = replace(answer, multipliers=scale * answer.multipliers)
+    if part is not None:
+        whole = part.whole(assembly, problem, whole, count)
+    solution = solution_of(assembly, problem, drive, driven, whole, accuracy)
     # The solver may stall on its way along a ray; a live load may be what holds the structure up.
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:
         return _cannot_stand(assembly, problem, answer) or solution

@@ -8,7 +8,7 @@ from scipy import sparse
 
 from la_core.limit.conic import Cones
 from la_core.limit.no_sliding import no_sliding_rows
-from la_core.model import PLANE_FREEDOMS, Assembly, columns, scaled_load, support_motion
+from la_core.model import PLANE_FREEDOMS, Assembly, columns, local_forces, scaled_load, support_motion
 
 ACCEPTED = 1e-6  # every recomputed residual of an answer called "solved" is below this
 SMOOTH = 0.1 * ACCEPTED  # a smaller friction coefficient counts as 0: the solver needs it, and residuals do not show it
@@ -188,6 +188,24 @@ def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix
         inequalities, second_order = unilateral, triples[order]
     rows = sparse.vstack([equalities, inequalities, second_order]).tocsr()
     return rows, Cones(equalities.shape[0], inequalities.shape[0], len(rough) if not assembly.effects.plane else 0)
+
+
+def points_of_rows(assembly: Assembly, problem: ScaledProblem) -> np.ndarray:
+    """Contact point (m,) of each flow-rule velocity."""
+    width = problem.flow_rule.shape[1] // len(assembly.points)
+    return np.asarray(problem.flow_rule.indices[problem.flow_rule.indptr[:-1]] // width)
+
+
+def multipliers_of(assembly: Assembly, problem: ScaledProblem, forces: np.ndarray) -> np.ndarray:
+    """Multipliers (m,) whose contact forces are `forces` (C, 3), N.
+
+    The columns of the rows of inequalities and cones are orthogonal: the least multipliers follow without a solution of
+    equations. Rows where sliding is excluded get a rough size.
+    """
+    flow_rule = problem.flow_rule
+    squares = np.asarray(flow_rule.multiply(flow_rule).sum(axis=0)).ravel()
+    local = local_forces(assembly, forces, len(squares) // len(assembly.points))
+    return np.asarray(flow_rule @ np.divide(local, squares, out=np.zeros_like(local), where=squares > 0.0))
 
 
 def box_limits(problem: ScaledProblem) -> tuple[sparse.csr_matrix, np.ndarray, Cones]:

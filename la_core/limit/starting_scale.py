@@ -6,8 +6,8 @@ it is. They change the start only, and which of several possible answers the sol
 
 import numpy as np
 
-from la_core.limit.problem import ScaledProblem
-from la_core.model import Assembly, local_forces
+from la_core.limit.problem import ScaledProblem, multipliers_of, points_of_rows
+from la_core.model import Assembly
 
 HEAD_SCALE = 10.0  # of the rows of joints parallel to gravity; joints perpendicular to it have 1
 NEAR_SCALE = 15.0  # largest scale by the forces of a similar problem, and the inverse of the least one: larger ones cost accuracy
@@ -28,21 +28,13 @@ def starting_scale(assembly: Assembly, problem: ScaledProblem, count: int, force
         by_row = np.maximum(NEAR_SCALE * sizes / sizes.max(), 1.0 / NEAR_SCALE)
     else:
         pressed = np.abs(assembly.normal @ assembly.down)
-        point = problem.flow_rule.indices[problem.flow_rule.indptr[:-1]] // (problem.flow_rule.shape[1] // len(pressed))
-        by_row = HEAD_SCALE ** (1.0 - pressed[point])
+        by_row = HEAD_SCALE ** (1.0 - pressed[points_of_rows(assembly, problem)])
     return np.concatenate([np.ones(count - rows), by_row])
 
 
 def _sizes_of_multipliers(assembly: Assembly, problem: ScaledProblem, forces: np.ndarray) -> np.ndarray:
-    """Sizes (m,) of the multipliers whose contact forces are `forces` (C, 3), N; a cone of three rows has that of its first.
-
-    The columns of the rows of inequalities and cones are orthogonal: the least multipliers follow without a solution of
-    equations. Rows where sliding is excluded get a rough size, which is enough for a scale.
-    """
-    flow_rule = problem.flow_rule
-    squares = np.asarray(flow_rule.multiply(flow_rule).sum(axis=0)).ravel()
-    local = local_forces(assembly, forces, len(squares) // len(assembly.points))
-    sizes = np.abs(flow_rule @ np.divide(local, squares, out=np.zeros_like(local), where=squares > 0.0))
+    """Sizes (m,) of the multipliers whose contact forces are `forces` (C, 3), N; a cone of three rows has that of its first."""
+    sizes = np.abs(multipliers_of(assembly, problem, forces))
     cones = 3 * problem.cones.second_order
     if cones:
         sizes[-cones:] = np.repeat(sizes[-cones::3], 3)

@@ -5,17 +5,20 @@ from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import decide_dem_effects
 from la_core.model.effects import Effects
 from la_core.model.joints import JointStiffness, joint_stiffness
+from la_core.model.mirrors import Image, images
 from la_core.model.scaling import columns, global_forces, local_forces, scaled_load, support_motion, twists_of
 
 __all__ = [
     "PLANE_FREEDOMS",
     "Assembly",
     "Effects",
+    "Image",
     "JointStiffness",
     "assemble",
     "columns",
     "decide_dem_effects",
     "global_forces",
+    "images",
     "joint_stiffness",
     "local_forces",
     "per_length",

@@ -1,0 +1,134 @@
+"""The symmetric part of a problem: a structure that is its own mirror image is solved by half of it, or by a quarter.
+
+A bound is a convex programme. The mirror image of an admissible motion is admissible and has the same power, and so has
+the mean of both. Some best motion is therefore symmetric, and so are some best forces. A symmetric motion has one unknown
+for all unknowns that are images of each other. The cone conditions of a contact point are those of all its images: one of
+them is enough, and its multiplier is the sum of theirs.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from la_core.limit.conic import ProgrammeAnswer
+from la_core.limit.problem import DrivenProblem, ScaledProblem, multipliers_of, points_of_rows
+from la_core.model import Assembly, Image, global_forces, images, twists_of
+
+LEAST_UNKNOWNS = 1000  # below, 333 blocks in the plane and 167 in space, a solve takes about as long as the search for mirrors
+SAME = 1e-8  # relative difference below which loads and velocities are the same
+
+
+@dataclass(frozen=True)
+class SymmetricPart:
+    """Symmetric motions of a structure, and one contact point of each set of images.
+
+    Attributes
+    ----------
+    group : list of Image
+        Images of the structure under which loads and motion are the same; the structure itself is the first.
+    basis : (n, r) sparse matrix
+        From the unknowns of symmetric motions to the unknowns of all free blocks.
+    is_kept : (C,) array of bool
+        Whether a contact point stands for all its images.
+    """
+
+    group: list[Image]
+    basis: sparse.csr_matrix
+    is_kept: np.ndarray
+
+    def rows(self, assembly: Assembly, problem: ScaledProblem, count: int) -> np.ndarray:
+        """Mask (count,) of the rows that the part keeps; those before the rows of the contact points stay."""
+        kept = self.is_kept[points_of_rows(assembly, problem)]
+        return np.concatenate([np.ones(count - len(kept), dtype=bool), kept])
+
+    def of(self, assembly: Assembly, problem: ScaledProblem, driven: DrivenProblem) -> DrivenProblem:
+        """Return the problem of the symmetric motions."""
+        kept, cones = self.rows(assembly, problem, len(driven.offset)), driven.cones
+        first, last = cones.equalities, cones.equalities + cones.inequalities
+        cones = replace(cones, inequalities=int(kept[first:last].sum()), second_order=int(kept[last:].sum()) // 3)
+        rows = (driven.rows[np.flatnonzero(kept)] @ self.basis).tocsr()
+        return replace(driven, power=self.basis.T @ driven.power, rows=rows, offset=driven.offset[kept], cones=cones)
+
+    def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer, count: int) -> ProgrammeAnswer:
+        """Return the answer of the whole problem, which has `count` rows, from that of the symmetric motions.
+
+        Each contact point gets the mean of what the images of the kept points bring there.
+        """
+        multipliers = np.zeros(count)
+        multipliers[self.rows(assembly, problem, count)] = answer.multipliers
+        before = count - problem.rows.shape[0]
+        sums = global_forces(assembly, problem.flow_rule.T @ multipliers[before:])
+        shared = sum(image.swap[:, None] * (sums[image.point] @ image.matrix) for image in self.group) / len(self.group)
+        multipliers[before:] = multipliers_of(assembly, problem, np.asarray(shared))
+        return replace(answer, x=self.basis @ answer.x, multipliers=multipliers)
+
+
+def symmetric_part(assembly: Assembly, problem: ScaledProblem, driven: DrivenProblem) -> SymmetricPart | None:
+    """Return the symmetric part of a problem.
+
+    It is None where structure, loads or the support's motion are not symmetric, where sliding is excluded, and for a
+    small problem.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The structure.
+    problem : ScaledProblem
+        `scaled_problem(assembly)`.
+    driven : DrivenProblem
+        The problem with its drive.
+    """
+    if len(problem.power) < LEAST_UNKNOWNS or problem.cones.equalities:
+        return None
+    axes, found = images(assembly)
+    groups = [found] if len(found) > 1 else []
+    groups += [[found[0], one] for one in found[1:]] if len(found) > 2 else []  # loads may be symmetric in one of two mirrors
+    for group in groups:
+        basis = _basis(assembly, axes, group)
+        if _is_symmetric(assembly, problem, driven, basis, group):
+            first = np.min([image.point for image in group], axis=0)
+            return SymmetricPart(group, basis, first == np.arange(len(first)))
+    return None
+
+
+def _basis(assembly: Assembly, axes: np.ndarray, group: list[Image]) -> sparse.csr_matrix:
+    """Symmetric motions (n, r): each column holds the unknowns that are images of each other, with their signs."""
+    plane, blocks = assembly.effects.plane, len(group[0].block)
+    if plane:
+        turn = np.eye(3)
+        turn[:2, :2] = axes[np.ix_([0, 2], [0, 2])].T  # of vx and vz; a rotation about y stays
+    else:
+        turn = np.kron(np.eye(2), axes.T)
+    width = len(turn)
+    places, signs = [], []
+    for image in group:
+        of_axis = np.prod(image.signs) * image.signs  # of a rotation, whose sense a mirror reverses
+        sign = np.array([image.signs[0], image.signs[2], of_axis[1]]) if plane else np.concatenate([image.signs, of_axis])
+        places.append((image.block[:, None] * width + np.arange(width)).ravel())
+        signs.append(np.tile(sign, blocks))
+    place, sign = np.array(places), np.array(signs)
+    first = place.min(axis=0)
+    value = np.take_along_axis(sign, place.argmin(axis=0)[None], axis=0)[0]
+    is_opposite = ((place == first) & (sign != value)).any(axis=0)  # an unknown that is its own opposite vanishes
+    unknown = np.flatnonzero(~is_opposite)
+    column = np.unique(first[unknown], return_inverse=True)[1]
+    motions = sparse.csr_matrix((value[unknown], (unknown, column)), shape=(blocks * width, column.max() + 1))
+    return (sparse.kron(sparse.identity(blocks), turn) @ motions).tocsr()
+
+
+def _is_symmetric(assembly: Assembly, problem: ScaledProblem, driven: DrivenProblem, basis: sparse.csr_matrix, group: list[Image]) -> bool:
+    """Whether loads and velocities are the same at all images.
+
+    The velocities are those of a symmetric motion drawn at random, with the motion of the supports.
+    """
+    motion = basis @ np.random.default_rng(0).standard_normal(basis.shape[1])
+    velocity = assembly.relative_velocity(twists_of(assembly, motion) + driven.imposed)
+    if not all(_same(image.swap[:, None] * (velocity[image.point] @ image.matrix), velocity) for image in group[1:]):
+        return False
+    loads = [problem.power, *driven.rows[: driven.cones.equalities].toarray()]
+    return all(_same(basis @ ((basis.T @ load) / basis.power(2).sum(axis=0).A1), load) for load in loads)
+
+
+def _same(first: np.ndarray, second: np.ndarray) -> bool:
+    return bool(np.abs(first - second).max() <= SAME * np.abs(second).max())

@@ -1,0 +1,140 @@
+"""Vertical planes in which a structure is its own mirror image, block by block and contact point by contact point.
+
+Only free blocks and contact points are compared: a held block may have any shape where nothing touches it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from la_core.geometry import plane_axes
+from la_core.model.assembly import Assembly
+
+SAME = 1e-9  # of the mean size of a block: distance below which two points are the same
+
+
+@dataclass(frozen=True)
+class Image:
+    """One way to turn a structure into itself: by no mirror, one, or two.
+
+    Attributes
+    ----------
+    signs : (3,) array
+        Factor of each component of a vector along the axes of the mirrors: -1 across a mirror, else 1.
+    matrix : (3, 3) array
+        The same for vectors in global axes.
+    block : (F,) array of int
+        Free block, counted among the free ones, in whose place each free block comes to lie.
+    point : (C,) array of int
+        Contact point in whose place each contact point comes to lie.
+    swap : (C,) array
+        -1 where its blocks a and b change places on the way, else 1.
+    """
+
+    signs: np.ndarray
+    matrix: np.ndarray
+    block: np.ndarray
+    point: np.ndarray
+    swap: np.ndarray
+
+
+def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
+    """Find the mirrors of a structure.
+
+    Loads and the motion of supports are not compared.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The structure.
+
+    Returns
+    -------
+    axes : ndarray, shape (3, 3)
+        Orthonormal rows: two horizontal ones, to which mirrors are normal, and the direction of gravity.
+    images : list of Image
+        All images of the structure, the first of them by no mirror; 1, 2 or 4. Each is its own inverse.
+    """
+    best = _axes_by_gravity(assembly), [_itself(assembly)]
+    for axes in _candidates(assembly):
+        found = [_itself(assembly)]
+        for across in (0,) if assembly.effects.plane else (0, 1):
+            mirror = _mirror(assembly, axes, across)
+            found += [_after(first, mirror) for first in found] if mirror is not None else []
+        if len(found) > len(best[1]):
+            best = axes, found
+    return best
+
+
+def _candidates(assembly: Assembly) -> list[np.ndarray]:
+    """Axes that mirrors may be normal to: principal axes of the blocks' centroids, and the axes of the model."""
+    axes = _axes_by_gravity(assembly)
+    if assembly.effects.plane:
+        return [axes]
+    centroid = assembly.blocks.centroid[assembly.blocks.free]
+    level = (centroid - centroid.mean(axis=0)) @ axes[:2].T
+    principal = np.linalg.eigh(level.T @ level)[1].T @ axes[:2]
+    return [axes, np.vstack([principal, assembly.down])]
+
+
+def _axes_by_gravity(assembly: Assembly) -> np.ndarray:
+    """The axes of the model, turned so that the last one is the direction of gravity; the second is y in a plane model."""
+    first, second = plane_axes(assembly.down[None])
+    return np.vstack([first, second, assembly.down])
+
+
+def _itself(assembly: Assembly) -> Image:
+    blocks, points = int(assembly.blocks.free.sum()), len(assembly.points)
+    return Image(np.ones(3), np.eye(3), np.arange(blocks), np.arange(points), np.ones(points))
+
+
+def _after(first: Image, mirror: Image) -> Image:
+    """The image by `first` and then by another mirror across another axis."""
+    return Image(
+        first.signs * mirror.signs,
+        first.matrix @ mirror.matrix,
+        mirror.block[first.block],
+        mirror.point[first.point],
+        first.swap * mirror.swap[first.point],
+    )
+
+
+def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
+    """The image by a mirror normal to axis `across` of `axes` (3, 3), or None where the structure is not symmetric."""
+    free, normal, same = assembly.blocks.free, axes[across], SAME * assembly.length
+    centroid = assembly.blocks.centroid[free]  # (F, 3)
+    place = np.sort(centroid @ normal)
+    middle = place.mean()
+    if np.abs(place + place[::-1] - 2.0 * middle).max() > same:  # most structures end here, before any search
+        return None
+
+    def mirrored(position: np.ndarray) -> np.ndarray:
+        return position - 2.0 * ((position @ normal) - middle)[:, None] * normal
+
+    block = _matched(centroid, mirrored(centroid), same)
+    if block is None:
+        return None
+    interface, position = assembly.points.interface, assembly.points.position
+    counts = np.bincount(interface)[interface]
+    middles = np.stack([np.bincount(interface, component)[interface] / counts for component in position.T], axis=1)
+    point = _matched(np.hstack([position, middles]), np.hstack([mirrored(position), mirrored(middles)]), same)
+    if point is None:
+        return None
+    number, image = np.full((2, len(free)), -1)  # of a held block
+    number[free], image[free] = np.arange(len(block)), block
+    pairs, moved = (np.sort([of[side] for side in assembly.contact_blocks], axis=0) for of in (number, image))
+    signs = np.where(np.arange(3) == across, -1.0, 1.0)
+    matrix = np.eye(3) - 2.0 * np.outer(normal, normal)
+    facing = np.einsum("cj,cj->c", assembly.normal[point], assembly.normal @ matrix)
+    friction = assembly.points.friction
+    is_same = np.array_equal(pairs[:, point], moved) and np.abs(np.abs(facing) - 1.0).max() <= SAME
+    is_same = is_same and np.array_equal(friction[point], friction)
+    return Image(signs, matrix, block, point, np.sign(facing)) if is_same else None
+
+
+def _matched(places: np.ndarray, images: np.ndarray, same: float) -> np.ndarray | None:
+    """The row (N,) of `places` (N, d) that each row of `images` lies at, or None where they are not one to one."""
+    distance, row = scipy.spatial.cKDTree(places).query(images)
+    is_inverse = np.array_equal(row[row], np.arange(len(row)))
+    return row if distance.max() <= same and is_inverse else None
