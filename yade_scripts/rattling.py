@@ -1,11 +1,10 @@
 """Whether the blocks of a run rattle: unbalanced forces larger than those of a quasi-static motion."""
 
+from la_core.exchange import JUMP
 from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.recorder import Record
 from yade_scripts.settings import Settings, rattling_of
-
-JUMP = 25.0  # times the mean that counts as rattling: the unbalanced force of one jump
 
 
 def jumps(case: Case, settings: Settings, record: Record) -> bool:

@@ -3,6 +3,7 @@
 from la_core.exchange.checksummed_file import ExchangeError, write_whole
 from la_core.exchange.dem_settings import (
     AT_STAKE,
+    JUMP,
     LATER_SETTINGS,
     LATEST_START,
     PLATEAU_SHARE,
@@ -41,6 +42,7 @@ __all__ = [
     "FIXED",
     "FREE",
     "JOINT_INSET",
+    "JUMP",
     "LATER_RUN_FIELDS",
     "LATER_SETTINGS",
     "LATEST_START",

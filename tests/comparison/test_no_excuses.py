@@ -48,6 +48,17 @@ def test_a_state_of_yade_that_is_in_doubt_may_not_contradict_limit_analysis(wall
     assert check.verdict is Verdict.INCONCLUSIVE and "YADE slower" in check.next_step
 
 
+@pytest.mark.parametrize(("factor", "jump", "verdict"), [(1.05, 0.6, "inconclusive"), (1.05, 0.4, "disagree"), (1.0, 0.6, "agree")])
+def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_it(
+    wall: LimitAnalysis, factor: float, jump: float, verdict: str
+) -> None:
+    """A jump is an unbalanced force above half a block's weight; it may have led to another plateau."""
+    run = coulomb_run(wall, reaction=factor * coulomb_of(wall).value)
+    run.record.unbalanced[len(run.record) // 2] = jump
+    check = named(REACTION, judged(wall, run))
+    assert check.verdict == verdict and ("a block jumped" in check.reason) == (verdict == "inconclusive")
+
+
 @pytest.mark.parametrize(("wedging", "rest", "verdict"), [(5e-5, 0.96, "inconclusive"), (5e-5, 1.0, "disagree"), (0.0, 0.96, "disagree")])
 def test_only_a_lift_that_leaves_the_methods_at_rest_in_different_states_is_another_history(
     wall: LimitAnalysis, wedging: float, rest: float, verdict: str
