@@ -141,7 +141,7 @@ def solve_associated(
     if near is not None and near.status is Status.SOLVED and len(near.forces) == len(assembly.points):
         trials.insert(0, (*ATTEMPTS[0], near.forces))
     for equilibrate, refine, forces in trials:
-        attempts.append(_attempt(assembly, problem, drive, driven, part if not refine else None, accuracy, equilibrate, refine, forces))
+        attempts.append(_attempt(assembly, problem, drive, driven, part, accuracy, equilibrate, refine, forces))
         status = attempts[-1].status
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
@@ -176,7 +176,7 @@ def _attempt(
     regularisation = REGULARISATION if forces is None else NEAR_REGULARISATION
     posed = driven
     if part is not None:
-        posed, scale = part.of(assembly, problem, driven), scale[part.rows(assembly, problem, count)]
+        posed, scale = part.of(driven), scale[part.kept]
     scaled_rows, scaled_offset = sparse.diags(scale) @ posed.rows, scale * posed.offset
     answer = maximise(posed.power, scaled_rows, scaled_offset, posed.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:
@@ -187,7 +187,7 @@ def _attempt(
         return without_value(assembly, Status.FAILED, answer)
     whole = replace(answer, multipliers=scale * answer.multipliers)
     if part is not None:
-        whole = part.whole(assembly, problem, whole, count)
+        whole = part.whole(assembly, problem, whole)
     solution = solution_of(assembly, problem, drive, driven, whole, accuracy)
     # The solver may stall on its way along a ray; a live load may be what holds the structure up.
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:

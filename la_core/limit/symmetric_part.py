@@ -1,4 +1,4 @@
-"""The symmetric part of a problem: a structure that is its own mirror image is solved by half of it, or by a quarter.
+"""The symmetric part of a problem: half the unknowns, or a quarter, of a structure that is its own mirror image.
 
 A bound is a convex programme. The mirror image of an admissible motion is admissible and has the same power, and so has
 the mean of both. Some best motion is therefore symmetric, and so are some best forces. A symmetric motion has one unknown
@@ -15,13 +15,14 @@ from la_core.limit.conic import ProgrammeAnswer
 from la_core.limit.problem import DrivenProblem, ScaledProblem, multipliers_of, points_of_rows
 from la_core.model import Assembly, Image, global_forces, images, twists_of
 
-LEAST_UNKNOWNS = 1000  # below, 333 blocks in the plane and 167 in space, a solve takes about as long as the search for mirrors
-SAME = 1e-8  # relative difference below which loads and velocities are the same
+LEAST_UNKNOWNS = 1000  # 333 blocks in the plane, 167 in space: for less the search, which loads a library, does not pay
+SAME_LOAD = 1e-8  # relative difference below which loads and velocities are the same
+ROUND_OFF = 1e-12  # an entry of the part below this, beside entries of order one, is what should have cancelled
 
 
 @dataclass(frozen=True)
 class SymmetricPart:
-    """Symmetric motions of a structure, and one contact point of each set of images.
+    """Symmetric motions of a structure, and the rows of one contact point of each set of images.
 
     Attributes
     ----------
@@ -29,35 +30,33 @@ class SymmetricPart:
         Images of the structure under which loads and motion are the same; the structure itself is the first.
     basis : (n, r) sparse matrix
         From the unknowns of symmetric motions to the unknowns of all free blocks.
-    is_kept : (C,) array of bool
-        Whether a contact point stands for all its images.
+    kept : (m,) array of bool
+        Rows of the whole problem that the part keeps; the row of a live load is one of them.
     """
 
     group: list[Image]
     basis: sparse.csr_matrix
-    is_kept: np.ndarray
+    kept: np.ndarray
 
-    def rows(self, assembly: Assembly, problem: ScaledProblem, count: int) -> np.ndarray:
-        """Mask (count,) of the rows that the part keeps; those before the rows of the contact points stay."""
-        kept = self.is_kept[points_of_rows(assembly, problem)]
-        return np.concatenate([np.ones(count - len(kept), dtype=bool), kept])
-
-    def of(self, assembly: Assembly, problem: ScaledProblem, driven: DrivenProblem) -> DrivenProblem:
+    def of(self, driven: DrivenProblem) -> DrivenProblem:
         """Return the problem of the symmetric motions."""
-        kept, cones = self.rows(assembly, problem, len(driven.offset)), driven.cones
+        cones = driven.cones
         first, last = cones.equalities, cones.equalities + cones.inequalities
-        cones = replace(cones, inequalities=int(kept[first:last].sum()), second_order=int(kept[last:].sum()) // 3)
-        rows = (driven.rows[np.flatnonzero(kept)] @ self.basis).tocsr()
-        return replace(driven, power=self.basis.T @ driven.power, rows=rows, offset=driven.offset[kept], cones=cones)
+        inequalities, second_order = int(self.kept[first:last].sum()), int(self.kept[last:].sum()) // 3
+        rows = (driven.rows[np.flatnonzero(self.kept)] @ self.basis).tocsr()
+        rows.data[np.abs(rows.data) < ROUND_OFF] = 0.0  # a row of such entries alone would be scaled up by equilibration
+        rows.eliminate_zeros()
+        cones = replace(cones, inequalities=inequalities, second_order=second_order)
+        return replace(driven, power=self.basis.T @ driven.power, rows=rows, offset=driven.offset[self.kept], cones=cones)
 
-    def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer, count: int) -> ProgrammeAnswer:
-        """Return the answer of the whole problem, which has `count` rows, from that of the symmetric motions.
+    def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> ProgrammeAnswer:
+        """Return the answer of the whole problem from that of the symmetric motions.
 
         Each contact point gets the mean of what the images of the kept points bring there.
         """
-        multipliers = np.zeros(count)
-        multipliers[self.rows(assembly, problem, count)] = answer.multipliers
-        before = count - problem.rows.shape[0]
+        multipliers = np.zeros(len(self.kept))
+        multipliers[self.kept] = answer.multipliers
+        before = len(self.kept) - problem.rows.shape[0]
         sums = global_forces(assembly, problem.flow_rule.T @ multipliers[before:])
         shared = sum(image.swap[:, None] * (sums[image.point] @ image.matrix) for image in self.group) / len(self.group)
         multipliers[before:] = multipliers_of(assembly, problem, np.asarray(shared))
@@ -88,7 +87,8 @@ def symmetric_part(assembly: Assembly, problem: ScaledProblem, driven: DrivenPro
         basis = _basis(assembly, axes, group)
         if _is_symmetric(assembly, problem, driven, basis, group):
             first = np.min([image.point for image in group], axis=0)
-            return SymmetricPart(group, basis, first == np.arange(len(first)))
+            point = points_of_rows(assembly, problem)
+            return SymmetricPart(group, basis, np.append(np.ones(driven.cones.equalities, dtype=bool), first[point] == point))
     return None
 
 
@@ -131,4 +131,4 @@ def _is_symmetric(assembly: Assembly, problem: ScaledProblem, driven: DrivenProb
 
 
 def _same(first: np.ndarray, second: np.ndarray) -> bool:
-    return bool(np.abs(first - second).max() <= SAME * np.abs(second).max())
+    return bool(np.abs(first - second).max() <= SAME_LOAD * np.abs(second).max())

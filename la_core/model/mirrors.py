@@ -11,7 +11,7 @@ import scipy
 from la_core.geometry import plane_axes
 from la_core.model.assembly import Assembly
 
-SAME = 1e-9  # of the mean size of a block: distance below which two points are the same
+SAME_PLACE = 1e-9  # of the mean size of a block: distance below which two points are the same
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Image:
 def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
     """Find the mirrors of a structure.
 
-    Loads and the motion of supports are not compared.
+    Loads, the motion of supports, and which blocks a contact point joins are not compared: the caller's velocities show them.
 
     Parameters
     ----------
@@ -57,7 +57,10 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
         All images of the structure, the first of them by no mirror; 1, 2 or 4. Each is its own inverse.
     """
     best = _axes_by_gravity(assembly), [_itself(assembly)]
+    most = 2 if assembly.effects.plane else 4
     for axes in _candidates(assembly):
+        if len(best[1]) == most:
+            break
         found = [_itself(assembly)]
         for across in (0,) if assembly.effects.plane else (0, 1):
             mirror = _mirror(assembly, axes, across)
@@ -68,7 +71,7 @@ def images(assembly: Assembly) -> tuple[np.ndarray, list[Image]]:
 
 
 def _candidates(assembly: Assembly) -> list[np.ndarray]:
-    """Axes that mirrors may be normal to: principal axes of the blocks' centroids, and the axes of the model."""
+    """Axes that mirrors may be normal to: those of the model, and the principal axes of the blocks' centroids."""
     axes = _axes_by_gravity(assembly)
     if assembly.effects.plane:
         return [axes]
@@ -102,12 +105,13 @@ def _after(first: Image, mirror: Image) -> Image:
 
 def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
     """The image by a mirror normal to axis `across` of `axes` (3, 3), or None where the structure is not symmetric."""
-    free, normal, same = assembly.blocks.free, axes[across], SAME * assembly.length
-    centroid = assembly.blocks.centroid[free]  # (F, 3)
-    place = np.sort(centroid @ normal)
-    middle = place.mean()
-    if np.abs(place + place[::-1] - 2.0 * middle).max() > same:  # most structures end here, before any search
-        return None
+    free, normal, same = assembly.blocks.free, axes[across], SAME_PLACE * assembly.length
+    centroid, interface, position = assembly.blocks.centroid[free], assembly.points.interface, assembly.points.position
+    middle = (centroid @ normal).mean()
+    for places in (centroid, position):
+        place = np.sort(places @ normal)
+        if np.abs(place + place[::-1] - 2.0 * middle).max() > same:  # most structures end here, before any search
+            return None
 
     def mirrored(position: np.ndarray) -> np.ndarray:
         return position - 2.0 * ((position @ normal) - middle)[:, None] * normal
@@ -115,21 +119,16 @@ def _mirror(assembly: Assembly, axes: np.ndarray, across: int) -> Image | None:
     block = _matched(centroid, mirrored(centroid), same)
     if block is None:
         return None
-    interface, position = assembly.points.interface, assembly.points.position
     counts = np.bincount(interface)[interface]
     middles = np.stack([np.bincount(interface, component)[interface] / counts for component in position.T], axis=1)
     point = _matched(np.hstack([position, middles]), np.hstack([mirrored(position), mirrored(middles)]), same)
     if point is None:
         return None
-    number, image = np.full((2, len(free)), -1)  # of a held block
-    number[free], image[free] = np.arange(len(block)), block
-    pairs, moved = (np.sort([of[side] for side in assembly.contact_blocks], axis=0) for of in (number, image))
     signs = np.where(np.arange(3) == across, -1.0, 1.0)
     matrix = np.eye(3) - 2.0 * np.outer(normal, normal)
     facing = np.einsum("cj,cj->c", assembly.normal[point], assembly.normal @ matrix)
     friction = assembly.points.friction
-    is_same = np.array_equal(pairs[:, point], moved) and np.abs(np.abs(facing) - 1.0).max() <= SAME
-    is_same = is_same and np.array_equal(friction[point], friction)
+    is_same = np.abs(np.abs(facing) - 1.0).max() <= SAME_PLACE and np.array_equal(friction[point], friction)
     return Image(signs, matrix, block, point, np.sign(facing)) if is_same else None
 
 
