@@ -99,8 +99,10 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
-    """Whether loaded joints slide in the mechanism of a solution."""
-    return solution.status is Status.SOLVED and mechanism.sliding_share(assembly, solution.twists, solution.forces) > SLIDING_SHARE
+    """Whether loaded joints slide in the mechanism of a solution; not where the support leaves alone and no block moves."""
+    if solution.status is not Status.SOLVED or not mechanism.moving(assembly.blocks, solution.twists).any():
+        return False
+    return mechanism.sliding_share(assembly, solution.twists, solution.forces) > SLIDING_SHARE
 
 
 def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solution) -> tuple[bool, str, int]:

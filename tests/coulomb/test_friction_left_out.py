@@ -7,10 +7,10 @@ from reduced_models import SOLVER, arch, with_friction
 
 from la_core.analysis.decisions import decided_model
 from la_core.analysis.stage import analyse
-from la_core.coulomb.sliding import SLIDING_SHARE
+from la_core.coulomb.sliding import SLIDING_SHARE, slides_in_mechanism
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
-from la_core.measures.mechanism import sliding_share
+from la_core.measures.mechanism import moving, sliding_share
 from la_core.model.assembly import assemble
 
 SHARP = 1e-5  # of the reaction: inset and inset differ in nothing, the models' tolerances in this
@@ -47,6 +47,20 @@ def test_where_joints_slide_friction_stays_and_names_a_joint(name: str) -> None:
     effects = decided_model(scenes.shipped(name)).assembly.effects
     assert effects.friction == "coulomb" and effects.elasticity == "plateau"
     assert "the joint between" in effects.reasons["friction"]
+
+
+@pytest.mark.parametrize("friction", [0.4, 0.6])
+def test_where_the_support_leaves_alone_no_joint_slides_in_the_mechanism_but_one_does_on_the_way(friction: float) -> None:
+    """A wall over its settling middle: joints that dilate hold it up, so that no block moves and its velocities are noise."""
+    wall, _ = scenes.wall(9, 6)
+    roles = ("fixed", "support", "fixed")
+    footing = [scenes.box(f"footing {k}", (1.2 * k, 0.0, -0.2), (1.2 * k + 1.2, 0.3, 0.0), role) for k, role in enumerate(roles)]
+    scene = scenes.build(wall, *footing, friction=friction, inset=0.001, model="auto")
+    assembly = assemble(scene)
+    bound = solve_associated(assembly, Drive.YIELDING)
+    assert bound.status is Status.SOLVED and not moving(assembly.blocks, bound.twists).any()
+    assert not slides_in_mechanism(assembly, bound)
+    assert "slides while the support moves" in decided_model(scene).assembly.effects.reasons["friction"]
 
 
 def test_a_motion_without_power_does_not_slide_by_its_rounding_errors() -> None:
