@@ -180,9 +180,9 @@ def _attempt(
     scaled_rows, scaled_offset = sparse.diags(scale) @ posed.rows, scale * posed.offset
     answer = maximise(posed.power, scaled_rows, scaled_offset, posed.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:
-        return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.UNBOUNDED, answer)
+        return _cannot_stand(assembly, problem, answer, part) or without_value(assembly, Status.UNBOUNDED, answer)
     if answer.outcome is ProgrammeOutcome.RAY:
-        return _cannot_stand(assembly, problem, answer) or without_value(assembly, Status.FAILED, answer)
+        return _cannot_stand(assembly, problem, answer, part) or without_value(assembly, Status.FAILED, answer)
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return without_value(assembly, Status.FAILED, answer)
     whole = replace(answer, multipliers=scale * answer.multipliers)
@@ -191,7 +191,7 @@ def _attempt(
     solution = solution_of(assembly, problem, drive, driven, whole, accuracy)
     # The solver may stall on its way along a ray; a live load may be what holds the structure up.
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:
-        return _cannot_stand(assembly, problem, answer) or solution
+        return _cannot_stand(assembly, problem, answer, part) or solution
     return solution
 
 
@@ -214,15 +214,15 @@ def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, f
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
 
 
-def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> Solution | None:
+def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer, part: SymmetricPart | None) -> Solution | None:
     """INFEASIBLE with the falling blocks, or None where the structure can stand.
 
     The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
     at most one and the work is the greatest possible, so that every block that can fall does fall.
     """
-    rows, offset, cones = box_limits(problem)
-    fall = optimum(problem.power, rows, offset, cones)
-    twists = twists_of(assembly, fall.x)
+    posed = problem if part is None else part.at_rest(problem)
+    fall = optimum(posed.power, *box_limits(posed))
+    twists = twists_of(assembly, fall.x if part is None else part.basis @ fall.x)
     names = falling_blocks(assembly, twists)
     if not names or residuals.flow_rule_violation(assembly, twists) > ACCEPTED:
         return None

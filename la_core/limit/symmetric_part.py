@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from la_core.limit.conic import ProgrammeAnswer
+from la_core.limit.conic import Cones, ProgrammeAnswer
 from la_core.limit.problem import DrivenProblem, ScaledProblem, multipliers_of, points_of_rows
 from la_core.model import Assembly, Image, global_forces, images, twists_of
 
@@ -40,14 +40,21 @@ class SymmetricPart:
 
     def of(self, driven: DrivenProblem) -> DrivenProblem:
         """Return the problem of the symmetric motions."""
-        cones = driven.cones
-        first, last = cones.equalities, cones.equalities + cones.inequalities
-        inequalities, second_order = int(self.kept[first:last].sum()), int(self.kept[last:].sum()) // 3
-        rows = (driven.rows[np.flatnonzero(self.kept)] @ self.basis).tocsr()
-        rows.data[np.abs(rows.data) < ROUND_OFF] = 0.0  # a row of such entries alone would be scaled up by equilibration
-        rows.eliminate_zeros()
-        cones = replace(cones, inequalities=inequalities, second_order=second_order)
+        rows, cones = self._reduced(driven.rows, driven.cones, self.kept)
         return replace(driven, power=self.basis.T @ driven.power, rows=rows, offset=driven.offset[self.kept], cones=cones)
+
+    def at_rest(self, problem: ScaledProblem) -> ScaledProblem:
+        """Return the problem of the symmetric motions without a drive; power, rows and cones are the part's, all else the whole's."""
+        rows, cones = self._reduced(problem.rows, problem.cones, self.kept[-problem.rows.shape[0] :])
+        return replace(problem, power=self.basis.T @ problem.power, rows=rows, cones=cones)
+
+    def _reduced(self, rows: sparse.csr_matrix, cones: Cones, kept: np.ndarray) -> tuple[sparse.csr_matrix, Cones]:
+        """Rows of the part and their cones; kept: mask of the rows."""
+        reduced = (rows[np.flatnonzero(kept)] @ self.basis).tocsr()
+        reduced.data[np.abs(reduced.data) < ROUND_OFF] = 0.0  # a row of such entries alone would be scaled up by equilibration
+        reduced.eliminate_zeros()
+        first, last = cones.equalities, cones.equalities + cones.inequalities
+        return reduced, replace(cones, inequalities=int(kept[first:last].sum()), second_order=int(kept[last:].sum()) // 3)
 
     def whole(self, assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer) -> ProgrammeAnswer:
         """Return the answer of the whole problem from that of the symmetric motions.
