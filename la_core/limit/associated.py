@@ -111,7 +111,8 @@ def solve_associated(
     """Solve one limit analysis. A structure that cannot stand raises no error: its status is INFEASIBLE.
 
     A quick attempt comes first, from a nearby answer where there is one. Where the residuals do not confirm its answer,
-    the next of the ATTEMPTS follows.
+    the next of the ATTEMPTS follows. A large structure that is its own mirror image is solved by its symmetric part; the
+    residuals are those of the whole structure.
 
     Parameters
     ----------

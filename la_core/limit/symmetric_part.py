@@ -88,9 +88,8 @@ def symmetric_part(assembly: Assembly, problem: ScaledProblem, driven: DrivenPro
     if len(problem.power) < LEAST_UNKNOWNS or problem.cones.equalities:
         return None
     axes, found = images(assembly)
-    groups = [found] if len(found) > 1 else []
-    groups += [[found[0], one] for one in found[1:]] if len(found) > 2 else []  # loads may be symmetric in one of two mirrors
-    for group in groups:
+    single = [[found[0], image] for image in found[1:]]
+    for group in [found, *single] if len(single) > 1 else single:  # loads may be symmetric in one of two mirrors
         basis = _basis(assembly, axes, group)
         if _is_symmetric(assembly, problem, driven, basis, group):
             first = np.min([image.point for image in group], axis=0)

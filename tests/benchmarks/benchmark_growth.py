@@ -71,22 +71,6 @@ BUILD = {
     "model of an analysis": (stage, "structural_model"),
     "matrices of an analysis": (one_pass, "scaled_problem"),
 }
-INTRODUCTION = """\
-Running-bond walls with as many courses as blocks per course settle under a third of their base, and every block is modelled. The tables
-give the CPU time and memory of limit analysis and of YADE against the number of blocks N, and the exponent b of N^b fitted to the larger
-sizes.
-
-Every size runs in a process of its own; quick ones are repeated, and the best repeat counts. *build* is scene, contacts, assembly and
-matrices; *solver* is set-up and solution of cone programmes and the steps of the paths; *rest* is everything else. *associated* is one
-bound; *Coulomb* is a bound and the prediction; *all of* either is the whole analysis of the program, with the inset and with sharp edges.
-
-Walls in space have a mirror along their middle: from 167 blocks on their bounds are solved by one half.
-
-Predictions of more than 2,500 unknowns, 833 plane blocks or 417 in space, follow a third path where two leave more than 1 % open
-([large structures](large.md)). Their seconds are the processor time of all paths."""
-BESIDE = """\
-The earlier version ran its own benchmark on a machine of this class. Exponents are those of the sizes of both. Its prediction
-may be another method: that of version 0.2.0 was a sequence of cone programmes, which did not converge with its own steps."""
 FIGURE = "![Growth of time and memory with the number of blocks](growth.png)"
 PROTOCOL_COST = Path(__file__).parent / "yade_protocol_cost.py"
 
@@ -183,7 +167,7 @@ def markdown(record: dict[str, Any]) -> str:
     measured, machine = record["measured"], record["machine"]
     series = by_series(measured)
     command = __doc__.split("\n\n")[1].strip()
-    sections = ["# Growth with the number of blocks", INTRODUCTION, f"`{command}`", machine, FIGURE]
+    sections = ["# Growth with the number of blocks", report.INTRODUCTION, f"`{command}`", machine, FIGURE]
     sections += [marked("conclusions", report.conclusions(measured))]
     answers = {key: series[key] for key in series if key[0] in ("associated", "Coulomb")}
     analyses = {key: series[key] for key in series if key[0].startswith("all of")}
@@ -192,7 +176,7 @@ def markdown(record: dict[str, Any]) -> str:
     sections += ["## Exponents b of N^b, with standard errors", report.exponents(answers | analyses | steps | verdicts, quantities)]
     if before := record.get("before"):
         beside = report.beside(before["measured"], measured, before["version"])
-        sections += [f"## Version {before['version']} beside today's", BESIDE, beside]
+        sections += [f"## Version {before['version']} beside today's", report.BESIDE, beside]
     parts = ("blocks", "status", "seconds", "build", "solver", "rest", "outside", "memory", "peak")
     heads = ("method", "model", *parts[:-3], "outside the solver", "MiB", "peak MiB")
     rows = [[*key, *(share(one, part) for part in parts)] for key, many in (answers | analyses).items() for one in many]

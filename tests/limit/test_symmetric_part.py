@@ -140,7 +140,7 @@ def test_two_columns_are_symmetric_but_for_a_hair() -> None:
 
 
 def test_a_structure_that_cannot_stand_falls_on_both_sides() -> None:
-    """Two slabs beside each other on a narrow base: each would need the other to lean on, and has no friction."""
+    """Two slabs beside each other on a narrow base: each has its centroid beside the base, and neither holds the other."""
     slabs = [scenes.box(f"slab {k}", (x, 0.0, 0.0), (x + 1.0, 1.0, 0.2)) for k, x in enumerate((-1.0, 0.0))]
     scene = scenes.build(*slabs, scenes.box("base", (-0.2, 0.0, -0.2), (0.2, 1.0, 0.0), "support"), friction=0.1)
     assembly = assemble(scene)
