@@ -21,10 +21,12 @@ LEAST_TOLERANCE = 1e-12  # of the weight: round-off of large structures
 # Times the tolerance: up to here the best iterate is accepted where the next STALLED ones are no better, for points then chatter.
 # Where the best residual is larger, the iteration mostly runs in a circle, and ends after LOST worse ones.
 LOOSE, STALLED, LOST = 1e3, 2, 4
-MOST_ITERATIONS, MOST_MOVES = 20, 40  # new tangents of a step, and moves with them
-# Of the residual before: after a move that left less than this, smooth joints keep the factorised tangent for the next one. On a wall of
-# 1,008 blocks a factorisation takes fifteen times as long as a move with an old one, and 4 in 10 moves reuse it.
-REUSED = 0.2
+MOST_ITERATIONS = 20  # new tangents of a step
+# Moves with an old tangent that take the time of a new one: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
+# its moves lower the logarithm of the residual faster, by time, than the first move did, and at least by LEAST_GAIN.
+MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
+# Moves that a tangent learns from; and least part of a move along what the tangent makes of its effect, over the move.
+MOST_LEARNT, LEAST_ALONG = 30, 0.1
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
 
@@ -79,7 +81,7 @@ class Trial:
     state : State or None
         State at the end of the step; None where the iteration did not converge.
     iterations : int
-        Newton iterations, each with one factorisation; moves that reuse a tangent do not count.
+        Newton iterations, each with one factorisation; moves with an old tangent do not count.
     """
 
     state: State | None
@@ -114,59 +116,130 @@ def advance(
     smoothing : float
         Force over which contact points part and slip gradually.
     """
-    progress, live_at = target.progress, target.live_at
-    blocks, multiplier = guess, before.multiplier
+    balance = _Balance(joints, before, target, drag, smoothing)
+    now = balance.at(balance.unknowns(guess, before.multiplier))
     tolerance = max(TOLERANCE * joints.freedoms / len(joints.weights), LEAST_TOLERANCE)
-
-    def evaluate(blocks: np.ndarray, multiplier: float) -> tuple[np.ndarray, float, float, JointState, np.ndarray]:
-        displacement = joints.displacement(blocks, target.support)
-        state, stiffness = joints.state(displacement, before.joints, smoothing)
-        rest = joints.unbalanced(state.force) - drag * joints.mass * (blocks - before.blocks)
-        lag = 0.0
-        if live_at is not None:
-            rest += multiplier * joints.live_load
-            lag = live_at - float(joints.live_load @ blocks)
-        return rest, lag, float(np.hypot(np.linalg.norm(rest), lag)), state, stiffness
-
-    rest, lag, size, state, stiffness = evaluate(blocks, multiplier)
-    first, best, best_at = size, (np.inf, State(progress, blocks, state, multiplier)), 0
-    solve: Solve | None = None
-    iterations = 0
-    for moves in range(MOST_MOVES):
-        if size <= tolerance:
-            return Trial(State(progress, blocks, state, multiplier), iterations)
-        if not size <= DIVERGED * max(first, tolerance) and iterations > 2:
+    first, best, best_at, least = now.size, now, 0, np.inf
+    old: _LearningTangent | None = None
+    iterations, gain = 0, 0.0
+    while True:
+        if now.size <= tolerance:
+            return Trial(balance.state(now), iterations)
+        if not now.size <= DIVERGED * max(first, tolerance) and iterations > 2:
             return Trial(None, iterations)
-        if solve is None:
-            if iterations == MOST_ITERATIONS:
-                break
+        if old is None and iterations == MOST_ITERATIONS:
+            break
+        if is_new := old is None:
             iterations += 1
             try:
-                solve = tangent.factorised(stiffness, drag)
+                old = _LearningTangent(balance.solver(tangent, now), now.unbalanced)
             except RuntimeError:  # a singular matrix
                 return Trial(None, iterations)
-        move, rise = _direction(joints, solve, rest, lag, live_at is not None)
-        share, size_before = 1.0, size
-        while True:
-            trial = evaluate(blocks + share * move, multiplier + share * rise)
-            if trial[2] < size or share <= SHORTEST:
-                break
-            share /= 2.0
-        blocks, multiplier = blocks + share * move, multiplier + share * rise
-        rest, lag, size, state, stiffness = trial
-        if smoothing == 0.0 or size > REUSED * size_before:
-            solve = None
-        if size < best[0]:
-            best, best_at = (size, State(progress, blocks, state, multiplier)), moves
-        elif moves - best_at >= (STALLED if best[0] <= LOOSE * tolerance else LOST):
+        share, trial = _searched(balance, now, old.move)
+        gained = float(np.log(now.size / max(trial.size, 1e-300)))
+        if gained < 0.0 and not is_new:
+            old = None
+            continue
+        gain, now = gained if is_new else gain, trial
+        if smoothing == 0.0 or gained < max(gain / MOVES_PER_TANGENT, LEAST_GAIN) or not old.learn(share, now.unbalanced):
+            old = None
+        if now.size < least:
+            best, best_at, least = now, iterations, now.size
+        elif is_new and iterations - best_at >= (STALLED if least <= LOOSE * tolerance else LOST):
             break
-    return Trial(best[1] if best[0] <= LOOSE * tolerance else None, iterations)
+    return Trial(balance.state(best) if least <= LOOSE * tolerance else None, iterations)
 
 
-def _direction(joints: ElasticJoints, solve: Solve, rest: np.ndarray, lag: float, live: bool) -> tuple[np.ndarray, float]:
-    """Newton step of the displacements (n,) and of the multiplier, with a factorised tangent."""
-    if not live:
-        return solve(rest), 0.0
-    both = solve(np.stack([rest, joints.live_load], axis=1))
-    rise = (lag - float(joints.live_load @ both[:, 0])) / float(joints.live_load @ both[:, 1])
-    return both[:, 0] + rise * both[:, 1], rise
+@dataclass(frozen=True)
+class _Iterate:
+    """Unknowns (displacements of the free blocks; then the multiplier of a live load), what they leave unbalanced, and its size."""
+
+    unknowns: np.ndarray
+    unbalanced: np.ndarray
+    size: float
+    joints: JointState
+    stiffness: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Balance:
+    """The equations of one step: balance of the free blocks at its end; then, of a live load, the displacement along it."""
+
+    joints: ElasticJoints
+    before: State
+    target: Target
+    drag: float
+    smoothing: float
+
+    def unknowns(self, blocks: np.ndarray, multiplier: float) -> np.ndarray:
+        return blocks if self.target.live_at is None else np.append(blocks, multiplier)
+
+    def at(self, unknowns: np.ndarray) -> _Iterate:
+        joints, live_at = self.joints, self.target.live_at
+        blocks = unknowns[: len(joints.weights)]
+        displacement = joints.displacement(blocks, self.target.support)
+        state, stiffness = joints.state(displacement, self.before.joints, self.smoothing)
+        rest = joints.unbalanced(state.force) - self.drag * joints.mass * (blocks - self.before.blocks)
+        if live_at is None:
+            return _Iterate(unknowns, rest, float(np.linalg.norm(rest)), state, stiffness)
+        rest += unknowns[-1] * joints.live_load
+        lag = live_at - float(joints.live_load @ blocks)
+        return _Iterate(unknowns, np.append(rest, lag), float(np.hypot(np.linalg.norm(rest), lag)), state, stiffness)
+
+    def state(self, iterate: _Iterate) -> State:
+        blocks = iterate.unknowns[: len(self.joints.weights)]
+        multiplier = self.before.multiplier if self.target.live_at is None else float(iterate.unknowns[-1])
+        return State(self.target.progress, blocks, iterate.joints, multiplier)
+
+    def solver(self, tangent: Tangent, iterate: _Iterate) -> Solve:
+        """Factorise the tangent at an iterate and return the function that solves with it; raises RuntimeError where it is singular."""
+        solve, load = tangent.factorised(iterate.stiffness, self.drag), self.joints.live_load
+        if self.target.live_at is None:
+            return solve
+
+        def with_multiplier(unbalanced: np.ndarray) -> np.ndarray:
+            both = solve(np.stack([unbalanced[:-1], load], axis=1))
+            rise = (unbalanced[-1] - float(load @ both[:, 0])) / float(load @ both[:, 1])
+            return np.append(both[:, 0] + rise * both[:, 1], rise)
+
+        return with_multiplier
+
+
+class _LearningTangent:
+    """A factorised tangent that learns from the moves made with it, by Broyden's method (C. G. Broyden, Math. Comp. 19, 1965).
+
+    After a move s that changed the unbalanced forces by -y, the inverse H becomes H + (s - H y) s'H / (s'H y): it then maps y to s.
+
+    Attributes
+    ----------
+    move : (n,) array
+        Next move.
+    """
+
+    def __init__(self, solve: Solve, unbalanced: np.ndarray) -> None:
+        self._solve, self.move = solve, solve(unbalanced)
+        self._learnt: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def learn(self, share: float, unbalanced: np.ndarray) -> bool:
+        """Learn from what a share of the move left unbalanced, and set the next move; False where it has learnt all that it may."""
+        made, following = share * self.move, self._solve(unbalanced)
+        for moved, more in self._learnt:
+            following += more * (moved @ following)
+        mapped = self.move - following  # H y: H maps the unbalanced forces before to the move, those after to the following one
+        along = float(made @ mapped)
+        if along > LEAST_ALONG * float(made @ made):
+            more = (made - mapped) / along
+            self._learnt.append((made, more))
+            following += more * (made @ following)
+        self.move = following
+        return len(self._learnt) <= MOST_LEARNT
+
+
+def _searched(balance: _Balance, now: _Iterate, move: np.ndarray) -> tuple[float, _Iterate]:
+    """Return the largest share 1, 1/2, ... of a move that leaves less unbalanced, else the shortest, and where it leads."""
+    share = 1.0
+    while True:
+        trial = balance.at(now.unknowns + share * move)
+        if trial.size < now.size or share <= SHORTEST:
+            return share, trial
+        share /= 2.0

@@ -116,7 +116,8 @@ def _paths(
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
     """Follow paths with smooth joints side by side: none needs another. No path where one cannot go on.
 
-    Where they leave the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes to its end.
+    Where their smoothing leaves the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes
+    to its end.
     """
     viscosities = (*settings.viscosities, settings.viscosities[-1] / 10.0)
     number = len(settings.viscosities)
@@ -132,7 +133,7 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
     if len(paths) < number:
         return []
     last = paths[-1]
-    if not last.exhausted and _uncertainty(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
+    if not last.exhausted and _left_by_smoothing(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
         finer = followed(number + 1)
         paths += [finer] if finer is not None and not finer.exhausted else []
     return paths
@@ -192,12 +193,21 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
 def _uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
     """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
     end, values = chosen.plateau, [path.plateau.value for path in followed]
-    near, moved = followed[-2:], 0.0
-    if chosen.smooth_error > 0.0:  # the smoothing of its paths differs, so that their means on the way do, too
-        differ = SAFETY * max(abs(end.value - path.plateau.value) for path in near)
-        moved = MOVED * abs(end.value - chosen.values[-1])
+    if chosen.smooth_error > 0.0:
+        left = _left_by_smoothing(chosen, followed)
     elif len(plateau.groups(values)) > 1:
-        differ = max(abs(end.value - value) for value in values)
+        left = max(abs(end.value - value) for value in values)
     else:
-        differ = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    return float(np.nanmax([differ, moved, end.doubt, SAFETY * chosen.smooth_error, STEPS_SHARE * abs(end.value)]))
+        near = followed[-2:]
+        left = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
+    return float(np.nanmax([left, end.doubt, STEPS_SHARE * abs(end.value)]))
+
+
+def _left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> float:
+    """Uncertainty that a sharper path would lessen: the paths' difference, the move to the limit state and the law's error, scaled.
+
+    The means of these paths on the way differ, because their smoothing does.
+    """
+    end = finest.plateau.value
+    differ = SAFETY * max(abs(end - path.plateau.value) for path in followed[-2:])
+    return float(np.nanmax([differ, MOVED * abs(end - finest.values[-1]), SAFETY * finest.smooth_error]))

@@ -32,7 +32,13 @@ from la_core.scene import Scene, same_structure
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 FRICTION, DENSITY = 0.4, 1800.0  # -, kg/m3
 BLOCK, BRICK = (0.4, 0.2, 0.2), (0.25, 0.12, 0.08)  # length, depth, height, m
-WINDOWS = [((left, low), (left + 1.0, high)) for left in (1.0, 4.0, 7.0) for low, high in ((0.72, 1.84), (2.48, 3.44))]
+Opening = tuple[tuple[float, float], tuple[float, float]]  # lower left and upper right corner, m
+OPENINGS: list[Opening] = [((left, low), (left + 1.0, high)) for left in (1.0, 4.0, 7.0) for low, high in ((0.72, 1.84), (2.48, 3.44))]
+OPENINGS[2] = (4.0, 0.0), OPENINGS[2][1]  # the door
+LARGE_OPENINGS: list[Opening] = [
+    ((left, low), (left + 1.25, high)) for left in (1.5, 5.75, 10.0) for low, high in ((1.04, 2.64), (3.52, 4.88))
+]
+LARGE_OPENINGS[2] = (5.75, 0.0), LARGE_OPENINGS[2][1]
 HEADINGS = (
     "scene",
     "blocks",
@@ -87,11 +93,10 @@ def wall(size: tuple[float, float, float], per_course: int, courses: int, **more
     return la_core.build(wall_tables(size, per_course, courses, **more), "large")
 
 
-def facade() -> Scene:
-    """A brick facade of about 1,500 blocks with five windows and a door."""
-    openings = [{"from": list(low), "to": list(high), "bearing": BRICK[0]} for low, high in WINDOWS]
-    openings[2]["from"] = [4.0, 0.0]  # the door
-    return wall(BRICK, 36, 50, opening=openings)
+def facade(per_course: int, courses: int, openings: list[Opening]) -> Scene:
+    """A brick facade with five windows and a door."""
+    tables = [{"from": list(low), "to": list(high), "bearing": BRICK[0]} for low, high in openings]
+    return wall(BRICK, per_course, courses, opening=tables)
 
 
 SCENES: dict[str, Callable[[], Scene]] = {
@@ -99,7 +104,8 @@ SCENES: dict[str, Callable[[], Scene]] = {
     "250 blocks": lambda: wall(BLOCK, 15, 16),
     "250 blocks in space": lambda: la_core.build(wall_tables(BLOCK, 15, 16) | {"effects": {"plane": False}}, "large"),
     "1,000 blocks": lambda: wall(BLOCK, 31, 32),
-    "brick facade": facade,
+    "brick facade": lambda: facade(36, 50, OPENINGS),
+    "large facade": lambda: facade(51, 71, LARGE_OPENINGS),
 }
 RANDOM_SEED, RANDOM_SCENES, RANDOM_SIZE = 20261127, 15, 2.2
 
