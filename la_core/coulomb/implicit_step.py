@@ -25,7 +25,7 @@ MOST_ITERATIONS = 20  # new tangents of a step
 # Moves with an old tangent that take the time of a new one: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
 # its moves lower the logarithm of the residual faster, by time, than the first move did, and at least by LEAST_GAIN.
 MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
-# Moves that a tangent learns from; and least part of a move along what the tangent makes of its effect, over the move.
+# Most moves that a tangent learns from; and the least s'H y over s's of a move that it learns from: below that, corrections would be large.
 MOST_LEARNT, LEAST_ALONG = 30, 0.1
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
@@ -120,29 +120,29 @@ def advance(
     now = balance.at(balance.unknowns(guess, before.multiplier))
     tolerance = max(TOLERANCE * joints.freedoms / len(joints.weights), LEAST_TOLERANCE)
     first, best, best_at, least = now.size, now, 0, np.inf
-    old: _LearningTangent | None = None
+    current: _LearningTangent | None = None
     iterations, gain = 0, 0.0
     while True:
         if now.size <= tolerance:
             return Trial(balance.state(now), iterations)
         if not now.size <= DIVERGED * max(first, tolerance) and iterations > 2:
             return Trial(None, iterations)
-        if old is None and iterations == MOST_ITERATIONS:
-            break
-        if is_new := old is None:
+        if is_new := current is None:
+            if iterations == MOST_ITERATIONS:
+                break
             iterations += 1
             try:
-                old = _LearningTangent(balance.solver(tangent, now), now.unbalanced)
+                current = _LearningTangent(balance.solver(tangent, now), now.unbalanced)
             except RuntimeError:  # a singular matrix
                 return Trial(None, iterations)
-        share, trial = _searched(balance, now, old.move)
+        share, trial = _searched(balance, now, current.move)
         gained = float(np.log(now.size / max(trial.size, 1e-300)))
-        if gained < 0.0 and not is_new:
-            old = None
+        if not (is_new or gained > 0.0):
+            current = None
             continue
         gain, now = gained if is_new else gain, trial
-        if smoothing == 0.0 or gained < max(gain / MOVES_PER_TANGENT, LEAST_GAIN) or not old.learn(share, now.unbalanced):
-            old = None
+        if smoothing == 0.0 or not gained >= max(gain / MOVES_PER_TANGENT, LEAST_GAIN) or not current.learn(share, now.unbalanced):
+            current = None
         if now.size < least:
             best, best_at, least = now, iterations, now.size
         elif is_new and iterations - best_at >= (STALLED if least <= LOOSE * tolerance else LOST):

@@ -119,6 +119,36 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
     assert found.uncertainty >= prediction.MOVED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
 
 
+def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
+    """A wall whose curve still falls over the first half of one travel."""
+    scene = scenes.build(*scenes.wall(12, 8, split=2.4), friction=0.6)
+    assembly = assemble(scene)
+    stiffness, associated = joint_stiffness(assembly, scene.inset, scene.yade), solve_associated(assembly, Drive.YIELDING)
+    sharp = predict(assembly, stiffness, associated)
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    short, known = (predict(assembly, stiffness, associated, settings=PredictionSettings(doublings=most)) for most in (0, 6))
+    assert short.travel == pytest.approx(1.0 + followed_path.SHARPENED) and short.uncertainty > 0.05 * short.value
+    assert known.travel > 2.0 * short.travel and known.uncertainty < 0.01 * known.value
+    assert abs(known.value - sharp.value) <= known.uncertainty + sharp.uncertainty < abs(short.value - sharp.value)
+
+
+@pytest.mark.parametrize(("doubt", "apart", "paths"), [(0.05, 0.0, 2), (0.0, 0.02, 3), (0.0, 0.0, 2)])
+def test_a_third_path_follows_where_a_sharper_one_would_help(doubt, apart, paths, monkeypatch) -> None:
+    """doubt: of what the curves of both paths leave open; apart: their difference; both over the value."""
+    original, made = prediction.follow_large, []
+
+    def changed(*arguments):
+        one = original(*arguments)
+        value = one.plateau.value * (1.0 + apart * len(made))
+        made.append(replace(one, plateau=replace(one.plateau, value=value, change=doubt * value), smooth_error=1e-9))
+        return replace(made[-1], values=np.append(one.values[:-1], value))
+
+    monkeypatch.setattr(prediction, "follow_large", changed)
+    found = predicted_as_large(monkeypatch, 1)
+    assert len(made) == paths
+    assert found.uncertainty >= max(doubt, apart) * found.value
+
+
 def predicted_as_large(monkeypatch: pytest.MonkeyPatch, threads: int, report: Reporter | None = None) -> CoulombSolution:
     """Prediction of a small wall by the paths of a large one, on this many threads."""
     monkeypatch.setattr(prediction, "LARGE", 0.0)
