@@ -167,7 +167,7 @@ def _positive(value: np.ndarray, smoothing: float) -> tuple[np.ndarray, np.ndarr
     """Positive part of a value, smoothed, and its derivative."""
     if smoothing == 0.0:
         return np.maximum(value, 0.0), (value > 0.0).astype(float)
-    root = np.sqrt(value**2 + 4.0 * smoothing**2)  # a tenth of the time of np.hypot
+    root = np.sqrt(value**2 + 4.0 * smoothing**2)  # a third of the time of np.hypot
     part = np.where(value > 0.0, 0.5 * (value + root), 2.0 * smoothing**2 / (root - np.minimum(value, 0.0)))
     return part, 0.5 * (1.0 + value / root)
 

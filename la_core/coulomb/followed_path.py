@@ -33,9 +33,7 @@ BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square o
 SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
 MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
-# Iterations of a path over those of a path with sharp joints, which fall as the root of the size: those of a facade of 9,200 unknowns
-# would end at 98 % of the travel. Beyond LARGE they therefore stay the same.
-MORE_EFFORT = 6.0
+MORE_EFFORT = 6.0  # iterations of a path over those of a small structure of this size
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -51,7 +49,8 @@ class PredictionSettings:
     finer : float
         Factor by which the limits of a step are divided.
     effort : float
-        Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not.
+        Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not. Beyond LARGE
+        unknowns they fall no further: a facade of 9,200 would end at 98 % of the travel.
     doublings : int
         How often the travel may be doubled where the curve is not flat.
     """
@@ -220,7 +219,7 @@ def follow_large(
     The finest path goes on to the limit state near its end; a coarser one only shows what the smoothing changes. None where the
     path cannot begin.
     """
-    travel, most = first_travel(joints), MORE_EFFORT * max(_effort(joints, settings), settings.effort / LARGE**0.5)
+    travel, most = first_travel(joints), MORE_EFFORT * _effort(joints, settings)
     force = 1.0 / len(joints.friction)  # mean contact force
     smooth, sharp = SMOOTH * first * force, min(SMOOTH * first, SMOOTH_END) * force
     viscosity = Falling(MORE_VISCOUS * first, min(MORE_VISCOUS * first, LAST_OF_SMOOTH), travel)
@@ -261,4 +260,4 @@ def _to_plateau(path: QuasiStaticPath, end: float, longest: float, most: float, 
 
 def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:
     """Most Newton iterations of a path."""
-    return settings.effort / float(np.sqrt(len(joints.weights)))
+    return settings.effort / float(np.sqrt(min(len(joints.weights), LARGE)))

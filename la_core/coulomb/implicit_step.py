@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
-from la_core.coulomb.tangent import Solve, Tangent
+from la_core.coulomb.tangent import LearningTangent, Solve, Tangent
 
 # Of the mean block weight: norm of the unbalanced forces of a converged step. A last iteration mostly leaves round-off; looser
 # steps would press unloaded joints enough for a large friction coefficient to make them jam.
@@ -25,8 +25,6 @@ MOST_ITERATIONS = 20  # new tangents of a step
 # Moves with an old tangent that take the time of a new one: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
 # its moves lower the logarithm of the residual faster, by time, than the first move did, and at least by LEAST_GAIN.
 MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
-# Most moves that a tangent learns from; and the least s'H y over s's of a move that it learns from: below that, corrections would be large.
-MOST_LEARNT, LEAST_ALONG = 30, 0.1
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
 
@@ -120,7 +118,7 @@ def advance(
     now = balance.at(balance.unknowns(guess, before.multiplier))
     tolerance = max(TOLERANCE * joints.freedoms / len(joints.weights), LEAST_TOLERANCE)
     first, best, best_at, least = now.size, now, 0, np.inf
-    current: _LearningTangent | None = None
+    current: LearningTangent | None = None
     iterations, gain = 0, 0.0
     while True:
         if now.size <= tolerance:
@@ -132,7 +130,7 @@ def advance(
                 break
             iterations += 1
             try:
-                current = _LearningTangent(balance.solver(tangent, now), now.unbalanced)
+                current = LearningTangent(balance.solver(tangent, now), now.unbalanced)
             except RuntimeError:  # a singular matrix
                 return Trial(None, iterations)
         share, trial = _searched(balance, now, current.move)
@@ -203,36 +201,6 @@ class _Balance:
             return np.append(both[:, 0] + rise * both[:, 1], rise)
 
         return with_multiplier
-
-
-class _LearningTangent:
-    """A factorised tangent that learns from the moves made with it, by Broyden's method (C. G. Broyden, Math. Comp. 19, 1965).
-
-    After a move s that changed the unbalanced forces by -y, the inverse H becomes H + (s - H y) s'H / (s'H y): it then maps y to s.
-
-    Attributes
-    ----------
-    move : (n,) array
-        Next move.
-    """
-
-    def __init__(self, solve: Solve, unbalanced: np.ndarray) -> None:
-        self._solve, self.move = solve, solve(unbalanced)
-        self._learnt: list[tuple[np.ndarray, np.ndarray]] = []
-
-    def learn(self, share: float, unbalanced: np.ndarray) -> bool:
-        """Learn from what a share of the move left unbalanced, and set the next move; False where it has learnt all that it may."""
-        made, following = share * self.move, self._solve(unbalanced)
-        for moved, more in self._learnt:
-            following += more * (moved @ following)
-        mapped = self.move - following  # H y: H maps the unbalanced forces before to the move, those after to the following one
-        along = float(made @ mapped)
-        if along > LEAST_ALONG * float(made @ made):
-            more = (made - mapped) / along
-            self._learnt.append((made, more))
-            following += more * (made @ following)
-        self.move = following
-        return len(self._learnt) <= MOST_LEARNT
 
 
 def _searched(balance: _Balance, now: _Iterate, move: np.ndarray) -> tuple[float, _Iterate]:

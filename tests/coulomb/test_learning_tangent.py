@@ -6,9 +6,8 @@ import scenes
 
 from la_core.coulomb import implicit_step
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import MOST_LEARNT
 from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest
-from la_core.coulomb.tangent import Tangent
+from la_core.coulomb.tangent import MOST_LEARNT, LearningTangent, Tangent
 from la_core.model import assemble, joint_stiffness
 
 SIZE = 8
@@ -22,8 +21,8 @@ def wrong_tangent(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_one_move_teaches_the_slope_of_one_unknown() -> None:
-    """Half of a move that is too short by 2/5: the next one leads to the solution."""
-    learning = implicit_step._LearningTangent(lambda right: right / 5.0, np.array([1.0]))
+    """A tangent that is 2.5 times too stiff, and half of its first move: the next one leads to the solution."""
+    learning = LearningTangent(lambda right: right / 5.0, np.array([1.0]))
     assert learning.move == pytest.approx(0.2)
     assert learning.learn(0.5, np.array([1.0 - 2.0 * 0.1]))
     assert 0.1 + learning.move == pytest.approx(0.5)
@@ -32,7 +31,7 @@ def test_one_move_teaches_the_slope_of_one_unknown() -> None:
 @pytest.mark.parametrize("share", [1.0, 0.5])
 def test_it_maps_the_change_of_the_forces_to_the_move_that_made_it(share) -> None:
     matrix, near, right = wrong_tangent(1)
-    learning = implicit_step._LearningTangent(lambda forces: np.linalg.solve(near, forces), right)
+    learning = LearningTangent(lambda forces: np.linalg.solve(near, forces), right)
     made = share * learning.move
     after = right - matrix @ made
     learning.learn(share, after)
@@ -47,7 +46,7 @@ def test_it_maps_the_change_of_the_forces_to_the_move_that_made_it(share) -> Non
 def test_it_solves_a_linear_problem_in_twice_as_many_moves_as_unknowns(seed) -> None:
     """As Broyden's method does on every linear problem (D. M. Gay, SIAM J. Numer. Anal. 16, 1979)."""
     matrix, near, right = wrong_tangent(seed)
-    learning = implicit_step._LearningTangent(lambda forces: np.linalg.solve(near, forces), right)
+    learning = LearningTangent(lambda forces: np.linalg.solve(near, forces), right)
     found, alone = np.zeros(SIZE), np.zeros(SIZE)
     for _ in range(2 * SIZE):
         found = found + learning.move
@@ -58,7 +57,7 @@ def test_it_solves_a_linear_problem_in_twice_as_many_moves_as_unknowns(seed) -> 
 
 
 def test_it_says_when_it_has_learnt_enough() -> None:
-    learning = implicit_step._LearningTangent(lambda right: 0.5 * right, np.ones(1))
+    learning = LearningTangent(lambda right: 0.5 * right, np.ones(1))
     found, answers = 0.0, []
     while not answers or answers[-1]:
         found += 1e-3 * learning.move
