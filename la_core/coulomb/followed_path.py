@@ -34,6 +34,7 @@ SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
 MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
 MORE_EFFORT = 6.0  # iterations of a path over those of a small structure of this size
+AS_MUCH_AGAIN = 2.0  # iterations of a path to its plateau over those of its first travel
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -244,17 +245,21 @@ def follow_large(
     return FollowedPath.on(path, (progress, values), ended, float(values[-1]), reached < end, error)
 
 
-def _to_plateau(path: QuasiStaticPath, end: float, longest: float, most: float, send: Sender) -> float:
-    """Follow a path to `end`, and on until its plateau is known; return the end.
+def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: float, send: Sender) -> float:
+    """Follow a path over its travel, and on until its plateau is known; return the end.
 
-    It ends before `longest`, and where it has cost half of `most` iterations: the progress is less than the end where all are spent.
+    Beyond the travel it ends before `longest`, or where it has cost as much again as the travel. Where `most` iterations end it before
+    its travel, the progress is less than the end.
     """
+    end = travel
     while True:
         for point in path.advance_to(end, most):
             send(point.progress, (1.0 + SHARPENED) * end, point.value)
-        found = plateau.plateau_of(*path.curve, path.last.progress, path.points[-1].value)
-        if found.is_known or path.last.progress < end or end >= longest or path.iterations > 0.5 * most:
-            return end
+        reached = path.last.progress
+        if reached < end or end >= longest or plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known:
+            return max(reached, travel)
+        if end == travel:
+            most = min(most, AS_MUCH_AGAIN * path.iterations)
         end *= 2.0
 
 
