@@ -189,6 +189,16 @@ def test_small_shipped_scenes_are_modelled_whole(name: str) -> None:
     assert masks == [] and why
 
 
+@pytest.mark.parametrize(("split", "most"), [(6.0, 1), (3.2, 0)])
+def test_what_is_far_from_the_support_is_set_aside_where_it_is_enough(split, most) -> None:
+    """Of a wall of 24 x 14 blocks the support may move two thirds, or all but a few."""
+    auto, asked = (scenes.build(*scenes.wall(24, 14, split=split), model="coulomb", reach=asked_for) for asked_for in ("auto", True))
+    assembly = assemble(auto)
+    assert len(reach.candidate_masks(auto, assembly)[0]) == most
+    masks, _ = reach.candidate_masks(asked, assembly)
+    assert masks and all(mask.any() and not mask[~assembly.blocks.free].any() for mask in masks)
+
+
 def test_a_live_load_reaches_every_block() -> None:
     parts = scenes.wall(3, 3)
     assert "every block" in analyse(scenes.build(*parts, live=(1.0, 0.0, 0.0))).assembly.effects.reasons["reach"]
