@@ -25,13 +25,14 @@ from la_core.model import Assembly, global_forces, twists_of
 from la_core.scene import Scene
 
 # Walls of 6 and 12 courses, mu 0.3 to 0.9, whose middle or end settles: with no layer around all that rests on the support the
-# prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %. Where the
-# history of friction matters more, shorter steps change the whole structure's answer by more than that, towards the region's.
+# prediction may lose the whole reaction, with 1 it is off by 11 %, with 2 by 8 %. With 4 it is off by less than 1 %, and on large random
+# walls by up to 1.5 %. Where the history of friction matters more, shorter steps change the whole structure's answer by more than that,
+# towards the region's.
 LAYERS = (4, 8)  # of neighbours around all that rests on the support, one attempt each
 MARGIN = 3  # layers of blocks at rest between a mechanism and the blocks set aside
-# Of the free blocks: setting aside less is not worth a proof that may fail. Where it holds, the prediction and YADE save about as much;
-# where it fails, the prediction is made again. Of nine random walls of 530 to 910 blocks it failed on two: below a quarter the prediction
-# would lose more than it gains.
+# Of the free blocks. A smaller share is not worth a proof that may fail: where it holds, prediction and YADE have so many blocks less;
+# where it fails, the prediction is made again. It failed on two of nine random walls of 530 to 910 blocks, so that a share below about
+# 2/9 would cost the prediction more than it saves.
 LEAST_SHARE, LEAST_BLOCKS = 0.25, 100
 RESTS_ON = 0.1  # component along gravity of an interface's normal, from which on one block rests on the other
 TOLERANCE = 0.025 * ACCEPTED_RESIDUAL  # of the solver for the proof's programme, in mean block weights

@@ -33,8 +33,8 @@ BIG = 1000.0  # unknowns beyond which the first viscosities grow as the square o
 SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
 MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
-MORE_EFFORT = 6.0  # iterations of a path over those of a small structure of this size
-AS_MUCH_AGAIN = 2.0  # iterations of a path to its plateau over those of its first travel
+MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
+AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -51,7 +51,8 @@ class PredictionSettings:
         Factor by which the limits of a step are divided.
     effort : float
         Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not. Beyond LARGE
-        unknowns they fall no further: a facade of 9,200 would end at 98 % of the travel.
+        unknowns they fall no further: a facade of 9,200 would otherwise end at 98 % of its travel. A path with smooth joints may take
+        MORE_EFFORT times as many.
     doublings : int
         How often the travel may be doubled where the curve is not flat.
     """
@@ -228,7 +229,8 @@ def follow_large(
     if rest is None:
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, Falling(smooth, smooth, travel))
-    end = _to_plateau(path, travel, 2.0**settings.doublings * travel, most, send)
+    again = AGAIN * settings.effort / PredictionSettings.effort
+    end = _to_plateau(path, travel, 2.0**settings.doublings * travel, (most, again), send)
     if path.last.progress == end:
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
@@ -245,13 +247,13 @@ def follow_large(
     return FollowedPath.on(path, (progress, values), ended, float(values[-1]), reached < end, error)
 
 
-def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: float, send: Sender) -> float:
-    """Follow a path over its travel, and on until its plateau is known; return the end.
+def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, limits: tuple[float, float], send: Sender) -> float:
+    """Follow a path over its travel, and on until its plateau is known, at most to `longest`; return the end.
 
-    Beyond the travel it ends before `longest`, or where it has cost as much again as the travel. Where `most` iterations end it before
-    its travel, the progress is less than the end.
+    limits: most iterations of the path; and most of those beyond its travel, over those of the travel. Where they end the path within its
+    travel, the travel is returned, which is more than its progress.
     """
-    end = travel
+    end, (most, again) = travel, limits
     while True:
         for point in path.advance_to(end, most):
             send(point.progress, (1.0 + SHARPENED) * end, point.value)
@@ -259,7 +261,7 @@ def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: floa
         if reached < end or end >= longest or plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known:
             return max(reached, travel)
         if end == travel:
-            most = min(most, AS_MUCH_AGAIN * path.iterations)
+            most = min(most, (1.0 + again) * path.iterations)
         end *= 2.0
 
 

@@ -4,7 +4,7 @@ The matrix is K = J' D J + drag M, with the kinematic matrix J, the stiffness D 
 entry of K is a fixed combination of the entries of D, so that one sparse product yields all of them. Minimum degree
 on the pattern orders the elimination once. Keeping this order made a factorisation of 1,000 plane blocks three to four times
 faster than ordering anew each time; GMRES preconditioned by an old factorisation then saved no time. An old tangent that learns
-from the moves made with it does.
+from the moves made with it saves a third (`LearningTangent`).
 """
 
 from collections.abc import Callable

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, predict, prediction
+from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, plateau, predict, prediction
 from la_core.coulomb.elastic_joints import ElasticJoints, JointState
 from la_core.coulomb.followed_path import PredictionSettings, Reporter
 from la_core.limit import Drive, Status, solve_associated
@@ -150,14 +150,28 @@ def test_a_third_path_follows_where_a_sharper_one_would_help(doubt, apart, paths
     assert found.uncertainty >= max(doubt, apart) * found.value
 
 
-def predicted_as_large(monkeypatch: pytest.MonkeyPatch, threads: int, report: Reporter | None = None) -> CoulombSolution:
+def predicted_as_large(
+    monkeypatch: pytest.MonkeyPatch, threads: int, report: Reporter | None = None, settings: PredictionSettings | None = None
+) -> CoulombSolution:
     """Prediction of a small wall by the paths of a large one, on this many threads."""
     monkeypatch.setattr(prediction, "LARGE", 0.0)
     monkeypatch.setenv("OMP_NUM_THREADS", str(threads))
     scene = scenes.build(*scenes.wall(6, 4, split=1.2), friction=0.6)
     assembly = assemble(scene)
     stiffness = joint_stiffness(assembly, scene.inset, scene.yade)
-    return predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING), report=report)
+    return predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING), settings=settings, report=report)
+
+
+def test_a_path_ends_where_it_has_cost_as_much_again_as_its_travel(monkeypatch) -> None:
+    """Its plateau is said never to be known; it still becomes sharp and is certified. More effort allows more travel."""
+    monkeypatch.setattr(plateau, "EARLY", -1.0)
+    monkeypatch.setattr(followed_path, "AGAIN", 0.1)
+    travels = []
+    for more in (1.0, 4.0):
+        found = predicted_as_large(monkeypatch, 1, settings=PredictionSettings(effort=more * PredictionSettings.effort))
+        assert found.status is Status.SOLVED
+        travels.append(found.travel / (1.0 + followed_path.SHARPENED))
+    assert 1.0 < travels[0] < travels[1] < 64.0  # without the limit 64
 
 
 def test_paths_side_by_side_give_the_answer_of_paths_in_turn(monkeypatch) -> None:
