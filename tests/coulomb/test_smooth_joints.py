@@ -1,5 +1,6 @@
 """Smooth joints of large structures: their law, its derivative, its sharp limit, and the predictions that rest on them."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -117,6 +118,27 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
     assert found.certificate <= ACCEPTED_RESIDUAL
     assert found.value == pytest.approx(joints.value_in_units(value), rel=0.02)
     assert found.uncertainty >= prediction.MOVED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
+
+
+def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypatch) -> None:
+    """Where all rounds before the sixth are called bad, the sixth or a later one is found, with the value of the path."""
+    certify, ended = certificate.certify, []
+
+    def watched(path, tell):
+        calls = itertools.count()  # of the end of the path, then of one round after the other
+
+        def late(*state):
+            return replace(certify(*state), sliding=1.0) if next(calls) <= 5 else certify(*state)
+
+        monkeypatch.setattr(certificate, "certify", late)
+        ended.append((path, *certificate.limit_state_near(path, tell)))
+        return ended[-1][1:]
+
+    monkeypatch.setattr(followed_path, "limit_state_near", watched)
+    predicted_as_large(monkeypatch, 1, settings=PredictionSettings(viscosities=(1.0, 0.1)))
+    path, _, last, found = ended[0]
+    assert found.worst <= ACCEPTED_RESIDUAL
+    assert path.joints.reaction(last.joints.force) == pytest.approx(path.points[-1].value, rel=1e-6)
 
 
 def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
