@@ -33,8 +33,8 @@ MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a p
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
 # its factor from round to round and its least value; of the rates. A light weight from the start moves the value for no need.
 NEAR, NEARER, LEAST_NEAR, NEAR_RATE = 1e-2, 0.1, 1e-8, 1e-6
-# Of the largest residual of the round before: where a round with the least weight leaves more, further ones bring nothing. With more
-# weight they may: on a wall of 1,008 blocks the second round left 0.97 and the fifth 0.77, and was certified.
+# Of the largest residual of the round before: where a round with the least weight leaves more, further ones bring nothing. While the
+# weight still falls they may: on a wall of 1,008 blocks the second round left 0.97 of it, and the fifth, which was certified, 0.77.
 MOST_LEFT = 0.97
 
 

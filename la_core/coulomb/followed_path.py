@@ -52,7 +52,7 @@ class PredictionSettings:
     effort : float
         Newton iterations of one path times the square root of the unknowns, after which the path ends, flat or not. Beyond LARGE
         unknowns they fall no further: a facade of 9,200 would otherwise end at 98 % of its travel. A path with smooth joints may take
-        MORE_EFFORT times as many.
+        MORE_EFFORT times as many, and its limit AGAIN grows as the effort.
     doublings : int
         How often the travel may be doubled where the curve is not flat.
     """
@@ -250,8 +250,8 @@ def follow_large(
 def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, limits: tuple[float, float], send: Sender) -> float:
     """Follow a path over its travel, and on until its plateau is known, at most to `longest`; return the end.
 
-    limits: most iterations of the path; and most of those beyond its travel, over those of the travel. Where they end the path within its
-    travel, the travel is returned, which is more than its progress.
+    limits: most iterations of the path, and most iterations beyond its travel as a multiple of those of its travel. A path that its limit
+    ends within its travel has a progress below the returned end.
     """
     end, (most, again) = travel, limits
     while True:

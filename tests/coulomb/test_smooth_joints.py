@@ -128,7 +128,8 @@ def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypat
         calls = itertools.count()  # of the end of the path, then of one round after the other
 
         def late(*state):
-            return replace(certify(*state), sliding=1.0) if next(calls) <= 5 else certify(*state)
+            found = certify(*state)
+            return replace(found, sliding=1.0) if next(calls) <= 5 else found
 
         monkeypatch.setattr(certificate, "certify", late)
         ended.append((path, *certificate.limit_state_near(path, tell)))
