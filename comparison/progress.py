@@ -60,13 +60,12 @@ class Narration(_Bars):
         self._tasks: dict[str, TaskID] = {}
         self._analysed: Scene | None = None
         self._pace = _Pace()
-        self._paces: dict[str, _Pace] = {}
-        self._shares: dict[str, float] = {}
-        self._moved: set[str] = set()
+        self._announced: dict[str, int] = {}  # attempts of YADE whose time was known, by scene
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Print that a stage began, was found cached or ended badly."""
         self._say(f"{scene}: {stage}: {state}")
+        self._announced.pop(scene, None)
         self._end_bar(scene)
 
     def bounds(self, analysis: LimitAnalysis) -> None:
@@ -89,23 +88,22 @@ class Narration(_Bars):
             self.fraction(scene.name, share, f"{which}: {100.0 * share:.0f} %, {value_words(scene, report.value)}{left}")
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Show the progress of a running YADE case; its blocks come to rest again where an attempt with other settings begins.
+        """Show the progress of a running YADE case; an attempt that takes long is announced with its time, once that is known.
 
-        report: as YADE's process wrote it. A long run is announced.
+        report: as YADE's process wrote it.
         """
-        if report.get("stage") == "forecast":
-            if (seconds := float(report.get("seconds") or 0.0)) >= LONG:
-                self._say(f"{scene}: YADE: {time_words(seconds)} to a plateau, longer if the blocks stick and slip")
-            return
-        share = float(report.get("fraction") or 0.0)
-        rests = report.get("stage") == "gravity"
-        again = "another attempt, " if rests and scene in self._moved else ""
-        self._moved |= set() if rests else {scene}
-        if scene not in self._paces or share < self._shares.get(scene, 0.0):
-            self._paces[scene] = _Pace()
-        self._shares[scene] = share
-        done = f"{100.0 * share:.0f} %, " if share > 0.0 and not rests else ""
-        self.fraction(scene, share, f"YADE: {again}{done}{_state(report)}{self._paces[scene].time_left(share) if done else ''}")
+        attempt, seconds = int(report.get("attempt") or 1), report.get("seconds_left")
+        is_late, share = bool(report.get("is_late")), float(report.get("fraction") or 0.0)
+        if seconds is not None and attempt > self._announced.get(scene, 0):
+            self._announced[scene] = attempt
+            if seconds >= LONG and not is_late:
+                longer = ", longer if the blocks stick and slip" if attempt == 1 else ""
+                self._say(f"{scene}: YADE: {_attempt_words(attempt)}{time_words(seconds)} to a plateau{longer}")
+        left = "" if seconds is None else _time_left(seconds)
+        if is_late:
+            left = ", no plateau yet" + ("" if seconds is None else f", up to {time_words(seconds).removeprefix('about ')}")
+        done = f"{100.0 * share:.0f} %, " if share > 0.0 else ""
+        self.fraction(scene, share, f"YADE: {_attempt_words(attempt)}{done}{_state(report)}{left}")
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work; without a terminal, print a line every few seconds.
@@ -223,6 +221,10 @@ def value_words(scene: Scene, value: float) -> str:
         angles = tilt_angles(scene.tilt, value)
         return f"multiplier {format_number(value)}" + (f", {format_number(angles['angle'])} degrees" if angles else "")
     return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}"
+
+
+def _attempt_words(attempt: int) -> str:
+    return f"attempt {attempt}: " if attempt > 1 else ""
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
+from yade_scripts.faults import rattles
 from yade_scripts.plateau import Outcome
 from yade_scripts.protocol import Protocol
-from yade_scripts.rattling import rattles
 from yade_scripts.recorder import Status
 from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_large, is_long, most_steps, slowness
 

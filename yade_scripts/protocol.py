@@ -12,10 +12,9 @@ from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
-from yade_scripts.lost_runs import loss_of
+from yade_scripts.faults import jumps, loss_of, rattles
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
-from yade_scripts.rattling import jumps, rattles
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings
 
@@ -25,7 +24,7 @@ GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
 EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
 LATE_POSES = 0.1  # of the way so far: largest distance between states from there on, so that a plateau holds several
-Progress = Callable[[str, float, float, float, str], None]  # stage, fraction, settlement, reaction, message
+Progress = Callable[[str, int, float, float], None]  # stage, time steps of the run so far, settlement, reaction
 
 
 @dataclass
@@ -43,7 +42,7 @@ class Protocol:
     record : Record
         Rows and poses so far.
     progress : callable
-        Receives stage, fraction, settlement, reaction and message of each row.
+        Receives stage, time steps so far, settlement and reaction of each row.
     near : NearFaces or None
         Faces near the spheres that they do not touch: the run ends where one of them may be met. None where YADE looks for new contacts.
     met_face : bool
@@ -154,7 +153,7 @@ class Protocol:
             self._servo.start(self.record)
             assert not isinstance(self.model.drive, list)  # those move supports
             self.model.drive.iterPeriod, self.model.drive.dead = self._servo.every, False
-            full_time += self._servo.loading_time
+            full_time += self._servo.loading_time()
         self._advance(math.ceil(full_time / dt), every)
         if self._servo is None and not self.record.is_cut:
             self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
@@ -238,8 +237,7 @@ class Protocol:
         loading = self._load(row.time - self._start_time)
         rests = not loading and row.unbalanced < self.settings.rest_unbalanced and row.kinetic_energy < self.settings.rest_energy
         self._at_rest = self._at_rest + 1 if rests else 0
-        fraction = math.log(max(row.unbalanced, 1e-300)) / math.log(self.settings.rest_unbalanced)
-        self.progress("gravity", min(1.0, max(0.0, fraction)), 0.0, row.reaction, "")
+        self.progress("gravity", Omega().iter, 0.0, row.reaction)
         if self._at_rest >= ROWS_AT_REST:
             self._pause()
 
@@ -257,7 +255,7 @@ class Protocol:
             is_early = travelled < settings.plateau_travel
             apart = settings.plateau_travel / EARLY_POSES if is_early else LATE_POSES * (travelled - self._origin)
             self._next_pose += min(self._next_pose, apart, settings.max_travel / settings.poses)
-        self.progress("settlement", min(1.0, travelled / settings.max_travel), row.settlement, row.reaction, "")
+        self.progress("settlement", Omega().iter, row.settlement, row.reaction)
         if self._servo is not None and travelled >= settings.max_travel:
             self._judge()
         elif travelled >= settings.plateau_travel and len(self.record.rows) % ROWS_BETWEEN_FITS == 0:

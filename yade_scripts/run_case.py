@@ -19,13 +19,17 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
+
+if TYPE_CHECKING:
+    from yade_scripts.expected_steps import AttemptSteps
 
 os.environ["OMP_NUM_THREADS"] = "1"  # of libraries that load before YADE
 os.environ.setdefault("HOME", str(Path.home()))  # YADE asks for it when it loads
 
 _ROOT = Path(__file__).resolve().parent.parent
 _SECONDS_BETWEEN_LINES = 0.25
+_SECONDS_TIMED = 0.5  # of time steps, before their pace says how long the rest takes
 _PR_SET_PDEATHSIG = 1  # prctl(2)
 
 
@@ -74,27 +78,47 @@ def find_yade() -> str:
 
 
 class Reporter:
-    """Protocol lines on the process's standard output, at most a few per second of wall time."""
+    """Protocol lines on the process's standard output, at most a few per second of wall time, with the time left at the pace so far."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._last = -_SECONDS_BETWEEN_LINES
+        self._attempt, self._before, self._steps = 0, 0, 0  # number, time steps of the attempts before, time steps of this one
+        self._first: tuple[float, int] | None = None  # when this attempt's first row came, and its steps by then
 
-    def progress(self, stage: str, fraction: float, settlement: float, reaction: float, message: str) -> None:
-        """Write one progress line unless the last one is too recent."""
+    def loaded(self, version: str, lacks: list[str]) -> None:
+        """Write YADE's version, and the optional names that its build lacks."""
+        self._write_progress(stage="loaded", version=version, lacks=lacks)
+
+    def attempt(self, steps: "AttemptSteps") -> None:
+        """Begin an attempt, which is expected to take so many steps."""
+        self._attempt, self._before, self._steps = self._attempt + 1, self._before + self._steps, 0
+        self._expected, self._first = steps, None
+
+    def progress(self, stage: str, steps: int, settlement: float, reaction: float) -> None:
+        """Write one progress line unless the last one is too recent; steps: of this attempt so far."""
         now = time.monotonic()
-        if now - self._last >= _SECONDS_BETWEEN_LINES:
-            self._last = now
-            line = {"stage": stage, "fraction": fraction, "settlement": settlement, "reaction": reaction, "message": message}
-            self._write(f"progress {json.dumps(line)}")
-
-    def forecast(self, seconds: float, version: str, lacks: list[str]) -> None:
-        """Write how long the run takes if nothing holds it up, YADE's version, and the optional names that its build lacks."""
-        self._write(f"progress {json.dumps({'stage': 'forecast', 'seconds': seconds, 'version': version, 'lacks': lacks})}")
+        self._steps, self._first = steps, self._first or (now, steps)
+        if now - self._last < _SECONDS_BETWEEN_LINES:
+            return
+        self._last = now
+        left, timed, done = self._expected.left(steps), now - self._first[0], self._before + steps
+        self._write_progress(
+            stage=stage,
+            attempt=self._attempt,
+            fraction=done / (done + left),
+            seconds_left=left * timed / (steps - self._first[1]) if timed >= _SECONDS_TIMED else None,
+            is_late=steps >= self._expected.usual,
+            settlement=settlement,
+            reaction=reaction,
+        )
 
     def done(self, status: str) -> None:
         """Write the last line."""
         self._write(f"done {status}")
+
+    def _write_progress(self, **report: Any) -> None:
+        self._write(f"progress {json.dumps(report)}")
 
     def _write(self, line: str) -> None:
         self._stream.write(line + "\n")
@@ -118,16 +142,16 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     defer_console()
     from yade import config  # noqa: PLC0415
 
-    from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts import attempts, bodies, expected_steps, protocol, recorder, run_fields  # noqa: PLC0415
     from yade_scripts.contacts import faces, near_faces  # noqa: PLC0415
 
     _remove_scratch_folder()
-    seconds = settings.STEP_SECONDS * len(problem.position) * settings.steps_to_plateau(derived)
-    reporter.forecast(seconds, config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
+    reporter.loaded(config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
 
     def attempt(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
         model = bodies.build(one, left, "watch()", "pull()", "calm()")
+        reporter.attempt(expected_steps.expected_steps(one, chosen, chosen.speed / derived.speed))
         made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near)
         _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()

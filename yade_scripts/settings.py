@@ -35,7 +35,6 @@ OF_LARGE = {"stop_uncertainty": 0.005, "travel_periods": 0.5 * TRAVEL_PERIODS}
 OF_LARGE_CALMED = {"swing_damping": SWING_DAMPING, "damping_ratio": 0.1}
 CRITICAL = 1.0  # damping ratio after a run that rattled although its swing was damped; steps are then a third as long as with 0.3
 SWAY_SHARE = 0.2  # a run takes at least as many periods of the sideways swing, over those of the sag
-STEP_SECONDS = 4e-7  # of a time step per contact point: 2.5e-7 for hundreds of points, which fit the processor's cache, 5e-7 for thousands
 ROWS = 1200  # of the record over the full travel, more for stiffer joints
 RAMP_SHARE = 0.04  # of the travel is covered while the support speeds up
 

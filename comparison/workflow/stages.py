@@ -101,10 +101,11 @@ def yade_stage(
         installation = locate_yade()
 
         def hear(report: dict[str, Any]) -> None:
-            if report.get("stage") == "forecast":  # it comes when YADE has loaded
+            if report.get("stage") == "loaded":
                 yade = Yade(installation.python, installation.modules, str(report.get("version")), tuple(report.get("lacks") or ()))
                 caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
+                return
             listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
 
         run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)

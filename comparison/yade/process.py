@@ -204,8 +204,8 @@ def run_yade(
     time_limit : float
         Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
     progress : callable
-        Receives each progress report: stage, fraction, settlement, reaction and message by name; once, as stage "forecast", the seconds,
-        YADE's version and what its build lacks.
+        Receives each progress report: first, as stage "loaded", YADE's version and what its build lacks; then stage, attempt, fraction of
+        the expected work, seconds_left (None while unknown), is_late (no plateau where one was expected), settlement and reaction by name.
     started : callable
         Called once YADE's process has started; a thread that it starts runs while YADE loads.
     """

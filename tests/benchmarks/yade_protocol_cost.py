@@ -27,6 +27,7 @@ sys.path.append(run_case.find_yade())
 from la_core import exchange  # noqa: E402
 from yade_scripts import attempts, bodies, case, driving, protocol, recorder, settings  # noqa: E402
 from yade_scripts.contacts import near_faces  # noqa: E402
+from yade_scripts.expected_steps import expected_steps  # noqa: E402
 
 
 @dataclass
@@ -54,7 +55,9 @@ class Watched(protocol.Protocol):
 def driven(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
     """A run by the protocol, progress and all, and its seconds without those of building the model."""
     model = bodies.build(one, chosen, "watch()", calm="calm()")
-    run = Watched(one, chosen, model, recorder.Record(one, model), run_case.Reporter(stream).progress, near)
+    reporter = run_case.Reporter(stream)
+    reporter.attempt(expected_steps(one, chosen, 1.0))
+    run = Watched(one, chosen, model, recorder.Record(one, model), reporter.progress, near)
     sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
     run.run()

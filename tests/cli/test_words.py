@@ -3,6 +3,7 @@
 import io
 import json
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -177,25 +178,41 @@ def test_without_a_browser_a_pdf_is_refused_in_one_line(
     assert message.count("\n") == 1 and "Chromium" in message and "report.html" in message
 
 
+def test_a_long_run_is_announced_with_its_time_and_so_is_each_further_attempt() -> None:
+    console = Console(file=io.StringIO(), width=200)
+    with Narration(console) as narration:
+        for attempt, seconds in ((1, None), (1, 245.0), (1, 240.0), (2, 30.0), (3, 7500.0)):
+            narration._spoke = time.monotonic()  # nothing but announcements
+            narration.progress("wall", {"stage": "gravity", "attempt": attempt, "fraction": 0.1, "seconds_left": seconds})
+        narration.stage("wall", "YADE", "running again")
+        narration.progress("wall", {"stage": "gravity", "attempt": 1, "fraction": 0.1, "seconds_left": 90.0})
+    assert console.file.getvalue().splitlines() == [  # type: ignore[attr-defined]
+        "wall: YADE: about 4:05 min to a plateau, longer if the blocks stick and slip",
+        "wall: YADE: attempt 3: about 2 h 05 min to a plateau",
+        "wall: YADE: running again",
+        "wall: YADE: about 1:30 min to a plateau, longer if the blocks stick and slip",
+    ]
+
+
+def test_a_run_that_is_late_says_so() -> None:
+    console = Console(file=io.StringIO(), width=200)
+    settling = {"stage": "settlement", "attempt": 2, "fraction": 0.5, "settlement": 1e-4, "reaction": 50.0, "unit": "mm"}
+    with Narration(console) as narration:
+        for more in ({"seconds_left": 61.0}, {"seconds_left": 65.0, "is_late": True}, {"is_late": True}):
+            narration._spoke = -1e9
+            narration._announced["wall"] = 2
+            narration.progress("wall", settling | more)
+    here = "wall: YADE: attempt 2: 50 %, moved 0.100 mm, reaction 50 N"
+    lines = [f"{here}, about 1:01 min left", f"{here}, no plateau yet, up to 1:05 min"]
+    assert console.file.getvalue().splitlines() == [*lines, f"{here}, no plateau yet"]  # type: ignore[attr-defined]
+
+
 def test_progress_says_the_share_that_is_done_its_units_and_the_last_case() -> None:
     console = Console(file=io.StringIO(), width=200)
     with Narration(console) as narration:
         narration._spoke = -1e9
         narration.progress("wall", {"stage": "settlement", "fraction": 0.25, "settlement": 1e-4, "reaction": 1986.3, "unit": "mm"})
     assert console.file.getvalue() == "wall: YADE: 25 %, moved 0.100 mm, reaction 1986.3 N\n"  # type: ignore[attr-defined]
-    console = Console(file=io.StringIO(), width=200)
-    with Narration(console) as narration:
-        for stage in ("gravity", "settlement", "gravity"):
-            narration._spoke = -1e9
-            narration.progress("wall", {"stage": stage})
-    console_of_long = Console(file=io.StringIO(), width=200)
-    with Narration(console_of_long) as narration:
-        for seconds in (30.0, 245.0, 7500.0):
-            narration.progress("wall", {"stage": "forecast", "seconds": seconds})
-    announced = console_of_long.file.getvalue().splitlines()  # type: ignore[attr-defined]
-    assert [line.split(" to a plateau")[0] for line in announced] == ["wall: YADE: about 4:05 min", "wall: YADE: about 2 h 05 min"]
-    resting = [line for line in console.file.getvalue().splitlines() if "rest" in line]  # type: ignore[attr-defined]
-    assert resting == ["wall: YADE: coming to rest under gravity", "wall: YADE: another attempt, coming to rest under gravity"]
     console = Console(file=io.StringIO(), width=200)
     with CampaignNarration(console, "sweep") as narration:
         narration.opens(1, 1, 0)

@@ -35,7 +35,7 @@ def main() -> int:
 
     run_case.Reporter.progress = count
     if moment == LOADED:
-        run_case.Reporter.forecast = die
+        run_case.Reporter.loaded = die
     if moment == WRITTEN:
         Path.replace = die  # type: ignore[assignment]
     del sys.argv[:2]

@@ -24,9 +24,17 @@ from la_core.coulomb import CoulombSolution
 from la_core.exchange import PLATEAU_SHARE
 from la_core.scene import Scene, same_structure
 from yade_scripts import case, settings
+from yade_scripts.expected_steps import expected_steps
 from yade_scripts.plateau import STARTS
 
 PARTS = ("scatter", "fit", "rate", "stiffness")
+
+
+def case_of(path: Path) -> case.Case:
+    """Return the case of a case file, with its live load where it has one."""
+    optional = (exchange.LIVE_DIRECTION, *exchange.LOAD_FIELDS)
+    held = [field for field in optional if exchange.holds(path, field.path)]
+    return case.from_fields(exchange.read(path, (*exchange.CASE_FIELDS, exchange.SWAY, *held)))
 
 
 def by_both_methods(scene: Scene, folder: Path) -> tuple[Run, CoulombSolution]:
@@ -45,11 +53,21 @@ def test_the_stated_uncertainty_is_that_of_its_parts(name: str, cross_checked: C
     assert result.uncertainty == pytest.approx(sum(parts))
 
 
-@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third"])
+@pytest.mark.parametrize("name", ["two_pads", "arch_spreading", "wall_third", "ferris_tin_loi_1"])
 def test_the_steps_of_a_run_are_foretold_within_a_factor_of_two(name: str, cross_checked: Callable[[str], CrossChecked]) -> None:
-    run = cross_checked(name).run
-    foretold = settings.steps_to_plateau(settings.Settings(**run.settings))
-    assert 0.5 * foretold <= run.result["steps"] <= 2.0 * foretold
+    checked = cross_checked(name)
+    one, chosen = case_of(checked.folder / "case.h5"), settings.Settings(**checked.run.settings)
+    pace = chosen.quick_speed
+    assert pace > 1.0, "a quick attempt comes first"
+    foretold = expected_steps(one, replace(chosen, speed=pace * chosen.speed, ramp_time=chosen.ramp_time / pace), pace)
+    assert 0.5 * checked.run.result["steps"] <= foretold.left(0) <= 2.0 * checked.run.result["steps"]
+    alone = expected_steps(one, chosen, 1.0)
+    assert alone.later == 0.0 and alone.usual == pytest.approx(foretold.later), "the attempt at the run's own speed"
+    assert foretold.left(1) == pytest.approx(foretold.left(0) - 1.0)
+    late = math.ceil(foretold.usual)
+    assert foretold.left(late) == pytest.approx(foretold.most - late + foretold.later), (
+        "without a plateau by then, the travel goes on to its end"
+    )
 
 
 @pytest.mark.parametrize("name", ["arch_spreading", "wall_third"])

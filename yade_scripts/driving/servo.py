@@ -94,10 +94,9 @@ class Servo:
             self._weights = masses / masses.sum()
         self._places, self._window_began = places, elapsed
 
-    @property
-    def loading_time(self) -> float:
-        """Time to the largest multiplier while the blocks stand, s."""
-        return LARGEST_MULTIPLIER / (self.spring * self.speed)
+    def loading_time(self, multiplier: float = LARGEST_MULTIPLIER) -> float:
+        """Return the time to a multiplier while the blocks stand, s."""
+        return multiplier / (self.spring * self.speed)
 
     def start(self, blocks: LoadedBlocks) -> None:
         """Measure motions from here."""

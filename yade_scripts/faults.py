@@ -1,11 +1,16 @@
-"""Runs that are lost: unstable, fallen, or out of time."""
+"""What can be wrong with a run: it is lost, because it is unstable, has fallen or is out of time; or its blocks rattle.
+
+Blocks that rattle have larger unbalanced forces than those of a quasi-static motion.
+"""
 
 import math
 import time
 
+from la_core.exchange import JUMP
+from yade_scripts import plateau
 from yade_scripts.case import Case
-from yade_scripts.recorder import GRAVITY, Row, Status
-from yade_scripts.settings import Settings
+from yade_scripts.recorder import GRAVITY, Record, Row, Status
+from yade_scripts.settings import Settings, rattling_of
 
 
 def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Status, str] | None:
@@ -19,3 +24,17 @@ def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Sta
     if time.monotonic() - began > settings.time_limit:
         return Status.TIMEOUT, f"time limit of {settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}"
     return None
+
+
+def jumps(case: Case, settings: Settings, record: Record) -> bool:
+    """Return whether a block has jumped."""
+    return record.jumps(JUMP * _allowed(case, settings, record))
+
+
+def rattles(case: Case, settings: Settings, record: Record) -> bool:
+    """Return whether blocks jump on the way to the plateau or on it, or rattle on the mean."""
+    return jumps(case, settings, record) or record.rattles(plateau.STARTS[0], _allowed(case, settings, record))
+
+
+def _allowed(case: Case, settings: Settings, record: Record) -> float:
+    return rattling_of(case, settings, record.rows[-1].reaction)
