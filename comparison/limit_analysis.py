@@ -20,7 +20,7 @@ class Listener(AnalysisListener, Protocol):
         """Receive that a stage of a scene began, was found cached, or ended unusually; state: as one phrase."""
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Receive a progress report of YADE: stage, fraction, settlement, reaction, message and unit by name."""
+        """Receive a progress report of YADE, as `comparison.yade.run_yade` describes it, with unit and quantity of the scene."""
 
 
 def limit_analysis_stage(model: StructuralModel, folder: Path, listener: Listener) -> tuple[LimitAnalysis, str]:

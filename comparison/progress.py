@@ -15,7 +15,7 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene, tilt_angles
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
-LONG = 60.0  # s: a run that takes longer is announced with its time
+LONG = 60.0  # s: a run of YADE with as much time left is announced, attempt by attempt
 LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
 BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
@@ -60,12 +60,11 @@ class Narration(_Bars):
         self._tasks: dict[str, TaskID] = {}
         self._analysed: Scene | None = None
         self._pace = _Pace()
-        self._announced: dict[str, int] = {}  # attempts of YADE whose time was known, by scene
+        self._announced: dict[str, int] = {}  # last attempt of YADE that was announced, by scene
 
     def stage(self, scene: str, stage: str, state: str) -> None:
         """Print that a stage began, was found cached or ended badly."""
         self._say(f"{scene}: {stage}: {state}")
-        self._announced.pop(scene, None)
         self._end_bar(scene)
 
     def bounds(self, analysis: LimitAnalysis) -> None:
@@ -88,22 +87,22 @@ class Narration(_Bars):
             self.fraction(scene.name, share, f"{which}: {100.0 * share:.0f} %, {value_words(scene, report.value)}{left}")
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Show the progress of a running YADE case; an attempt that takes long is announced with its time, once that is known.
+        """Show the progress of a running YADE case; an attempt that is expected to take long is announced.
 
         report: as YADE's process wrote it.
         """
-        attempt, seconds = int(report.get("attempt") or 1), report.get("seconds_left")
-        is_late, share = bool(report.get("is_late")), float(report.get("fraction") or 0.0)
-        if seconds is not None and attempt > self._announced.get(scene, 0):
+        if report.get("stage") == "loaded":
+            self._announced.pop(scene, None)
+            return
+        attempt, seconds, share = int(report.get("attempt") or 1), report.get("seconds_left"), float(report.get("fraction") or 0.0)
+        which = f"attempt {attempt}, " if attempt > 1 else ""
+        late = "no plateau yet, " if report.get("is_late") else ""
+        if seconds is not None and seconds >= LONG and attempt > self._announced.get(scene, 0):
             self._announced[scene] = attempt
-            if seconds >= LONG and not is_late:
-                longer = ", longer if the blocks stick and slip" if attempt == 1 else ""
-                self._say(f"{scene}: YADE: {_attempt_words(attempt)}{time_words(seconds)} to a plateau{longer}")
-        left = "" if seconds is None else _time_left(seconds)
-        if is_late:
-            left = ", no plateau yet" + ("" if seconds is None else f", up to {time_words(seconds).removeprefix('about ')}")
+            self._say(f"{scene}: YADE: {which}{late}{_announcement(seconds, report.get('seconds_to_limit'))}")
         done = f"{100.0 * share:.0f} %, " if share > 0.0 else ""
-        self.fraction(scene, share, f"YADE: {_attempt_words(attempt)}{done}{_state(report)}{left}")
+        left = "" if seconds is None else _time_left(seconds)
+        self.fraction(scene, share, f"YADE: {done}{which}{late}{_state(report)}{left}")
 
     def fraction(self, scene: str, fraction: float, state: str) -> None:
         """Move the bar of a scene's long work; without a terminal, print a line every few seconds.
@@ -223,8 +222,10 @@ def value_words(scene: Scene, value: float) -> str:
     return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}"
 
 
-def _attempt_words(attempt: int) -> str:
-    return f"attempt {attempt}: " if attempt > 1 else ""
+def _announcement(seconds: float, limit: float | None) -> str:
+    """Return how long a run still takes, and whether its time limit ends it before; both s from now."""
+    words = f"{time_words(seconds)} to a plateau, longer if the blocks stick and slip"
+    return words if limit is None or seconds < limit else f"{words}; its time limit ends the run in {time_words(limit)}"
 
 
 def _state(report: dict[str, Any]) -> str:

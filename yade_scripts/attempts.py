@@ -65,39 +65,39 @@ class WithoutSearch:
     Parameters
     ----------
     run : callable
-        Makes one attempt with given settings; with faces near the spheres it ends where one of them may be met.
+        Makes one attempt with given settings and pace; with faces near the spheres it ends where one of them may be met.
     """
 
-    def __init__(self, run: Callable[[Case, Settings, NearFaces | None], Protocol]) -> None:
+    def __init__(self, run: Callable[[Case, Settings, float, NearFaces | None], Protocol]) -> None:
         self._run, self._searches = run, False
 
-    def __call__(self, case: Case, settings: Settings) -> Protocol:
-        """Make one attempt, a second time where it needs the search."""
+    def __call__(self, case: Case, settings: Settings, pace: float) -> Protocol:
+        """Make one attempt, a second time where it needs the search. pace: its speed over that of the run."""
         if case.displacement == "small":
-            return self._run(case, settings, None)
+            return self._run(case, settings, pace, None)
         dropped = 0
         if all(box is not None for box in case.boxes) and is_long(case):
             self._searches = True  # among boxes the search costs a fifth of a step, and an attempt in vain would take minutes
         if not self._searches:
-            made = self._run(replace(case, displacement="small"), settings, NearFaces(case, settings))
+            made = self._run(replace(case, displacement="small"), settings, pace, NearFaces(case, settings))
             if not made.met_face:
                 return made
             self._searches, dropped = True, made.steps
         # The stable step is that of the listed contacts. A block that meets another one swings faster.
-        made = self._run(case, replace(settings, settling_step=min(settings.settling_step, settings.time_step)), None)
+        made = self._run(case, replace(settings, settling_step=min(settings.settling_step, settings.time_step)), pace, None)
         made.dropped_steps = dropped
         made.message += "; YADE looked for new contacts"
         return made
 
 
-def make(case: Case, derived: Settings, run: Callable[[Case, Settings], Protocol]) -> Attempts:
-    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings."""
+def make(case: Case, derived: Settings, run: Callable[[Case, Settings, float], Protocol]) -> Attempts:
+    """Make the attempts of a case. derived: its settings; run: makes one attempt with given settings and pace, its speed over the run's."""
     large = is_large(case)  # once for all attempts: more damping makes more steps
     if large and derived.swing_damping > 0.0:  # it keeps its dashpots
         case = replace(case, overrides=case.overrides | {"damping_ratio": derived.damping_ratio})
     plan, before, steps, history = Plan(derived.quick_speed or 1.0), None, 0, ""
     while True:
-        attempt = run(case, settings_of(case, derived, plan, large))
+        attempt = run(case, settings_of(case, derived, plan, large), plan.pace)
         steps += attempt.steps + attempt.dropped_steps
         outcome = _with_rate(attempt, before)
         again = _next(attempt, outcome, plan, steps)

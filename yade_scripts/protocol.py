@@ -24,7 +24,7 @@ GRAVITY_ROWS = 2000  # of the longest gravity stage
 FIRST_POSE = 1.0 / 32.0  # of the distance between stored states, less for stiffer joints: forces change most as joints lose their strain
 EARLY_POSES = 32  # between the joints' loss of strain and the first settlement at which the run may stop
 LATE_POSES = 0.1  # of the way so far: largest distance between states from there on, so that a plateau holds several
-Progress = Callable[[str, int, float, float], None]  # stage, time steps of the run so far, settlement, reaction
+Progress = Callable[[str, int, float, float], None]  # stage, time steps of the attempt so far, settlement, reaction
 
 
 @dataclass
@@ -42,7 +42,7 @@ class Protocol:
     record : Record
         Rows and poses so far.
     progress : callable
-        Receives stage, time steps so far, settlement and reaction of each row.
+        Receives stage, time steps of the attempt so far, settlement and reaction of each row.
     near : NearFaces or None
         Faces near the spheres that they do not touch: the run ends where one of them may be met. None where YADE looks for new contacts.
     met_face : bool

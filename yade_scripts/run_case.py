@@ -83,32 +83,36 @@ class Reporter:
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
         self._last = -_SECONDS_BETWEEN_LINES
-        self._attempt, self._before, self._steps = 0, 0, 0  # number, time steps of the attempts before, time steps of this one
+        self._attempt, self._before, self._steps = 0, 0, 0  # number; time steps of the attempts before, and of this one
+        self._rested = 0  # time steps of this attempt under gravity
         self._first: tuple[float, int] | None = None  # when this attempt's first row came, and its steps by then
 
     def loaded(self, version: str, lacks: list[str]) -> None:
         """Write YADE's version, and the optional names that its build lacks."""
         self._write_progress(stage="loaded", version=version, lacks=lacks)
 
-    def attempt(self, steps: "AttemptSteps") -> None:
-        """Begin an attempt, which is expected to take so many steps."""
-        self._attempt, self._before, self._steps = self._attempt + 1, self._before + self._steps, 0
-        self._expected, self._first = steps, None
+    def attempt(self, steps: "AttemptSteps", seconds: float) -> None:
+        """Begin an attempt, which is expected to take so many steps; its time limit ends it after so many seconds."""
+        self._attempt, self._before, self._steps, self._rested = self._attempt + 1, self._before + self._steps, 0, 0
+        self._expected, self._first, self._limit = steps, None, time.monotonic() + seconds
 
     def progress(self, stage: str, steps: int, settlement: float, reaction: float) -> None:
         """Write one progress line unless the last one is too recent; steps: of this attempt so far."""
         now = time.monotonic()
         self._steps, self._first = steps, self._first or (now, steps)
+        if stage == "gravity":
+            self._rested = steps
         if now - self._last < _SECONDS_BETWEEN_LINES:
             return
         self._last = now
-        left, timed, done = self._expected.left(steps), now - self._first[0], self._before + steps
+        left, timed, done = self._expected.left(self._rested, steps - self._rested), now - self._first[0], self._before + steps
         self._write_progress(
             stage=stage,
             attempt=self._attempt,
             fraction=done / (done + left),
             seconds_left=left * timed / (steps - self._first[1]) if timed >= _SECONDS_TIMED else None,
-            is_late=steps >= self._expected.usual,
+            seconds_to_limit=self._limit - now,
+            is_late=self._expected.is_late(steps - self._rested),
             settlement=settlement,
             reaction=reaction,
         )
@@ -148,10 +152,10 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     _remove_scratch_folder()
     reporter.loaded(config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
 
-    def attempt(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None) -> protocol.Protocol:
+    def attempt(one: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
         model = bodies.build(one, left, "watch()", "pull()", "calm()")
-        reporter.attempt(expected_steps.expected_steps(one, chosen, chosen.speed / derived.speed))
+        reporter.attempt(expected_steps.expected_steps(one, chosen, pace), left.time_limit)
         made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near)
         _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()

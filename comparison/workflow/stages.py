@@ -105,7 +105,6 @@ def yade_stage(
                 yade = Yade(installation.python, installation.modules, str(report.get("version")), tuple(report.get("lacks") or ()))
                 caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
-                return
             listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
 
         run_yade(installation, folder, inputs, time_limit, hear, _load_drawing)

@@ -204,8 +204,9 @@ def run_yade(
     time_limit : float
         Time limit, s of wall time; YADE keeps it and is killed GRACE seconds after it.
     progress : callable
-        Receives each progress report: first, as stage "loaded", YADE's version and what its build lacks; then stage, attempt, fraction of
-        the expected work, seconds_left (None while unknown), is_late (no plateau where one was expected), settlement and reaction by name.
+        Receives each progress report by name: first, as stage "loaded", YADE's version and what its build lacks; then stage, attempt,
+        fraction of the run's expected work, seconds_left (None while unknown), seconds_to_limit, is_late (a plateau was expected
+        before), settlement and reaction.
     started : callable
         Called once YADE's process has started; a thread that it starts runs while YADE loads.
     """

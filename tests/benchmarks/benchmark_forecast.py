@@ -28,27 +28,27 @@ class Watch(Narration):
     Attributes
     ----------
     stated : dict of int to (float, float)
-        By attempt: when it first stated a time, and the end that follows from it; s after the start.
+        By attempt: when it first stated a time, and the end that follows from it; s after YADE has loaded.
     ended : float
-        When the last report came, s after the start; a run ends at most about a quarter of a second later.
+        When the last report came, s after YADE has loaded; a run ends about a quarter of a second later at most.
     attempts : int
         Number of attempts.
     """
 
     def __init__(self) -> None:
         super().__init__(Console(stderr=True, quiet=True))
-        self.stated: dict[int, tuple[float, float]] = {}
-        self.ended, self.attempts, self._began = 0.0, 0, 0.0
+        self._start()
 
-    def stage(self, scene: str, stage: str, state: str) -> None:
-        """Begin again with the last run: a scene may be run again with other settings."""
-        super().stage(scene, stage, state)
-        if stage == "YADE" and state.startswith("running"):
-            self._began, self.stated = time.monotonic(), {}
+    def _start(self) -> None:
+        self.stated: dict[int, tuple[float, float]] = {}
+        self.ended, self.attempts, self._began = 0.0, 0, time.monotonic()
 
     def progress(self, scene: str, report: dict[str, Any]) -> None:
-        """Keep what the report states."""
+        """Keep what the report states; a scene may be run again with other settings, and the last run counts."""
         super().progress(scene, report)
+        if report["stage"] == "loaded":
+            self._start()
+            return
         self.ended, self.attempts = time.monotonic() - self._began, report["attempt"]
         if report["seconds_left"] is not None:
             self.stated.setdefault(self.attempts, (self.ended, self.ended + report["seconds_left"]))
@@ -83,10 +83,10 @@ def main() -> None:
         shown = ("" if ratio is None else f"{ratio:.2f}" for ratio in (runs[-1], lasts[-1]))
         table.add_row(scene.name, str(int(scene.blocks.free.sum())), f"{watch.ended:.3g}", str(watch.attempts), *shown)
     Console().print(table)
-    for name, ratios in (("the run", runs), ("the last attempt", lasts)):
+    for name, ratios in (("run", runs), ("last attempt", lasts)):
         stated = [ratio for ratio in ratios if ratio is not None]
         near = sum(0.5 <= ratio <= 2.0 for ratio in stated)
-        print(f"{name}: {near} of {len(stated)} forecasts within a factor of two")
+        print(f"{name}: {near} of {len(stated)} forecasts within a factor of two, {len(ratios) - len(stated)} ended before they stated one")
 
 
 if __name__ == "__main__":

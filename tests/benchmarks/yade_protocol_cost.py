@@ -52,11 +52,11 @@ class Watched(protocol.Protocol):
         self.watching += time.process_time() - began
 
 
-def driven(one: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
-    """A run by the protocol, progress and all, and its seconds without those of building the model."""
+def driven(one: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None, stream) -> tuple[Watched, float]:
+    """A run by the protocol, progress and all, and its seconds without those of building the model. pace: its speed over the run's."""
     model = bodies.build(one, chosen, "watch()", calm="calm()")
     reporter = run_case.Reporter(stream)
-    reporter.attempt(expected_steps(one, chosen, 1.0))
+    reporter.attempt(expected_steps(one, chosen, pace), chosen.time_limit)
     run = Watched(one, chosen, model, recorder.Record(one, model), reporter.progress, near)
     sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     began = time.process_time()
@@ -91,8 +91,8 @@ def verdict(path: Path) -> dict:
     seconds, watching = [], []
     with Path(os.devnull).open("w") as nowhere:
 
-        def attempt(changed: case.Case, chosen: settings.Settings, near: near_faces.NearFaces | None) -> Watched:
-            run, spent = driven(changed, chosen, near, nowhere)
+        def attempt(changed: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None) -> Watched:
+            run, spent = driven(changed, chosen, pace, near, nowhere)
             seconds.append(spent)
             watching.append(run.watching)
             return run

@@ -1,15 +1,19 @@
 """Manners of the command line: help where nothing is asked, guesses for slips, the width of the terminal, either folder of results."""
 
 import io
+import itertools
 import json
 import shutil
-import time
+from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from rich.console import Console
 from rich.table import Table
 
+from comparison import progress
 from comparison.cli import tables
 from comparison.cli.commands import main
 from comparison.cli.context import PIPE_WIDTH, _results_console
@@ -178,33 +182,48 @@ def test_without_a_browser_a_pdf_is_refused_in_one_line(
     assert message.count("\n") == 1 and "Chromium" in message and "report.html" in message
 
 
-def test_a_long_run_is_announced_with_its_time_and_so_is_each_further_attempt() -> None:
+def narrated(monkeypatch: pytest.MonkeyPatch, reports: Sequence[dict[str, Any]], *, all_lines: bool) -> list[str]:
+    """Return the lines that reports of a wall's run give, all of them or the announcements alone."""
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=itertools.count(step=100 if all_lines else 0).__next__))
     console = Console(file=io.StringIO(), width=200)
     with Narration(console) as narration:
-        for attempt, seconds in ((1, None), (1, 245.0), (1, 240.0), (2, 30.0), (3, 7500.0)):
-            narration._spoke = time.monotonic()  # nothing but announcements
-            narration.progress("wall", {"stage": "gravity", "attempt": attempt, "fraction": 0.1, "seconds_left": seconds})
-        narration.stage("wall", "YADE", "running again")
-        narration.progress("wall", {"stage": "gravity", "attempt": 1, "fraction": 0.1, "seconds_left": 90.0})
-    assert console.file.getvalue().splitlines() == [  # type: ignore[attr-defined]
-        "wall: YADE: about 4:05 min to a plateau, longer if the blocks stick and slip",
-        "wall: YADE: attempt 3: about 2 h 05 min to a plateau",
-        "wall: YADE: running again",
-        "wall: YADE: about 1:30 min to a plateau, longer if the blocks stick and slip",
-    ]
+        for report in reports:
+            narration.progress("wall", report)
+    return str(console.file.getvalue()).splitlines()  # type: ignore[attr-defined]
 
 
-def test_a_run_that_is_late_says_so() -> None:
-    console = Console(file=io.StringIO(), width=200)
+def test_a_long_run_is_announced_with_its_time_and_so_is_each_further_attempt(monkeypatch: pytest.MonkeyPatch) -> None:
+    heard = (
+        (1, None, False),
+        (1, 50.0, False),
+        (1, 245.0, False),
+        (1, 240.0, False),
+        (2, 30.0, False),
+        (2, 120.0, True),
+        (1, 300.0, False),
+    )
+    reports = [{"stage": "gravity", "attempt": number, "seconds_left": left, "is_late": late} for number, left, late in heard]
+    lines = narrated(monkeypatch, [*reports, {"stage": "loaded"}, *reports[2:3]], all_lines=False)
+    first = "wall: YADE: about 4:05 min to a plateau, longer if the blocks stick and slip"
+    late = "wall: YADE: attempt 2, no plateau yet, about 2:00 min to a plateau, longer if the blocks stick and slip"
+    assert lines == [first, late, first], "once for each attempt, and again for a run that loads YADE again"
+
+
+def test_a_run_that_its_time_limit_will_end_is_announced_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    within, beyond = ({"stage": "gravity", "seconds_left": 7500.0, "seconds_to_limit": limit} for limit in (8000.0, 3600.0))
+    words = "wall: YADE: about 2 h 05 min to a plateau, longer if the blocks stick and slip"
+    assert narrated(monkeypatch, [within], all_lines=False) == [words]
+    assert narrated(monkeypatch, [beyond], all_lines=False) == [f"{words}; its time limit ends the run in about 1 h 00 min"]
+
+
+def test_lines_of_a_run_say_attempt_lateness_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
     settling = {"stage": "settlement", "attempt": 2, "fraction": 0.5, "settlement": 1e-4, "reaction": 50.0, "unit": "mm"}
-    with Narration(console) as narration:
-        for more in ({"seconds_left": 61.0}, {"seconds_left": 65.0, "is_late": True}, {"is_late": True}):
-            narration._spoke = -1e9
-            narration._announced["wall"] = 2
-            narration.progress("wall", settling | more)
-    here = "wall: YADE: attempt 2: 50 %, moved 0.100 mm, reaction 50 N"
-    lines = [f"{here}, about 1:01 min left", f"{here}, no plateau yet, up to 1:05 min"]
-    assert console.file.getvalue().splitlines() == [*lines, f"{here}, no plateau yet"]  # type: ignore[attr-defined]
+    more = ({"seconds_left": 41.0}, {"seconds_left": 45.0, "is_late": True}, {"stage": "gravity", "attempt": 1})
+    assert narrated(monkeypatch, [settling | one for one in more], all_lines=True) == [
+        "wall: YADE: 50 %, attempt 2, moved 0.100 mm, reaction 50 N, about 0:41 min left",
+        "wall: YADE: 50 %, attempt 2, no plateau yet, moved 0.100 mm, reaction 50 N, about 0:45 min left",
+        "wall: YADE: 50 %, coming to rest under gravity",
+    ]
 
 
 def test_progress_says_the_share_that_is_done_its_units_and_the_last_case() -> None:

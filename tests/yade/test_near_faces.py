@@ -163,17 +163,17 @@ from yade_scripts import attempts, case, run_case, settings
 path = Path({str(tmp_path / "case.h5")!r})
 one = case.from_fields(exchange.read(path, run_case.case_fields(path)))
 chosen, made = settings.derive(one), []
-def run(one, chosen, near):
+def run(one, chosen, pace, near):
     made.append((one.displacement, near is not None, chosen.settling_step))
     return SimpleNamespace(met_face=len(made) == 2, steps=10 * len(made), dropped_steps=0, message="m")
 attempt = attempts.WithoutSearch(run)
-results = [attempt(one, chosen) for _ in range(3)]
+results = [attempt(one, chosen, 1.0) for _ in range(3)]
 quick, careful = chosen.settling_step, chosen.time_step
 assert quick > careful
 assert made == [("small", True, quick), ("small", True, quick), ("finite", False, careful), ("finite", False, careful)]
 assert [(one.steps, one.dropped_steps) for one in results] == [(10, 0), (30, 20), (40, 0)]
 assert [one.message for one in results] == ["m", "m; YADE looked for new contacts", "m; YADE looked for new contacts"]
-assert attempt(dataclasses.replace(one, displacement="small"), chosen).message == "m" and made[-1] == ("small", False, quick)
+assert attempt(dataclasses.replace(one, displacement="small"), chosen, 1.0).message == "m" and made[-1] == ("small", False, quick)
 print("as told")
 """
     ended = subprocess.run([yade.python, "-s", "-c", statement], env=yade_environment(), capture_output=True, text=True, check=False)
