@@ -118,7 +118,7 @@ def measure(path: Path, rounds: int) -> dict:
     near = near_faces.NearFaces(one, chosen) if one.displacement == "finite" else None
     one = dataclasses.replace(one, displacement="small")  # as the attempts of a run begin
     with Path(os.devnull).open("w") as nowhere:
-        run, seconds = driven(one, chosen, near, nowhere)
+        run, seconds = driven(one, chosen, 1.0, near, nowhere)
         result = {
             "total": time.process_time(),  # of the whole process so far, loading YADE and building the model included
             "protocol": [seconds],
@@ -141,7 +141,7 @@ def measure(path: Path, rounds: int) -> dict:
         for _ in range(rounds):
             result["bare"].append(bare(first, steps, first.speeds))
             result["constant"].append(bare(first, steps, [constant]))
-            run, seconds = driven(one, chosen, near, nowhere)
+            run, seconds = driven(one, chosen, 1.0, near, nowhere)
             result["protocol"].append(seconds)
             result["watching"].append(run.watching)
     return result
