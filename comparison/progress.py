@@ -15,7 +15,7 @@ from la_core.limit import Drive, Status
 from la_core.scene import Scene, tilt_angles
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
-LONG = 60.0  # s: a run of YADE with as much time left is announced, attempt by attempt
+LONG = 60.0  # s: an attempt of YADE is announced once as much time is left
 LEAST_GAIN = 0.01  # share of a work: after less of it, the pace says little about the time left
 BAR_WIDTH = 16  # characters: the words beside it need the rest of 80
 
@@ -225,7 +225,9 @@ def value_words(scene: Scene, value: float) -> str:
 def _announcement(seconds: float, limit: float | None) -> str:
     """Return how long a run still takes, and whether its time limit ends it before; both s from now."""
     words = f"{time_words(seconds)} to a plateau, longer if the blocks stick and slip"
-    return words if limit is None or seconds < limit else f"{words}; its time limit ends the run in {time_words(limit)}"
+    if limit is None or seconds < limit:
+        return words
+    return f"{words}; its time limit ends the run in {time_words(limit)} (--time-limit, or time_limit in [yade], gives it more)"
 
 
 def _state(report: dict[str, Any]) -> str:

@@ -92,12 +92,15 @@ class Reporter:
         self._write_progress(stage="loaded", version=version, lacks=lacks)
 
     def attempt(self, steps: "AttemptSteps", seconds: float) -> None:
-        """Begin an attempt, which is expected to take so many steps; its time limit ends it after so many seconds."""
+        """Begin an attempt, which is expected to take so many steps; the time limit ends it after so many seconds."""
         self._attempt, self._before, self._steps, self._rested = self._attempt + 1, self._before + self._steps, 0, 0
         self._expected, self._first, self._limit = steps, None, time.monotonic() + seconds
 
     def progress(self, stage: str, steps: int, settlement: float, reaction: float) -> None:
-        """Write one progress line unless the last one is too recent; steps: of this attempt so far."""
+        """Write one progress line unless the last one is too recent.
+
+        steps: of this attempt so far. settlement: m or rad. reaction: N or N m, or the multiplier of a live load.
+        """
         now = time.monotonic()
         self._steps, self._first = steps, self._first or (now, steps)
         if stage == "gravity":
@@ -146,8 +149,9 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     defer_console()
     from yade import config  # noqa: PLC0415
 
-    from yade_scripts import attempts, bodies, expected_steps, protocol, recorder, run_fields  # noqa: PLC0415
+    from yade_scripts import attempts, bodies, protocol, recorder, run_fields  # noqa: PLC0415
     from yade_scripts.contacts import faces, near_faces  # noqa: PLC0415
+    from yade_scripts.expected_steps import expected_steps  # noqa: PLC0415
 
     _remove_scratch_folder()
     reporter.loaded(config.version, ["Polyhedra"] if faces.Polyhedra is None else [])
@@ -155,7 +159,7 @@ def run(options: argparse.Namespace, reporter: Reporter) -> None:
     def attempt(one: case.Case, chosen: settings.Settings, pace: float, near: near_faces.NearFaces | None) -> protocol.Protocol:
         left = dataclasses.replace(chosen, time_limit=max(limit - (time.monotonic() - began), 1e-3))
         model = bodies.build(one, left, "watch()", "pull()", "calm()")
-        reporter.attempt(expected_steps.expected_steps(one, chosen, pace), left.time_limit)
+        reporter.attempt(expected_steps(one, chosen, pace), left.time_limit)
         made = protocol.Protocol(one, left, model, recorder.Record(one, model), reporter.progress, near)
         _expose(watch=made.watch, pull=made.pull, calm=made.calm)
         made.run()

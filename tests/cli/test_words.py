@@ -213,7 +213,9 @@ def test_a_run_that_its_time_limit_will_end_is_announced_so(monkeypatch: pytest.
     within, beyond = ({"stage": "gravity", "seconds_left": 7500.0, "seconds_to_limit": limit} for limit in (8000.0, 3600.0))
     words = "wall: YADE: about 2 h 05 min to a plateau, longer if the blocks stick and slip"
     assert narrated(monkeypatch, [within], all_lines=False) == [words]
-    assert narrated(monkeypatch, [beyond], all_lines=False) == [f"{words}; its time limit ends the run in about 1 h 00 min"]
+    assert narrated(monkeypatch, [beyond], all_lines=False) == [
+        f"{words}; its time limit ends the run in about 1 h 00 min (--time-limit, or time_limit in [yade], gives it more)"
+    ]
 
 
 def test_lines_of_a_run_say_attempt_lateness_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
