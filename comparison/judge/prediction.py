@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from comparison.judge.curves import TWO_LEVELS, earlier_agreement
 from comparison.judge.mechanisms import ADMISSIBLE, SIMILAR, check_mechanism
 from comparison.judge.tolerances import (
     UNCERTAIN,
@@ -173,6 +174,8 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
         doubts += [("YADE's own state is in doubt.", SLOWER_RUN)] if state is not None and state.verdict is not Verdict.AGREE else []
         if known := [(doubt, step) for doubt, step in doubts if doubt]:
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
+        if before := earlier_agreement(results, value, tolerance):
+            return replace(check, reason=f"{check.reason} {before}", next_step=TWO_LEVELS)
     return check
 
 
@@ -210,7 +213,7 @@ def _jump(results: Results) -> tuple[str, str]:
     settlement, sizes = (results.recorded.settling(name) for name in ("settlement", "unbalanced"))
     if not len(sizes) or not sizes.max() > exchange.JUMP * unbalanced(results):
         return "", ""
-    place = f"{settlement[sizes.argmax()]:.3g} {results.scene.settlement_unit}"
+    place = f"{1e3 * settlement[sizes.argmax()]:.3g} {results.scene.settlement_unit}"
     jump = f"of {sizes.max():.2g} mean block weights at a settlement of {place}"
     return f"On YADE's way a block jumped (unbalanced force {jump}), and a jump by inertia may lead to another plateau.", SLOWER_RUN
 

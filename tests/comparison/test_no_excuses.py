@@ -55,8 +55,33 @@ def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_
     """A jump is an unbalanced force above half a block's weight; it may have led to another plateau."""
     run = coulomb_run(wall, reaction=factor * coulomb_of(wall).value)
     run.record.unbalanced[len(run.record) // 2] = jump
+    place = f"{1e3 * run.record.settlement[len(run.record) // 2]:.3g} mm"
     check = named(REACTION, judged(wall, run))
-    assert check.verdict == verdict and ("a block jumped" in check.reason) == (verdict == "inconclusive")
+    words = ("a block jumped", f"at a settlement of {place}")
+    assert check.verdict == verdict and [word in check.reason for word in words] == [verdict == "inconclusive"] * 2
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "level", "is_named"),
+    [(0.05, 0.2, 1.0, True), (0.05, 0.2, 1.004, True), (0.05, 0.2, 1.02, False), (0.05, 0.08, 1.0, False), (0.4, 0.9, 1.0, False)],
+)
+def test_a_plateau_after_one_at_the_prediction_contradicts_it_and_says_so(
+    wall: LimitAnalysis, begin: float, end: float, level: float, is_named: bool
+) -> None:
+    """The earlier level must last long enough for a plateau, lie before the later one and be within the tolerance.
+
+    begin, end: over the travel, whose later plateau begins at 0.3; level: over the prediction.
+    """
+    value = coulomb_of(wall).value
+    run = coulomb_run(wall, reaction=1.05 * value)
+    settlement = run.record.settlement / run.record.settlement[-1]
+    run.record.reaction[(settlement >= begin) & (settlement <= end)] = level * value
+    check = named(REACTION, judged(wall, run))
+    assert check.verdict is Verdict.DISAGREE
+    assert ("blocks that turn may release a thrust" in check.reason) == is_named == ("both levels" in check.next_step)
+    if is_named:
+        held = run.record.settlement[(settlement >= begin) & (settlement <= end)]
+        assert f"From {1e3 * held[0]:.3g} to {1e3 * held[-1]:.3g} mm, before its plateau, YADE agrees" in check.reason
 
 
 @pytest.mark.parametrize(("wedging", "rest", "verdict"), [(5e-5, 0.96, "inconclusive"), (5e-5, 1.0, "disagree"), (0.0, 0.96, "disagree")])
