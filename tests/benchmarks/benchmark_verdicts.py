@@ -1,9 +1,11 @@
 """A second opinion on the verdicts: random irregular scenes by both methods; agreements again, stiffer and slower, in one record and page.
 
-    python tests/benchmarks/benchmark_verdicts.py [--scenes 0-199] [--workers 2] [--try-harder] [--folder DIR] [--record FILE]
+    python tests/benchmarks/benchmark_verdicts.py [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder] [--folder DIR]
+        [--record FILE]
 
-Scenes and seed are those of verdict_scenes.py. What the record holds is not run again; a scene that was interrupted continues from the
-stages in its folder. `--page` writes the page from the record and runs nothing.
+Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--once` runs no agreement
+again. What the record holds is not run again; a scene that was interrupted continues from the stages in its folder. `--page` writes the
+page from the record and runs nothing.
 """
 
 import argparse
@@ -39,21 +41,22 @@ GOAL = 0.9  # share of agreements
 MOST_MOVED = 0.01  # share of reruns that may move by more than is stated
 LEAST = 0.01  # of the weight: smaller reactions are judged as if they were this large
 HEADINGS = ("scene", "blocks", "mu", "Coulomb R/W", "YADE R/W", "apart %", "verdict", "again: verdict", "moved / stated", "s")
+OF_SECOND_RUNS = slice(7, 9)  # columns
 
 
-def measured(number: int, folder: Path, harder: bool) -> dict[str, Any]:
+def measured(number: int, seed: int, folder: Path, once: bool, harder: bool) -> dict[str, Any]:
     """Return the entry of one scene: its first comparison, for an agreement its second one, and else what trying harder gives."""
-    scene_drawn = drawn(number)
+    scene_drawn = drawn(number, seed)
     scene = scene_drawn.scene
     with Narration(Console(stderr=True, quiet=True)) as narration:
         first = run_scene(scene, folder / scene.name, narration, with_yade=True, figures=_no_figures)
         entry = {"number": number, "kind": scene_drawn.kind, "motion": scene_drawn.motion, "friction": scene.friction} | values(first)
-        if first["verdict"] == "agree":
+        if first["verdict"] == "agree" and not once:
             changes = {"yade.stiffening": STIFFER * first["settings"]["stiffening"]} if first["yade"] else {}
             changes["yade.travel_periods"] = SLOWER * TRAVEL_PERIODS
             again = same_structure(scene, changes, f"{scene.name}_again")
             entry["again"] = values(run_scene(again, folder / again.name, narration, with_yade=True, figures=_no_figures))
-        elif harder and (second := try_harder(first, scene, folder, narration, with_yade=True)) is not None:
+        elif first["verdict"] != "agree" and harder and (second := try_harder(first, scene, folder, narration, with_yade=True)) is not None:
             entry["harder"] = values(second)
     return entry
 
@@ -105,17 +108,24 @@ def moved(entry: dict[str, Any], of_both: bool = False) -> float | None:
 def page(record: dict[str, Any]) -> str:
     """Return the page of a record."""
     entries = sorted(record["scenes"].values(), key=lambda entry: entry["number"])
-    rows = [_row(entry) for entry in entries]
+    seed, is_usual = record["seed"], record["seed"] == SEED
+    headings, rows = list(HEADINGS), [_row(entry) for entry in entries]
+    is_again = any("again" in entry for entry in entries)
+    if not is_again:
+        for columns in (headings, *rows):
+            del columns[OF_SECOND_RUNS]
+    second_runs = f"run again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed" if is_again else "not run again"
+    meaning = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
+    options = "" if is_usual else f" --seed {seed}{'' if is_again else ' --once'} --record FILE"
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
     parts = [
-        "# A second opinion on the verdicts",
-        f"Random irregular scenes by both methods, seed {record['seed']}: unequal blocks, leaning walls, inclined beds, lintels and "
+        "# A second opinion on the verdicts" + ("" if is_usual else f", seed {seed}"),
+        f"Random irregular scenes by both methods, seed {seed}: unequal blocks, leaning walls, inclined beds, lintels and "
         "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were "
-        f"run again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed. "
-        "Written by `python tests/benchmarks/benchmark_verdicts.py`.",
+        f"{second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
         sentences([*_conclusions(entries), *record.get("since", [])]),
-        "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states.",
-        table(HEADINGS, rows),
+        *([meaning] if is_again else []),
+        table(headings, rows),
         "## What stays open",
         table(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
         f"Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
@@ -163,6 +173,8 @@ def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
     near = [entry for entry in entries if _is_open(entry) and (difference := apart(entry)) is not None and difference <= NEAR]
     yield f"Inconclusive although the reactions agree within {NEAR:.1%}: {len(near)}."
     again = [entry for entry in entries if "again" in entry]
+    if not again:
+        return
     lost = [entry for entry in again if entry["again"]["verdict"] != "agree"]
     far = [entry for entry in again if (change := moved(entry)) is None or change > 1.0]
     apart_by_both = [entry for entry in again if (change := moved(entry, of_both=True)) is None or change > 1.0]
@@ -180,6 +192,8 @@ def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
 def main() -> None:
     """Run what the record lacks, and write record and page after every scene."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, default=SEED, help="of the scenes (default: that of verdict_scenes.py)")
+    parser.add_argument("--once", action="store_true", help="run no agreement again")
     parser.add_argument("--scenes", default=f"0-{SCENES - 1}", help="numbers, such as 0-199 or 3,17")
     parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--try-harder", action="store_true", help="try harder where a scene stays open")
@@ -188,15 +202,13 @@ def main() -> None:
     parser.add_argument("--page", action="store_true", help="write the page alone")
     options = parser.parse_args()
     stored = json.loads(options.record.read_text(encoding="utf-8")) if options.record.exists() else {}
-    record = {"seed": SEED, "versions": {}, "scenes": {}} | stored
-    if record["seed"] != SEED and not options.page:
-        parser.error(
-            f"{options.record} holds scenes of seed {record['seed']}, verdict_scenes.py draws those of {SEED}; name another record"
-        )
+    record = {"seed": options.seed, "versions": {}, "scenes": {}} | stored
+    if record["seed"] != options.seed and not options.page:
+        parser.error(f"{options.record} holds scenes of seed {record['seed']}, not of {options.seed}; name another file with --record")
     todo = [] if options.page else [number for number in numbers(options.scenes) if str(number) not in record["scenes"]]
     versions = describe()
     with ProcessPoolExecutor(options.workers) as pool:
-        jobs = {pool.submit(measured, number, options.folder, options.try_harder): number for number in todo}
+        jobs = {pool.submit(measured, number, options.seed, options.folder, options.once, options.try_harder): number for number in todo}
         for done, job in enumerate(as_completed(jobs), 1):
             if job.exception() is not None:
                 pool.shutdown(wait=False, cancel_futures=True)  # else a fault would show only after all other scenes

@@ -3,6 +3,7 @@
 import json
 import math
 from collections import Counter
+from pathlib import Path
 from typing import Any
 
 import benchmark_verdicts
@@ -11,6 +12,8 @@ from benchmark_verdicts import moved, numbers, page
 from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, drawn
 
 from la_core.model import assemble
+
+RECORDS = sorted(benchmark_verdicts.GALLERY.glob("*verdicts.json"))
 
 
 @pytest.mark.parametrize("number", [0, 21, 42, 63, 84, 119])
@@ -54,3 +57,33 @@ def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.Monk
     assert "Scenes that move by more: 1." in text and "In 1 of them" in text and "in 1 by more than both runs state" in text
     assert "at most 1%, 0 of them" in text
     assert "why 2" in text and "why 3" in text and "why 0" not in text
+
+
+def test_a_page_without_second_runs_does_not_speak_of_them() -> None:
+    entries = [entry(0, "agree", 0.1), entry(1, "disagree", 0.2)]
+    text = page({"seed": 7, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}})
+    assert (
+        text.startswith("# A second opinion on the verdicts, seed 7\n")
+        and "Agreements were not run again." in text
+        and "benchmark_verdicts.py --seed 7 --once --record FILE" in text
+    )
+    assert "again: verdict" not in text and "oved / stated" not in text and "ISO 13528" not in text
+    assert "| 1 wall, down | 12 | 0.500 | 0.1000 ± 0.0001 | 0.2000 ± 0.0001 | 50 | ✗ disagree | 2 |" in text
+
+
+@pytest.mark.parametrize("record", RECORDS, ids=lambda path: path.stem)
+def test_the_page_of_a_record_is_the_one_beside_it(record: Path) -> None:
+    assert page(json.loads(record.read_text(encoding="utf-8"))) == record.with_suffix(".md").read_text(encoding="utf-8")
+
+
+def test_a_record_holds_the_scenes_of_one_seed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    record = tmp_path / "record.json"
+    record.write_text(json.dumps({"seed": 7, "versions": {}, "scenes": {}}), encoding="utf-8")
+    monkeypatch.setattr("sys.argv", ["benchmark_verdicts.py", "--seed", "8", "--record", str(record)])
+    with pytest.raises(SystemExit, match="2"):
+        benchmark_verdicts.main()
+    assert "holds scenes of seed 7, not of 8; name another file with --record" in capsys.readouterr().err
+
+
+def test_other_seeds_have_other_scenes() -> None:
+    assert drawn(0, 7).scene.text != drawn(0).scene.text
