@@ -1,8 +1,8 @@
 """Compare the whole curves: the reaction that YADE records while the support moves, and that of the prediction's path.
 
 YADE's joints may be stiffer: only travel over sag counts, so the path is put to the settlement at which YADE's joints strain as much.
-The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first. Where the plateaus differ,
-YADE's curve may have been at the prediction before.
+The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first. Where YADE's plateau differs
+from the prediction, its curve may have been there before.
 """
 
 import dataclasses
@@ -15,7 +15,7 @@ import numpy as np
 from comparison.yade import Results
 from la_core.exchange import LATEST_START
 
-TWO_LEVELS = "Look at both levels in the figure of the reaction. Stiffer joints in YADE leave the first one sooner."
+LEAST_STRETCH = 0.2  # of the settlement at which the plateau begins: a shorter stretch at the prediction is not named
 
 
 @dataclass(frozen=True)
@@ -70,16 +70,18 @@ def earlier_agreement(results: Results, value: float, tolerance: float) -> str:
     """Return where YADE's reaction was within a tolerance of a predicted value before its plateau, as a sentence; "" where it was not.
 
     The longest stretch of the settlement counts. It must be long enough for a plateau, whose line begins at LATEST_START of its settlement
-    at the latest: a curve that passes the value mostly has no such stretch. value, tolerance: N, or N m; of a multiplier without unit.
+    at the latest. A steep curve has no such stretch; a slow one may have it although it only passes.
+
+    value, tolerance: N, or N m; of a multiplier without unit.
     """
-    run = results.recorded
+    scene, run = results.scene, results.recorded
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
     near = (np.abs(reaction - value) <= tolerance) & (settlement < run.result.plateau_start)
     edges = np.flatnonzero(np.diff(near, prepend=False, append=False))  # the first row of a stretch, and the first after it, in turn
     first, last = settlement[edges[::2]], settlement[edges[1::2] - 1]
-    length = np.where(first <= LATEST_START * last, last - first, 0.0)
-    if not length.any():
+    is_long = (first <= LATEST_START * last) & (last - first >= LEAST_STRETCH * run.result.plateau_start)
+    if not is_long.any():
         return ""
-    longest = int(np.argmax(length))
-    stretch = f"From {1e3 * first[longest]:.3g} to {1e3 * last[longest]:.3g} {results.scene.settlement_unit}"
-    return f"{stretch}, before its plateau, YADE agrees with the prediction: blocks that turn may release a thrust that friction held."
+    longest = int(np.argmax(np.where(is_long, last - first, 0.0)))
+    stretch = f"from {1e3 * first[longest]:.3g} to {1e3 * last[longest]:.3g} {scene.settlement_unit}"
+    return f"Before its plateau, {stretch}, YADE's {scene.quantity} was within the tolerance of the prediction."

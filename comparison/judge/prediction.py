@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from comparison.judge.curves import TWO_LEVELS, earlier_agreement
+from comparison.judge.curves import earlier_agreement
 from comparison.judge.mechanisms import ADMISSIBLE, SIMILAR, check_mechanism
 from comparison.judge.tolerances import (
     UNCERTAIN,
@@ -42,6 +42,8 @@ HARDER = "`crosscheck run --try-harder` does this."
 FINER_PATHS = f"Let limit analysis follow finer paths, the cheaper of the two methods to refine. {HARDER}"
 SLOWER_RUN = f"Run YADE slower ([yade] speed: half of what the report lists) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
+RESTS = "See in the figure whether the curve rests there. If so, turning blocks may release a thrust that friction held."
+TWO_LEVELS = f"{RESTS} Otherwise repeat both methods with finer settings. {HARDER}"
 INTERVAL = "Work with the interval of the mechanism: it holds for every history of friction."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the mechanism's interval: a small disturbance decides between them."
 
@@ -174,7 +176,7 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
         doubts += [("YADE's own state is in doubt.", SLOWER_RUN)] if state is not None and state.verdict is not Verdict.AGREE else []
         if known := [(doubt, step) for doubt, step in doubts if doubt]:
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
-        if before := earlier_agreement(results, value, tolerance):
+        if prediction.slides and (before := earlier_agreement(results, value, tolerance)):
             return replace(check, reason=f"{check.reason} {before}", next_step=TWO_LEVELS)
     return check
 

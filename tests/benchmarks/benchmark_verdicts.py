@@ -3,8 +3,8 @@
     python tests/benchmarks/benchmark_verdicts.py [--seed N] [--scenes 0-199] [--once] [--workers 2] [--try-harder] [--folder DIR]
         [--record FILE]
 
-Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--once` runs no agreement
-again. What the record holds is not run again; a scene that was interrupted continues from the stages in its folder. `--page` writes the
+Scenes and seed are those of verdict_scenes.py, or the scenes of another seed, which need a record of their own. `--once` runs every scene
+once. What the record holds is not run again; a scene that was interrupted continues from the stages in its folder. `--page` writes the
 page from the record and runs nothing.
 """
 
@@ -110,25 +110,27 @@ def page(record: dict[str, Any]) -> str:
     entries = sorted(record["scenes"].values(), key=lambda entry: entry["number"])
     seed, is_usual = record["seed"], record["seed"] == SEED
     headings, rows = list(HEADINGS), [_row(entry) for entry in entries]
-    is_again = any("again" in entry for entry in entries)
-    if not is_again:
+    agreements = [entry for entry in entries if not _is_open(entry)]
+    repeated = sum("again" in entry for entry in agreements)
+    which = "Agreements were" if repeated in (0, len(agreements)) else f"{repeated} of {len(agreements)} agreements were"
+    second_runs = f"run again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed" if repeated else "not run again"
+    if not repeated:
         for columns in (headings, *rows):
             del columns[OF_SECOND_RUNS]
-    second_runs = f"run again with joints {STIFFER:g} times stiffer and at 1/{SLOWER:g} of the speed" if is_again else "not run again"
     meaning = "*Moved / stated*: change of YADE's reaction in the second run, over the uncertainty that the first run states."
-    options = "" if is_usual else f" --seed {seed}{'' if is_again else ' --once'} --record FILE"
+    options = ("" if is_usual else f" --seed {seed} --record FILE") + ("" if repeated else " --once")
     open_rows = [(f"{entry['number']}", entry["reason"], entry["next_step"], _harder(entry)) for entry in entries if _is_open(entry)]
     parts = [
         "# A second opinion on the verdicts" + ("" if is_usual else f", seed {seed}"),
         f"Random irregular scenes by both methods, seed {seed}: unequal blocks, leaning walls, inclined beds, lintels and "
-        "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. Agreements were "
-        f"{second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
+        "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. "
+        f"{which} {second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
         sentences([*_conclusions(entries), *record.get("since", [])]),
-        *([meaning] if is_again else []),
+        *([meaning] if repeated else []),
         table(headings, rows),
         "## What stays open",
         table(("scene", "reason", "next step", "tried harder"), open_rows) if open_rows else "Nothing.",
-        f"Versions: {', '.join(f'{name} {value}' for name, value in record['versions'].items())}.",
+        f"Versions: {', '.join(f'{name} {value}' for name, value in sorted(record['versions'].items()))}.",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -192,12 +194,12 @@ def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
 def main() -> None:
     """Run what the record lacks, and write record and page after every scene."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=SEED, help="of the scenes (default: that of verdict_scenes.py)")
-    parser.add_argument("--once", action="store_true", help="run no agreement again")
+    parser.add_argument("--seed", type=int, default=SEED, help="seed of the scenes (default: that of verdict_scenes.py)")
+    parser.add_argument("--once", action="store_true", help="run every scene once")
     parser.add_argument("--scenes", default=f"0-{SCENES - 1}", help="numbers, such as 0-199 or 3,17")
     parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--try-harder", action="store_true", help="try harder where a scene stays open")
-    parser.add_argument("--folder", type=Path, default=Path("crosscheck-verdicts"), help="folder of all runs")
+    parser.add_argument("--folder", type=Path, help="folder of all runs (default: crosscheck-verdicts- and the seed)")
     parser.add_argument("--record", type=Path, default=GALLERY / "verdicts.json", help="the record; the page lies beside it")
     parser.add_argument("--page", action="store_true", help="write the page alone")
     options = parser.parse_args()
@@ -206,9 +208,9 @@ def main() -> None:
     if record["seed"] != options.seed and not options.page:
         parser.error(f"{options.record} holds scenes of seed {record['seed']}, not of {options.seed}; name another file with --record")
     todo = [] if options.page else [number for number in numbers(options.scenes) if str(number) not in record["scenes"]]
-    versions = describe()
+    folder, versions = options.folder or Path(f"crosscheck-verdicts-{options.seed}"), describe()
     with ProcessPoolExecutor(options.workers) as pool:
-        jobs = {pool.submit(measured, number, options.seed, options.folder, options.once, options.try_harder): number for number in todo}
+        jobs = {pool.submit(measured, number, options.seed, folder, options.once, options.try_harder): number for number in todo}
         for done, job in enumerate(as_completed(jobs), 1):
             if job.exception() is not None:
                 pool.shutdown(wait=False, cancel_futures=True)  # else a fault would show only after all other scenes

@@ -9,9 +9,10 @@ from typing import Any
 import benchmark_verdicts
 import pytest
 from benchmark_verdicts import moved, numbers, page
-from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, drawn
+from verdict_scenes import FRICTION, KINDS, LEAST_BLOCKS, MOST_BLOCKS, MOTIONS, SCENES, SEED, drawn
 
 from la_core.model import assemble
+from la_core.scene import Scene
 
 RECORDS = sorted(benchmark_verdicts.GALLERY.glob("*verdicts.json"))
 
@@ -65,10 +66,32 @@ def test_a_page_without_second_runs_does_not_speak_of_them() -> None:
     assert (
         text.startswith("# A second opinion on the verdicts, seed 7\n")
         and "Agreements were not run again." in text
-        and "benchmark_verdicts.py --seed 7 --once --record FILE" in text
+        and "benchmark_verdicts.py --seed 7 --record FILE --once" in text
     )
     assert "again: verdict" not in text and "oved / stated" not in text and "ISO 13528" not in text
     assert "| 1 wall, down | 12 | 0.500 | 0.1000 ± 0.0001 | 0.2000 ± 0.0001 | 50 | ✗ disagree | 2 |" in text
+
+
+def test_a_page_counts_the_agreements_that_were_run_again() -> None:
+    entries = [entry(0, "agree", 0.1, 0.1), entry(1, "agree", 0.1), entry(2, "disagree", 0.2)]
+    text = page({"seed": SEED, "versions": {}, "scenes": {str(one["number"]): one for one in entries}})
+    assert "1 of 2 agreements were run again" in text and "Written by `python tests/benchmarks/benchmark_verdicts.py`." in text
+
+
+@pytest.mark.parametrize(("once", "verdict", "runs"), [(True, "agree", 1), (False, "agree", 2), (False, "disagree", 1)])
+def test_an_agreement_is_run_again_unless_every_scene_runs_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, once: bool, verdict: str, runs: int
+) -> None:
+    made = []
+
+    def run_scene(scene: Scene, *_: object, **__: object) -> dict[str, Any]:
+        made.append(scene.name)
+        summary = dict.fromkeys(("reason", "next_step", "unit"), "") | {"verdict": verdict, "weight": 1.0, "free_blocks": 9}
+        return summary | {"limit_analysis": {"coulomb": None}, "yade": None, "settings": {}}
+
+    monkeypatch.setattr(benchmark_verdicts, "run_scene", run_scene)
+    found = benchmark_verdicts.measured(0, 7, tmp_path, once, harder=False)
+    assert len(made) == runs and ("again" in found) == (runs == 2) and found["friction"] == drawn(0, 7).scene.friction
 
 
 @pytest.mark.parametrize("record", RECORDS, ids=lambda path: path.stem)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from judged_runs import case_of, verdict_of
-from runs import TRAVEL, perfect_run, with_answers
+from runs import TRAVEL, made_up_run, perfect_run, with_answers
 
 from comparison.judge import mechanisms
 from comparison.judge.run_checks import check_run
@@ -42,6 +42,20 @@ def test_the_reaction_is_judged_to_half_a_per_cent(arch: tuple[Scene, LimitAnaly
     _scene, analysis = arch
     run = perfect_run(analysis, reaction=factor * analysis.bounds[Drive.YIELDING].value)
     assert verdict_of("reaction against prediction", check_run(Results(analysis, run))) is verdict
+
+
+def test_an_earlier_level_at_the_prediction_is_not_put_down_to_friction(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    value = analysis.bounds[Drive.YIELDING].value
+    settlement = np.linspace(0.0, TRAVEL, 400)
+    record = {
+        "stage": np.ones(400, dtype=int),
+        "settlement": settlement,
+        "reaction": np.where(settlement < 0.2 * TRAVEL, value, 1.05 * value),
+    }
+    run = dataclasses.replace(perfect_run(analysis, reaction=1.05 * value), record=made_up_run(record=record).record)
+    check = next(check for check in check_run(Results(analysis, run)) if check.name == "reaction against prediction")
+    assert check.verdict is Verdict.DISAGREE and "although no joint slides" in check.reason and "Before its plateau" not in check.reason
 
 
 def test_a_reaction_below_the_lower_bound_disagrees(arch: tuple[Scene, LimitAnalysis]) -> None:

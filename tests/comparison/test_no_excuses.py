@@ -62,26 +62,38 @@ def test_a_run_whose_block_jumped_may_confirm_limit_analysis_but_not_contradict_
 
 
 @pytest.mark.parametrize(
-    ("begin", "end", "level", "is_named"),
-    [(0.05, 0.2, 1.0, True), (0.05, 0.2, 1.004, True), (0.05, 0.2, 1.02, False), (0.05, 0.08, 1.0, False), (0.4, 0.9, 1.0, False)],
+    ("stretches", "level", "named_stretch"),
+    [
+        ([(0.05, 0.2)], 1.0, 0),
+        ([(0.05, 0.2)], 1.004, 0),  # the tolerance is 0.0056
+        ([(0.05, 0.2)], 1.008, None),
+        ([(0.05, 0.2)], 0.98, None),
+        ([(0.11, 0.2)], 1.0, 0),
+        ([(0.13, 0.2)], 1.0, None),  # it begins after 0.6 of its settlement
+        ([(0.0, 0.004)], 1.0, None),  # too short
+        ([(0.4, 0.9)], 1.0, None),  # on the later plateau
+        ([(0.02, 0.04), (0.08, 0.25)], 1.0, 1),
+        ([(0.02, 0.1), (0.2, 0.29)], 1.0, 0),  # the second is longer, but too late for its length
+    ],
 )
-def test_a_plateau_after_one_at_the_prediction_contradicts_it_and_says_so(
-    wall: LimitAnalysis, begin: float, end: float, level: float, is_named: bool
+def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
+    wall: LimitAnalysis, stretches: list[tuple[float, float]], level: float, named_stretch: int | None
 ) -> None:
-    """The earlier level must last long enough for a plateau, lie before the later one and be within the tolerance.
+    """It must last long enough for a plateau, lie before the later one, which begins at 0.3 of the travel, and be within the tolerance.
 
-    begin, end: over the travel, whose later plateau begins at 0.3; level: over the prediction.
+    stretches: over the travel; level: of the reaction there, over the prediction.
     """
     value = coulomb_of(wall).value
     run = coulomb_run(wall, reaction=1.05 * value)
     settlement = run.record.settlement / run.record.settlement[-1]
-    run.record.reaction[(settlement >= begin) & (settlement <= end)] = level * value
+    held = [(settlement >= begin) & (settlement <= end) for begin, end in stretches]
+    run.record.reaction[np.any(held, axis=0)] = level * value
     check = named(REACTION, judged(wall, run))
     assert check.verdict is Verdict.DISAGREE
-    assert ("blocks that turn may release a thrust" in check.reason) == is_named == ("both levels" in check.next_step)
-    if is_named:
-        held = run.record.settlement[(settlement >= begin) & (settlement <= end)]
-        assert f"From {1e3 * held[0]:.3g} to {1e3 * held[-1]:.3g} mm, before its plateau, YADE agrees" in check.reason
+    assert ("within the tolerance of the prediction" in check.reason) == ("rests there" in check.next_step) == (named_stretch is not None)
+    if named_stretch is not None:
+        first, *_, last = 1e3 * run.record.settlement[held[named_stretch]]
+        assert f"Before its plateau, from {first:.3g} to {last:.3g} mm, YADE's reaction" in check.reason
 
 
 @pytest.mark.parametrize(("wedging", "rest", "verdict"), [(5e-5, 0.96, "inconclusive"), (5e-5, 1.0, "disagree"), (0.0, 0.96, "disagree")])
