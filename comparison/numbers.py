@@ -156,6 +156,11 @@ def force_unit(weight: Any, unit: str = "N") -> tuple[float, str]:
     return 1e3, f"k{unit}"
 
 
+def settlement_text(settlement: float, unit: str) -> str:
+    """Return a settlement, m or rad, in its unit for readers, which is "mm" or "mrad"."""
+    return f"{1e3 * settlement:.3g} {unit}"
+
+
 def round_below(value: float) -> float:
     """Return the largest of 1, 2 and 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))

@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from comparison.numbers import settlement_text
 from comparison.yade import Results
 from la_core.exchange import LATEST_START
 
-LEAST_STRETCH = 0.2  # of the settlement at which the plateau begins: a shorter stretch at the prediction is not named
+LEAST_STRETCH = 0.2  # of the settlement at which the plateau begins: two rows at rest are no level
 
 
 @dataclass(frozen=True)
@@ -83,5 +84,5 @@ def earlier_agreement(results: Results, value: float, tolerance: float) -> str:
     if not is_long.any():
         return ""
     longest = int(np.argmax(np.where(is_long, last - first, 0.0)))
-    stretch = f"from {1e3 * first[longest]:.3g} to {1e3 * last[longest]:.3g} {scene.settlement_unit}"
-    return f"Before its plateau, {stretch}, YADE's {scene.quantity} was within the tolerance of the prediction."
+    begin, end = (settlement_text(place[longest], scene.settlement_unit) for place in (first, last))
+    return f"Before its plateau, from {begin} to {end}, YADE's {scene.quantity} was within the tolerance of the prediction."

@@ -22,6 +22,7 @@ from comparison.judge.tolerances import (
     unbalanced,
     unsure_methods,
 )
+from comparison.numbers import settlement_text
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
@@ -215,7 +216,7 @@ def _jump(results: Results) -> tuple[str, str]:
     settlement, sizes = (results.recorded.settling(name) for name in ("settlement", "unbalanced"))
     if not len(sizes) or not sizes.max() > exchange.JUMP * unbalanced(results):
         return "", ""
-    place = f"{1e3 * settlement[sizes.argmax()]:.3g} {results.scene.settlement_unit}"
+    place = settlement_text(settlement[sizes.argmax()], results.scene.settlement_unit)
     jump = f"of {sizes.max():.2g} mean block weights at a settlement of {place}"
     return f"On YADE's way a block jumped (unbalanced force {jump}), and a jump by inertia may lead to another plateau.", SLOWER_RUN
 

@@ -35,7 +35,7 @@ from la_core.scene import same_structure
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel
 NEAR = 5e-3  # of the reaction: where the methods are this near, nothing should stay inconclusive
-# Scenes of this seed whose curves have led to changes of either method: that they agree afterwards proves little.
+# Scenes of SEED whose curves have led to changes of either method: that they agree afterwards proves little.
 SEEN: frozenset[int] = frozenset()
 GOAL = 0.9  # share of agreements
 MOST_MOVED = 0.01  # share of reruns that may move by more than is stated
@@ -125,7 +125,7 @@ def page(record: dict[str, Any]) -> str:
         f"Random irregular scenes by both methods, seed {seed}: unequal blocks, leaning walls, inclined beds, lintels and "
         "walls of two leaves in space; supports go down, aside or turn. Scenes and seed were fixed before the first run. "
         f"{which} {second_runs}. Written by `python tests/benchmarks/benchmark_verdicts.py{options}`.",
-        sentences([*_conclusions(entries), *record.get("since", [])]),
+        sentences([*_conclusions(entries, SEEN if is_usual else frozenset()), *record.get("since", [])]),
         *([meaning] if repeated else []),
         table(headings, rows),
         "## What stays open",
@@ -159,17 +159,17 @@ def _row(entry: dict[str, Any]) -> list[str]:
     ]
 
 
-def _conclusions(entries: list[dict[str, Any]]) -> Iterator[str]:
-    """Yield what the record shows, each as a sentence."""
+def _conclusions(entries: list[dict[str, Any]], seen: frozenset[int]) -> Iterator[str]:
+    """Yield what the record shows, each as a sentence. seen: scenes that have led to changes of a method."""
     counts = Counter(str(entry["verdict"]) for entry in entries)
     agree = counts["agree"]
     yield f"{len(entries)} of {SCENES} scenes: " + ", ".join(f"{count} {verdict}" for verdict, count in counts.most_common()) + "."
     yield f"{agree / len(entries):.1%} agree; the goal is {GOAL:.0%}."
-    unseen = [entry for entry in entries if entry["number"] not in SEEN]
+    unseen = [entry for entry in entries if entry["number"] not in seen]
     agreed = sum(not _is_open(entry) for entry in unseen)
-    if SEEN:
+    if seen:
         yield (
-            f"Some scenes have led to changes of a method, so they prove little ({', '.join(map(str, sorted(SEEN)))}). "
+            f"Some scenes have led to changes of a method, so they prove little ({', '.join(map(str, sorted(seen)))}). "
             f"Without them {agreed} of {len(unseen)} agree."
         )
     near = [entry for entry in entries if _is_open(entry) and (difference := apart(entry)) is not None and difference <= NEAR]

@@ -93,7 +93,7 @@ def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     assert ("within the tolerance of the prediction" in check.reason) == ("rests there" in check.next_step) == (named_stretch is not None)
     if named_stretch is not None:
         first, *_, last = 1e3 * run.record.settlement[held[named_stretch]]
-        assert f"Before its plateau, from {first:.3g} to {last:.3g} mm, YADE's reaction" in check.reason
+        assert f"Before its plateau, from {first:.3g} mm to {last:.3g} mm, YADE's reaction" in check.reason
 
 
 @pytest.mark.parametrize(("wedging", "rest", "verdict"), [(5e-5, 0.96, "inconclusive"), (5e-5, 1.0, "disagree"), (0.0, 0.96, "disagree")])
