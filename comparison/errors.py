@@ -16,13 +16,22 @@ class YadeFailedError(Exception):
     """YADE ended without a result; the message gives the meaning of the exit code and the log's last lines."""
 
 
+class WorkerLostError(Exception):
+    """Workers died again and again with the same work; the message says how."""
+
+
 class PrinterMissingError(Exception):
     """No browser that prints a report as PDF; the message says how to get one or do without."""
 
 
+_WITH_A_MESSAGE = (
+    SceneError, ExchangeError, FolderInUseError, YadeMissingError, YadeFailedError, WorkerLostError, PrinterMissingError,
+)  # fmt: skip
+
+
 def message_of(error: BaseException) -> str:
     """Return one message that says what stopped a command and what to do."""
-    if isinstance(error, SceneError | ExchangeError | FolderInUseError | YadeMissingError | YadeFailedError | PrinterMissingError):
+    if isinstance(error, _WITH_A_MESSAGE):
         return str(error)
     if isinstance(error, OSError):
         return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them

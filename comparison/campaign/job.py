@@ -72,10 +72,6 @@ class Job:
         return self.folder / self.scene.name
 
 
-class StoppedError(BaseException):
-    """The job's campaign has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
-
-
 def code() -> str:
     """Return the digest of the code on the disk and of the versions that decide an outcome."""
     versions = {name: version for name, version in describe().items() if name != "machine"}

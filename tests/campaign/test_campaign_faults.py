@@ -13,12 +13,13 @@ from typing import Any
 import pytest
 from campaigns import QUICK, Inline, begun, campaign, finished, run
 from faulty_runs import INTERRUPTED, PATIENCE, ROOT, TOOL, crosscheck, held_yade, one_message, processes_about, unfinished, wait_for
-from processes import listening, tree
+from processes import is_gone, listening, reached, tree
 
 from comparison.campaign.job import LOADED, Job
 from comparison.campaign.workers.dask import Dask
-from comparison.campaign.workers.local import ATTEMPTS, Local
+from comparison.campaign.workers.local import Local
 from comparison.cli.commands import main
+from comparison.workflow import ATTEMPTS
 
 WORKERS = 4
 FEW = """
@@ -78,7 +79,7 @@ class LosesLocal(Local):
     def begin(self, job: Job) -> None:
         super().begin(job)
         if not hasattr(self, "lost"):
-            self.lost = self._busy[0].process.pid
+            self.lost = self._processes._busy[0].process.pid
             threading.Thread(target=kill_when_begun, args=(self.lost, job), daemon=True).start()
 
 
@@ -97,10 +98,6 @@ class LosesDask(Dask):
 def kill_when_begun(process: int, job: Job) -> None:
     wait_for((job.folder / ".lock").exists)
     os.kill(process, signal.SIGKILL)
-
-
-def is_gone(process: int) -> bool:
-    return not Path(f"/proc/{process}").exists()
 
 
 @pytest.mark.slow
@@ -130,7 +127,7 @@ def test_a_case_whose_workers_all_die_is_a_failure_and_the_others_go_on(tmp_path
         ended: list[Any] = []
         for _ in range(ATTEMPTS):
             assert not ended
-            engine._busy[0].process.kill()
+            engine._processes._busy[0].process.kill()
             ended = engine.ended(PATIENCE)
     ((of, outcome),) = ended
     assert of is job and outcome["state"] == "failed" and "was ended by SIGKILL" in outcome["answers"]["reason"]
@@ -151,6 +148,7 @@ def test_a_stop_ends_workers_and_yade_at_once_and_the_next_call_goes_on(
         family = tree(process.pid)
         assert len(family) >= 3  # the campaign, a worker, YADE
         assert not listening(family)
+        assert reached(process.pid, signal.SIGINT) == {process.pid}  # it ends the others
         os.killpg(process.pid, number) if number is signal.SIGINT else process.kill()  # a terminal tells all of them
         _, said = process.communicate()
     assert process.returncode == code

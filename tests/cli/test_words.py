@@ -158,18 +158,6 @@ def test_report_export_and_animate_take_the_folder_of_a_run_or_of_a_scene(
     assert "one file cannot hold several animations" in capsys.readouterr().err
 
 
-def test_scenes_side_by_side_give_what_they_give_in_turn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    results = []
-    for workers, name in (("2", "beside"), ("1", "in_turn")):
-        words = ["run", "two_pads", "slab_four_corners", "-o", str(tmp_path / name), "--no-yade", "--json", "--workers", workers]
-        assert main(words) == 0
-        results.append(json.loads(capsys.readouterr().out)["comparisons"])
-    beside, in_turn = results
-    assert [scene["scene"] for scene in beside] == [scene["scene"] for scene in in_turn] == ["two_pads", "slab_four_corners"]
-    for one, other in zip(beside, in_turn, strict=True):
-        assert one["limit_analysis"]["associated"]["reaction"] == other["limit_analysis"]["associated"]["reaction"]
-
-
 def test_without_a_browser_a_pdf_is_refused_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -47,12 +47,17 @@ def crosscheck(*arguments: str, **options: Any) -> "subprocess.Popen[str]":
     return subprocess.Popen(command, **{"cwd": ROOT, **pipes, **options})
 
 
-def endless(folder: Path) -> Path:
-    """A file of the scene "two_pads" whose run in YADE has days before it: what is to be stopped cannot have ended before."""
-    path = folder / "endless" / "two_pads.toml"
-    path.parent.mkdir()
+def endless(folder: Path, name: str = "two_pads") -> Path:
+    """A file with the scene "two_pads" whose run in YADE has days before it: what is to be stopped cannot have ended before."""
+    path = folder / "endless" / f"{name}.toml"
+    path.parent.mkdir(exist_ok=True)
     path.write_text(find("two_pads").read_text(encoding="utf-8") + "\n[yade]\nspeed = 1e-12\n", encoding="utf-8")
     return path
+
+
+def dies(*ignored: object, **options: object) -> None:
+    """Work that ends its process, as a lack of memory does."""
+    os._exit(9)
 
 
 def held_yade(folder: Path, after: int = 0) -> tuple[dict[str, str], Path]:

@@ -1,5 +1,7 @@
-"""Which processes a process started, and which of their sockets listen, as the kernel says."""
+"""Which processes a process started, which signals reach them, and which of their sockets listen, as the kernel says."""
 
+import os
+import signal
 from pathlib import Path
 
 LISTENS = "0A"  # state of a socket in /proc/net/tcp
@@ -17,6 +19,25 @@ def tree(root: int) -> set[int]:
     found = {root}
     while more := {child for child, parent in parents.items() if parent in found} - found:
         found |= more
+    return found
+
+
+def is_gone(process: int) -> bool:
+    return not Path(f"/proc/{process}").exists()
+
+
+def reached(group: int, number: signal.Signals) -> set[int]:
+    """Processes of a group that a signal to it reaches: those that neither block nor ignore it."""
+    found = set()
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and os.getpgid(int(entry.name)) == group:
+                lines = (entry / "status").read_text().splitlines()
+                deaf = [int(line.split()[1], 16) for line in lines if line.startswith(("SigBlk:", "SigIgn:"))]
+                if not any(mask >> (number - 1) & 1 for mask in deaf):
+                    found.add(int(entry.name))
+        except OSError:
+            continue  # it ended just now
     return found
 
 

@@ -15,10 +15,11 @@ import uuid
 from pathlib import Path
 from typing import Any
 
-from comparison.campaign.job import LOADED, Job, JobOutcome, StoppedError, failure, run_job
+from comparison.campaign.job import LOADED, Job, JobOutcome, failure, run_job
 from comparison.errors import message_of
 from comparison.numbers import plural
 from comparison.run_folder import LOCK, write_text
+from comparison.workflow import StoppedError
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import PathProgress
 from la_core.errors import SceneError

@@ -1,24 +1,21 @@
 """`crosscheck run`: solve scenes by both methods, compare the answers and write the report."""
 
 import argparse
-import multiprocessing
-import os
+from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from typing import Any
 
 from rich.console import Console
 
 from comparison.cli.context import Context
-from comparison.errors import FolderInUseError
+from comparison.errors import FolderInUseError, WorkerLostError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
-from comparison.workflow import run_scene, try_harder
+from comparison.workflow import WorkerProcesses, run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
 from la_core.scene import full_model, load_scene, same_structure, shipped
-
-ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 
 
 def execute(context: Context) -> int:
@@ -54,23 +51,21 @@ def _in_turn(models: list[StructuralModel], context: Context) -> Iterator[dict[s
 
 
 def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[dict[str, Any]]:
-    """Yield the comparisons in the order of the models, made by several processes of one thread each.
-
-    Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold.
-    """
-    threads = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(ONE_THREAD)
-    spawn = multiprocessing.get_context("spawn")
-    try:
-        with ProcessPoolExecutor(min(context.options.workers, len(models)), mp_context=spawn) as pool:
-            for waiting in [pool.submit(_run_quietly, model, context.options) for model in models]:
-                yield from waiting.result()
-    finally:
-        for name, value in threads.items():
-            if value is None:
-                os.environ.pop(name)
-            else:
-                os.environ[name] = value
+    """Yield the comparisons in the order of the models, made by several processes of one thread each."""
+    made: dict[str, list[dict[str, Any]] | Exception] = {}  # by the name of the scene
+    waiting = deque(models)
+    with WorkerProcesses(partial(_run_quietly, options=context.options), min(context.options.workers, len(models))) as workers:
+        for scene in [model.scene.name for model in models]:
+            while scene not in made:
+                while waiting and not workers.is_busy:
+                    workers.begin(waiting.popleft())
+                made |= {model.scene.name: ended for model, ended in workers.ended()}
+            ended = made.pop(scene)
+            if isinstance(ended, WorkerLostError):
+                raise WorkerLostError(f"{scene}: {ended}")
+            if isinstance(ended, Exception):
+                raise ended
+            yield from ended
 
 
 def _run_quietly(model: StructuralModel, options: argparse.Namespace) -> list[dict[str, Any]]:

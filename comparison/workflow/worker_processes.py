@@ -1,0 +1,180 @@
+"""Worker processes on this machine, of one thread each. Each talks to this process over its own pipe; no network port is open.
+
+Processes are spawned, not forked: a fork would copy locks that the threads of numerical libraries hold. When a worker dies, its pipe
+ends; a new worker then repeats its work.
+"""
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from multiprocessing import resource_tracker
+from multiprocessing.connection import Connection, wait
+from types import FrameType
+from typing import Any, Generic, Self, TypeVar
+
+from comparison.errors import WorkerLostError
+
+ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because other processes used up the memory
+GRACE = 3.0  # s for a worker to end YADE and finish its files
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+_CONTEXT = multiprocessing.get_context("spawn")
+
+Work = TypeVar("Work")
+Made = TypeVar("Made")
+
+
+class StoppedError(BaseException):
+    """Whoever gave the work has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
+
+
+class WorkerProcesses(Generic[Work, Made]):
+    """Processes that call a function, each for one piece of work at a time; leaving the context ends all of them at once.
+
+    Parameters
+    ----------
+    function : callable
+        Makes a result of a piece of work. It is called in a worker, so it, the work and the result are pickled.
+    capacity : int
+        Number of pieces of work at a time.
+    """
+
+    def __init__(self, function: Callable[[Work], Made], capacity: int) -> None:
+        self._function, self.capacity = function, capacity
+        self._idle: list[_Worker] = []
+        self._busy: list[_Worker] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        workers = [*self._idle, *self._busy]
+        for worker in workers:
+            worker.process.terminate()
+        deadline = time.monotonic() + GRACE
+        for worker in workers:
+            worker.process.join(max(0.0, deadline - time.monotonic()))
+            worker.process.kill()  # YADE ends with it
+            worker.process.join()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether as many pieces of work are under way as may be."""
+        return len(self._busy) >= self.capacity
+
+    def begin(self, work: Work) -> None:
+        """Hand a piece of work to a worker; at most `capacity` pieces are under way at a time."""
+        worker = self._idle.pop() if self._idle else _Worker(self._function)
+        self._busy.append(worker)
+        worker.begin(work, 1)
+
+    def ended(self, seconds: float | None = None) -> list[tuple[Work, Made | Exception]]:
+        """Return pieces of work that ended, with their results; waits for the first one, at most `seconds` where they are given.
+
+        The result is the error that the function raised, where it raised one, and WorkerLostError where ATTEMPTS workers died.
+        """
+        results: list[tuple[Work, Made | Exception]] = []
+        ready = wait([worker.pipe for worker in self._busy], seconds)
+        for worker in [worker for worker in self._busy if worker.pipe in ready]:
+            self._busy.remove(worker)
+            try:
+                results.append((worker.work, worker.pipe.recv()))
+                self._idle.append(worker)
+            except (EOFError, OSError):
+                worker.process.join()
+                if worker.attempt < ATTEMPTS:
+                    other = _Worker(self._function)
+                    self._busy.append(other)
+                    other.begin(worker.work, worker.attempt + 1)
+                else:
+                    how = f"its worker process {_how_ended(worker.process.exitcode)}, {ATTEMPTS} times"
+                    hint = "run the same command again, with fewer --workers where memory ran out"
+                    results.append((worker.work, WorkerLostError(f"{how}; {hint}")))
+        return results
+
+
+class _Worker:
+    """A worker process, its pipe, and the work it has."""
+
+    def __init__(self, function: Callable[[Any], Any]) -> None:
+        self.pipe, theirs = _CONTEXT.Pipe()
+        self.process = _CONTEXT.Process(target=_serve, args=(function, theirs), daemon=True)
+        self.work: Any = None
+        self.attempt = 0
+        with _environment(ONE_THREAD), _interruptions_held():
+            self.process.start()
+        theirs.close()
+
+    def begin(self, work: Any, attempt: int) -> None:
+        self.work, self.attempt = work, attempt
+        with contextlib.suppress(OSError):  # `ended` notices a dead worker by the end of its pipe
+            self.pipe.send(work)
+
+
+@contextlib.contextmanager
+def _environment(variables: dict[str, str]) -> Iterator[None]:
+    """Add variables to the environment of processes started here; libraries read them when they are loaded."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def _interruptions_held() -> Iterator[None]:
+    """Block Ctrl-C in processes started here: only this process handles it, and ends its workers."""
+    resource_tracker.ensure_running()  # Python starts it with the first worker, and unblocks Ctrl-C when it has
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _how_ended(code: int | None) -> str:
+    if code is not None and code < 0:
+        return f"was ended by {signal.Signals(-code).name if -code in set(signal.Signals) else f'signal {-code}'}"
+    return f"ended with exit code {code}"
+
+
+def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
+    """Work in a worker process until the process that started it ends."""
+    is_working = False
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if not is_working:
+            os._exit(0)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # one stop is enough: a second one must not interrupt the cleaning up
+        raise StoppedError
+
+    signal.signal(signal.SIGTERM, stop)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with contextlib.suppress(EOFError, OSError, StoppedError):
+        while True:
+            work = pipe.recv()
+            is_working = True
+            try:
+                made = function(work)
+            except Exception as error:  # whoever gave the work decides what it means
+                made = error
+            is_working = False
+            pipe.send(made)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it ends, for whatever reason."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(GRACE)
+    os._exit(1)  # a library did not react to the signal
