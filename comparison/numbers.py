@@ -137,8 +137,13 @@ def plural(count: int, word: str) -> str:
 
 def first_sentence(text: str) -> str:
     """Return the first sentence of a text, for places without room for the rest."""
-    first, more, _ = text.partition(". ")
-    return f"{first}." if more else first
+    return sentences(text)[0]
+
+
+def sentences(text: str) -> list[str]:
+    """Return the sentences of a text, each with its full stop."""
+    *ended, last = text.split(". ")
+    return [*(f"{sentence}." for sentence in ended), last]
 
 
 def force_unit(weight: Any, unit: str = "N") -> tuple[float, str]:

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from comparison.numbers import sentences
+
 
 class Verdict(enum.StrEnum):
     """Verdict of one check or of a whole comparison; a comparison has the gravest verdict of its checks.
@@ -73,11 +75,14 @@ class Check:
 
 
 def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
-    """Return the most severe verdict of all checks and the reasons for it, "" for agree; without checks the verdict is None."""
+    """Return the most severe verdict of all checks and the reasons for it, "" for agree; without checks the verdict is None.
+
+    What several checks say in the same words is said once.
+    """
     for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
         reasons = [check.reason for check in checks if check.verdict is verdict]
         if reasons:
-            return verdict, " ".join(dict.fromkeys(reasons))
+            return verdict, " ".join(dict.fromkeys(sentence for reason in reasons for sentence in sentences(reason)))
     return (Verdict.AGREE, "") if checks else (None, "")
 
 

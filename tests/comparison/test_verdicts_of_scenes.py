@@ -81,6 +81,12 @@ def test_the_gravest_check_decides_and_gives_the_reason() -> None:
     assert overall([]) == (None, "")
 
 
+def test_what_several_checks_say_is_said_once() -> None:
+    reasons = ("They differ by 5.5%. It has two plateaus.", "It has two plateaus. YADE lies outside.", "They differ by 5.5%.")
+    checks = [Check("c", Verdict.INCONCLUSIVE, reason=reason) for reason in reasons]
+    assert overall(checks) == (Verdict.INCONCLUSIVE, "They differ by 5.5%. It has two plateaus. YADE lies outside.")
+
+
 def test_every_tolerance_of_the_judge_is_positive_and_small() -> None:
     rooms = {
         tolerances: ("FLOOR", "UNCERTAIN", "LEAST_REACTION", "UNBALANCED"),
