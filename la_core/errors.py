@@ -52,6 +52,10 @@ class SceneError(Exception):
         error.args = (message,)
         return error
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """How an error comes out of a worker process: with its message as it is, and with its place."""
+        return type(self).told, self.args, self.__dict__
+
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
     """A hint with the valid key (or other `kind`) nearest to `word`, or with all valid ones where no key is similar."""

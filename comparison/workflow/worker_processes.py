@@ -7,6 +7,7 @@ ends; a new worker then repeats its work.
 import contextlib
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 import time
@@ -55,10 +56,13 @@ class WorkerProcesses(Generic[Work, Made]):
         for worker in workers:
             worker.process.terminate()
         deadline = time.monotonic() + GRACE
-        for worker in workers:
-            worker.process.join(max(0.0, deadline - time.monotonic()))
-            worker.process.kill()  # YADE ends with it
-            worker.process.join()
+        try:
+            for worker in workers:
+                worker.process.join(max(0.0, deadline - time.monotonic()))
+        finally:  # a second Ctrl-C waits no longer
+            for worker in workers:
+                worker.process.kill()  # YADE ends with it
+                worker.process.join()
 
     @property
     def is_busy(self) -> bool:
@@ -74,15 +78,18 @@ class WorkerProcesses(Generic[Work, Made]):
     def ended(self, seconds: float | None = None) -> list[tuple[Work, Made | Exception]]:
         """Return pieces of work that ended, with their results; waits for the first one, at most `seconds` where they are given.
 
+        Nothing is returned where nothing is under way.
+
         The result is the error that the function raised, where it raised one, and WorkerLostError where ATTEMPTS workers died.
         """
         results: list[tuple[Work, Made | Exception]] = []
-        ready = wait([worker.pipe for worker in self._busy], seconds)
+        ready = wait([worker.pipe for worker in self._busy], seconds) if self._busy else []
         for worker in [worker for worker in self._busy if worker.pipe in ready]:
             self._busy.remove(worker)
             try:
-                results.append((worker.work, worker.pipe.recv()))
+                packed = worker.pipe.recv_bytes()
                 self._idle.append(worker)
+                results.append((worker.work, pickle.loads(packed)))
             except (EOFError, OSError):
                 worker.process.join()
                 if worker.attempt < ATTEMPTS:
@@ -166,8 +173,21 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
                 made = function(work)
             except Exception as error:  # whoever gave the work decides what it means
                 made = error
+            packed = _packed(made)
             is_working = False
-            pipe.send(made)
+            pipe.send_bytes(packed)
+
+
+def _packed(made: Any) -> bytes:
+    """Pickle a result. What cannot be pickled, or not be read again, such as some libraries' errors, becomes an error that says so."""
+    try:
+        packed = pickle.dumps(made)
+        if isinstance(made, Exception):
+            pickle.loads(packed)
+        return packed
+    except Exception as error:
+        reason = made if isinstance(made, Exception) else error
+        return pickle.dumps(RuntimeError(f"{type(reason).__name__}: {reason}"))
 
 
 def _end_with_parent() -> None:

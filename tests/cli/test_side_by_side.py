@@ -2,17 +2,23 @@
 
 import json
 import os
+import shutil
 import signal
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
-from faulty_runs import INTERRUPTED, TOOL, crosscheck, dies, endless, one_message, unfinished, wait_for
+from faulty_runs import INTERRUPTED, PATIENCE, TOOL, crosscheck, dies, endless, fails_unreadably, one_message, refuses, unfinished, wait_for
 from processes import is_gone, reached, tree
 
 from comparison.cli.commands import main
 from comparison.errors import WorkerLostError
 from comparison.workflow import ATTEMPTS, WorkerProcesses
+from la_core.errors import SceneError
+from la_core.scene.shipped import find
 
+USAGE = 2
 PAIR = ("two_pads", "slab_four_corners")
 
 
@@ -44,20 +50,57 @@ def test_a_stop_ends_all_scenes_at_once_and_begins_no_other(tmp_path: Path) -> N
     assert {path.name for path in out.iterdir()} == {"first", "second"} and not unfinished(out)
 
 
-def test_an_error_of_the_work_is_its_result_and_the_worker_goes_on() -> None:
-    with WorkerProcesses(int, 1) as workers:
-        for text in ("seven", "7"):
-            workers.begin(text)
+def results(function: Callable[[Any], Any], *pieces: Any) -> list[Any]:
+    """What workers make of pieces of work, one after another."""
+    made = []
+    with WorkerProcesses(function, 1) as workers:
+        for work in pieces:
+            workers.begin(work)
             assert workers.is_busy
-            ((of, made),) = workers.ended()
-            assert of == text and not workers.is_busy
-            assert made == 7 if text == "7" else isinstance(made, ValueError)
+            ((of, result),) = workers.ended(PATIENCE)
+            assert of == work and not workers.is_busy
+            made.append(result)
+        assert workers.ended() == []  # nothing is under way
+    return made
+
+
+def test_an_error_of_the_work_is_its_result_and_the_worker_goes_on() -> None:
+    wrong, right = results(int, "seven", "7")
+    assert isinstance(wrong, ValueError) and "seven" in str(wrong)
+    assert right == 7
+
+
+def test_an_error_in_a_scene_comes_out_of_its_worker_whole() -> None:
+    (error,) = results(refuses, "this")
+    assert isinstance(error, SceneError) and str(error) == "here = 'this': must be otherwise; change it"
+    assert (error.where, error.blocks, error.spots) == ("here", ("stone",), ((0.0, 1.0, 2.0),))
+
+
+def test_an_error_that_cannot_come_out_of_its_worker_is_told() -> None:
+    (error,) = results(fails_unreadably, "one")
+    assert isinstance(error, RuntimeError) and str(error) == "UnreadableError: one and another"
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_an_error_found_during_a_run_is_said_alike_and_earlier_scenes_keep_their_report(
+    workers: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shipped, out, own = find("rubble_wall"), tmp_path / "out", tmp_path / "own"
+    (own / "sub").mkdir(parents=True)
+    shutil.copy(shipped.with_suffix(".obj"), own / "sub")
+    (own / "rubble.toml").write_text(shipped.read_text(encoding="utf-8").replace('"rubble_wall.obj"', '"sub/rubble_wall.obj"'))
+    (tmp_path / "elsewhere").mkdir()
+    (out / "rubble").mkdir(parents=True)
+    (out / "rubble" / "sub").symlink_to(tmp_path / "elsewhere")
+    assert main(["run", "two_pads", str(own / "rubble.toml"), "-o", str(out), "--no-yade", "--workers", workers, "-q"]) == USAGE
+    one_message(capsys.readouterr().err, "through a link; remove the link")
+    assert "two_pads" in (out / "report.md").read_text(encoding="utf-8")
 
 
 def test_work_whose_workers_all_die_is_lost_in_words() -> None:
     with WorkerProcesses(dies, 1) as workers:
         workers.begin("work")
-        ended = [workers.ended() for _ in range(ATTEMPTS)]
+        ended = [workers.ended(PATIENCE) for _ in range(ATTEMPTS)]
     assert ended[:-1] == [[]] * (ATTEMPTS - 1)
     ((of, made),) = ended[-1]
     assert of == "work" and isinstance(made, WorkerLostError) and f"ended with exit code 9, {ATTEMPTS} times" in str(made)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from comparison.settings import SYSTEM_PYTHON
+from la_core.errors import SceneError
 from la_core.scene.shipped import find
 
 ROOT = Path(__file__).parents[2]
@@ -58,6 +59,21 @@ def endless(folder: Path, name: str = "two_pads") -> Path:
 def dies(*ignored: object, **options: object) -> None:
     """Work that ends its process, as a lack of memory does."""
     os._exit(9)
+
+
+class UnreadableError(Exception):
+    """An error that can be pickled and not be read again, as some libraries' are."""
+
+    def __init__(self, one: str, two: str) -> None:
+        super().__init__(f"{one} and {two}")
+
+
+def fails_unreadably(word: str) -> None:
+    raise UnreadableError(word, "another")
+
+
+def refuses(word: str) -> None:
+    raise SceneError("here", "must be otherwise", value=word, hint="change it", blocks=["stone"], spots=[(0.0, 1.0, 2.0)])
 
 
 def held_yade(folder: Path, after: int = 0) -> tuple[dict[str, str], Path]:

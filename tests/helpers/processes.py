@@ -23,7 +23,11 @@ def tree(root: int) -> set[int]:
 
 
 def is_gone(process: int) -> bool:
-    return not Path(f"/proc/{process}").exists()
+    """Whether a process has ended; its parent may still have to ask how."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+    except OSError:
+        return True
 
 
 def reached(group: int, number: signal.Signals) -> set[int]:

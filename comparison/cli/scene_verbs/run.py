@@ -29,7 +29,7 @@ def execute(context: Context) -> int:
     try:
         for comparison in made:
             comparisons.append(comparison)
-    except (SceneError, FolderInUseError):  # an error found only during the run: earlier scenes keep their report
+    except (SceneError, FolderInUseError, WorkerLostError):  # an error found only during the run: earlier scenes keep their report
         if comparisons:
             _conclude(comparisons, context)
         raise
@@ -57,7 +57,7 @@ def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[d
     with WorkerProcesses(partial(_run_quietly, options=context.options), min(context.options.workers, len(models))) as workers:
         for scene in [model.scene.name for model in models]:
             while scene not in made:
-                while waiting and not workers.is_busy:
+                while waiting and not workers.is_busy and not any(isinstance(ended, Exception) for ended in made.values()):
                     workers.begin(waiting.popleft())
                 made |= {model.scene.name: ended for model, ended in workers.ended()}
             ended = made.pop(scene)
