@@ -87,6 +87,11 @@ class Configuration:
         """Return the source of a setting: a file, a variable or "default"."""
         return self.sources.get(name, "default")
 
+    def place(self, name: str) -> str:
+        """Return what a user has to change for another value of a setting: the variable, or the file and the setting in it."""
+        source = self.source(name)
+        return source if source.startswith(PREFIX) else f"{source}: {name}"
+
 
 def load_settings() -> Configuration:
     """Return the settings in force.

@@ -22,7 +22,7 @@ def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Sta
     if row.stage == GRAVITY and row.displacement > settings.max_travel * case.support_speed:
         return Status.COLLAPSED, f"a block has moved {row.displacement:.3g} m under gravity alone"
     if time.monotonic() - began > settings.time_limit:
-        return Status.TIMEOUT, f"time limit of {settings.time_limit:g} s reached at a settlement of {row.settlement:.3g}"
+        return Status.TIMEOUT, f"the time limit was reached at a settlement of {row.settlement:.3g}"
     return None
 
 

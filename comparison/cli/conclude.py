@@ -47,9 +47,10 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context)
 
 
 def lines_below(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield what the terminal says under the table of verdicts: the reason or the remarks, then what to do next."""
+    """Yield what the terminal says under the table of verdicts: notes, the reason or the remarks, then what to do next."""
     if words := angle_words(comparison):
         yield words
+    yield from comparison.get("notes") or []
     is_said = comparison["verdict"] in (Verdict.CANNOT_STAND, Verdict.EXPECTED_MET)  # above the table, or by the mark in it
     yield from [comparison["reason"]] if comparison["reason"] and not is_said else comparison.get("remarks") or []
     if first := comparison.get("first_verdict"):

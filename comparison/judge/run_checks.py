@@ -23,6 +23,7 @@ CHECK_SOURCE = "Compare the scene with its source, and [expected] with the frict
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
+OTHER_DIRECTION = "Look at the direction of the settlement or of the live load: no mechanism follows it, so nothing limits the answer."
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
@@ -88,7 +89,8 @@ def check_run(results: Results) -> list[Check]:
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if least.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so YADE's {scene.quantity} cannot be compared."
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=PLAIN_SCENE)]
+        step = OTHER_DIRECTION if least.status is Status.UNBOUNDED else PLAIN_SCENE
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
     driven = _check_settlement(scene, run) if scene.live is None else _check_speed(results)
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from comparison.errors import YadeFailedError, YadeMissingError
-from comparison.settings import PREFIX, load_settings
+from comparison.settings import load_settings
 
 TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values: those of Debian 12 and 13
 HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
@@ -115,12 +115,15 @@ def locate_yade() -> Installation:
     """
     configuration = load_settings()
     interpreter, named = configuration.settings.yade_python, configuration.settings.yade
-    python = Path(shutil.which(interpreter) or interpreter).absolute()  # it will run in a folder of results
+    found = shutil.which(interpreter)
+    if found is None:
+        raise YadeMissingError(
+            f"{configuration.place('yade_python')} = {interpreter} is no program that runs; unset it, or {HOW_TO_GET_YADE}"
+        )
+    python = Path(found).absolute()  # it will run in a folder of results
     modules = _module_folder(named)
     if modules is None and named is not None:
-        where = configuration.source("yade")
-        setting = where if where.startswith(PREFIX) else f"{where}: yade"
-        raise YadeMissingError(f"{setting} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
+        raise YadeMissingError(f"{configuration.place('yade')} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
     if modules is None:
         raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
     return Installation(python, modules)

@@ -73,7 +73,7 @@ def contact_points(blocks: Blocks, interfaces: Interfaces, friction: float | np.
     """
     if inset > 0.0:
         room = joint_rooms(interfaces, plane, inset / SHORT)
-        _refuse_large(blocks, interfaces, room, inset)
+        _refuse_large(blocks, interfaces, np.minimum(room, _depths(interfaces) / 2.0) if plane else room, inset)
         own = np.minimum(inset, SHORT * room)
     else:
         own = np.zeros(len(interfaces))
@@ -128,6 +128,12 @@ def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, n
     middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
     along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
     return np.minimum.reduceat(along, start), np.maximum.reduceat(along, start), middle, tangent
+
+
+def _depths(interfaces: Interfaces) -> np.ndarray:
+    """Extent (I,) of each interface of a plane structure across its plane, m: YADE and the check in space have points there, too."""
+    start, across = interfaces.polygon_start[:-1], interfaces.polygon[:, 1]
+    return np.maximum.reduceat(across, start) - np.minimum.reduceat(across, start)
 
 
 def _plane_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -169,6 +169,17 @@ def test_a_bound_that_is_not_solved_leaves_the_range_undecided(arch: tuple[Scene
         assert verdict_of("reaction within bounds", check_run(Results(doubtful, perfect_run(analysis)))) is verdict
 
 
+def test_an_answer_without_a_limit_asks_for_another_direction(arch: tuple[Scene, LimitAnalysis]) -> None:
+    _scene, analysis = arch
+    steps = {}
+    for status in (Status.UNBOUNDED, Status.INACCURATE):
+        least = dataclasses.replace(analysis.bounds[analysis.main], status=status)
+        (check,) = check_run(Results(with_answers(analysis, bounds={**analysis.bounds, analysis.main: least}), perfect_run(analysis)))
+        assert check.verdict is Verdict.INCONCLUSIVE
+        steps[status] = check.next_step
+    assert "direction" in steps[Status.UNBOUNDED] and "direction" not in steps[Status.INACCURATE]
+
+
 def test_an_undefined_uncertainty_decides_nothing(arch: tuple[Scene, LimitAnalysis]) -> None:
     found = check_run(Results(arch[1], perfect_run(arch[1], uncertainty=math.nan)))
     assert verdict_of("reaction within bounds", found) is Verdict.INCONCLUSIVE

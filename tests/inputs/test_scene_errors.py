@@ -95,6 +95,11 @@ CHANGED = {
         ("= 0.6", "= 0.6\ninset = 0.3"),
         'joint.inset = 0.3: larger than half the interface between "fixed pad" and "block"',
     ),
+    "inset too large across a plane structure": (
+        ("= 0.6", "= 0.6\ninset = 0.15"),
+        'joint.inset = 0.15: larger than half the interface between "fixed pad" and "block", and half of all joints are no longer than '
+        "that one; take less than 0.1 m",
+    ),
     "name given twice": (('name    = "block"', 'name = "fixed pad"'), 'block "fixed pad": the name is used twice'),
     "no support": (
         ('role = "support"', 'role = "fixed"'),

@@ -49,6 +49,17 @@ def test_a_yade_that_dies_is_a_failed_tool_and_the_next_call_recovers(
     assert answer(copy) == answer(undisturbed)
 
 
+def test_an_interpreter_that_is_not_there_is_named_with_its_setting_and_every_scene_is_told(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("CROSSCHECK_YADE_PYTHON", "/nowhere/python3")
+    out = tmp_path / "out"
+    assert main(["run", "two_pads", "two_blocks", "-o", str(out), "-q"]) == TOOL
+    assert answer(out)["yade"]["status"] == "missing"
+    assert "CROSSCHECK_YADE_PYTHON = /nowhere/python3 is no program that runs; unset it" in answer(out)["reason"]
+    assert "two_blocks" in (out / "report.md").read_text(encoding="utf-8")
+
+
 @pytest.mark.yade
 def test_a_yade_that_hangs_is_ended_from_outside(
     fake_python: Fake, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -173,6 +184,7 @@ def test_a_timeout_is_tried_again_with_more_time(undisturbed: Path, plain_figure
     out = tmp_path / "out"
     assert main(["run", "two_pads", "-o", str(out), "-q", "--time-limit", "0.01"]) == 4
     assert answer(out)["yade"]["status"] == "timeout"
+    assert "the time limit was reached at a settlement of" in answer(out)["reason"]
     assert main(["run", "two_pads", "-o", str(out), "-q"]) == 0
     found, expected = answer(out), answer(undisturbed)
     assert found["yade"] == expected["yade"] and found["checks"] == expected["checks"]
