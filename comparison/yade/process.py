@@ -117,9 +117,7 @@ def locate_yade() -> Installation:
     interpreter, named = configuration.settings.yade_python, configuration.settings.yade
     found = shutil.which(interpreter)
     if found is None:
-        raise YadeMissingError(
-            f"{configuration.place('yade_python')} = {interpreter} is no program that runs; unset it, or {HOW_TO_GET_YADE}"
-        )
+        raise YadeMissingError(f"{configuration.place('yade_python')} = {interpreter} is no program; unset it, or {HOW_TO_GET_YADE}")
     python = Path(found).absolute()  # it will run in a folder of results
     modules = _module_folder(named)
     if modules is None and named is not None:
