@@ -29,7 +29,7 @@ Made = TypeVar("Made")
 
 
 class StoppedError(BaseException):
-    """Whoever gave the work has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
+    """The process that gave the work has ended. This is no failure, so it is no Exception: handlers of failures do not catch it."""
 
 
 class WorkerProcesses(Generic[Work, Made]):
@@ -78,9 +78,8 @@ class WorkerProcesses(Generic[Work, Made]):
     def ended(self, seconds: float | None = None) -> list[tuple[Work, Made | Exception]]:
         """Return pieces of work that ended, with their results; waits for the first one, at most `seconds` where they are given.
 
-        Nothing is returned where nothing is under way.
-
-        The result is the error that the function raised, where it raised one, and WorkerLostError where ATTEMPTS workers died.
+        An error that the function raised is its result, and so is WorkerLostError where ATTEMPTS workers died with the same work.
+        Without work under way it returns at once.
         """
         results: list[tuple[Work, Made | Exception]] = []
         ready = wait([worker.pipe for worker in self._busy], seconds) if self._busy else []
@@ -179,13 +178,13 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
 
 
 def _packed(made: Any) -> bytes:
-    """Pickle a result. What cannot be pickled, or not be read again, such as some libraries' errors, becomes an error that says so."""
+    """Pickle a result; one that cannot be pickled, or an error that cannot be read again, becomes a RuntimeError with its words."""
     try:
         packed = pickle.dumps(made)
         if isinstance(made, Exception):
             pickle.loads(packed)
         return packed
-    except Exception as error:
+    except Exception as error:  # pickle runs the code of every type in the result
         reason = made if isinstance(made, Exception) else error
         return pickle.dumps(RuntimeError(f"{type(reason).__name__}: {reason}"))
 

@@ -50,7 +50,7 @@ def test_a_stop_ends_all_scenes_at_once_and_begins_no_other(tmp_path: Path) -> N
     assert {path.name for path in out.iterdir()} == {"first", "second"} and not unfinished(out)
 
 
-def results(function: Callable[[Any], Any], *pieces: Any) -> list[Any]:
+def made_by(function: Callable[[Any], Any], *pieces: Any) -> list[Any]:
     """What workers make of pieces of work, one after another."""
     made = []
     with WorkerProcesses(function, 1) as workers:
@@ -65,19 +65,19 @@ def results(function: Callable[[Any], Any], *pieces: Any) -> list[Any]:
 
 
 def test_an_error_of_the_work_is_its_result_and_the_worker_goes_on() -> None:
-    wrong, right = results(int, "seven", "7")
+    wrong, right = made_by(int, "seven", "7")
     assert isinstance(wrong, ValueError) and "seven" in str(wrong)
     assert right == 7
 
 
 def test_an_error_in_a_scene_comes_out_of_its_worker_whole() -> None:
-    (error,) = results(refuses, "this")
+    (error,) = made_by(refuses, "this")
     assert isinstance(error, SceneError) and str(error) == "here = 'this': must be otherwise; change it"
     assert (error.where, error.blocks, error.spots) == ("here", ("stone",), ((0.0, 1.0, 2.0),))
 
 
 def test_an_error_that_cannot_come_out_of_its_worker_is_told() -> None:
-    (error,) = results(fails_unreadably, "one")
+    (error,) = made_by(fails_unreadably, "one")
     assert isinstance(error, RuntimeError) and str(error) == "UnreadableError: one and another"
 
 

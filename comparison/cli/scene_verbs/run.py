@@ -57,7 +57,8 @@ def _side_by_side(models: list[StructuralModel], context: Context) -> Iterator[d
     with WorkerProcesses(partial(_run_quietly, options=context.options), min(context.options.workers, len(models))) as workers:
         for scene in [model.scene.name for model in models]:
             while scene not in made:
-                while waiting and not workers.is_busy and not any(isinstance(ended, Exception) for ended in made.values()):
+                has_failed = any(isinstance(ended, Exception) for ended in made.values())  # it ends the run once its turn comes
+                while waiting and not workers.is_busy and not has_failed:
                     workers.begin(waiting.popleft())
                 made |= {model.scene.name: ended for model, ended in workers.ended()}
             ended = made.pop(scene)
