@@ -21,6 +21,8 @@ from comparison.campaign import (
     read_table,
     run_cases,
     sentence,
+    title_of_values,
+    value_cells,
     with_versions,
     write_campaign_report,
 )
@@ -31,7 +33,6 @@ from la_core.errors import SceneError
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
-SHOWN = ("least", "coulomb", "greatest", "yade")  # columns of a printed campaign, over the weight
 MOST_ROWS = 20  # of a printed table; the data frame has all
 
 
@@ -74,7 +75,7 @@ class CampaignResult(Tabled):
         counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in self.rows)
         words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
         more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
-        title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}. Reactions over the weight W, or multipliers"
+        title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}; {title_of_values(self.rows)}"
         return title, ("case", "least", "Coulomb", "greatest", "YADE", "verdict"), [_cells(row) for row in self.rows[:MOST_ROWS]]
 
 
@@ -243,9 +244,7 @@ def _result_of(table: CampaignTable) -> CampaignResult:
 
 def _cells(row: dict[str, Any]) -> list[str]:
     """Return a case as the cells of a printed table."""
-    divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
-    values = [number_text(None if row[name] is None else row[name] / divisor, 5) for name in SHOWN]
-    return [str(row["case"]), *values, "failed" if row["state"] == "failed" else mark_of(row["verdict"])]
+    return [str(row["case"]), *value_cells(row), "failed" if row["state"] == "failed" else mark_of(row["verdict"])]
 
 
 def _text(value: Any) -> str:

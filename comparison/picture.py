@@ -9,7 +9,7 @@ from comparison.run_folder import FIGURE_FORMATS
 from comparison.yade import Results, Run
 from la_core.analysis import Answer, decided_model
 from la_core.errors import SceneError, nearest
-from la_core.scene import Scene
+from la_core.scene import Scene, load
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +51,13 @@ class Picture:
         return rendered(self.figure, ".png")
 
 
-def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Picture:
+def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = None) -> Picture:
     """Draw a figure of a scene or of an answer.
 
     Parameters
     ----------
-    what : Scene or Answer
-        A scene, for a figure of its assembly, or an answer, for the figure `name`.
+    what : Scene, Path, str or Answer
+        A scene, its file or its name, for a figure of its assembly; or an answer, for the figure `name`.
     name : str
         Figure of an answer: "assembly", "mechanisms" (default), "reaction", "forces" or "dissipation". Ignored for a scene.
     run : Run or None
@@ -71,17 +71,18 @@ def draw(what: Scene | Answer, name: str = "", run: Run | None = None) -> Pictur
     Raises
     ------
     SceneError
-        No figure has this name.
+        No figure or no scene has this name.
 
     Examples
     --------
-    >>> import comparison, la_core
-    >>> picture = comparison.draw(la_core.load("two_pads"))
+    >>> import comparison
+    >>> picture = comparison.draw("two_pads")
     >>> picture.save("two_pads.png") is picture
     True
     """
-    if isinstance(what, Scene):
-        return Picture(assembly_figure(what, decided_model(what).assembly))
+    if not isinstance(what, Answer):
+        scene = load(what)
+        return Picture(assembly_figure(scene, decided_model(scene).assembly))
     drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
     if chosen not in drawings:
         raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))

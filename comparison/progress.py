@@ -211,7 +211,7 @@ def bounds_words(analysis: LimitAnalysis) -> str:
     values, shares = (
         value_range(main.value / unit, greatest.value / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight)
     )
-    return f"bounds: R {values} {scene.unit}, R/W {shares}"
+    return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}"
 
 
 def value_words(scene: Scene, value: float) -> str:
@@ -219,7 +219,12 @@ def value_words(scene: Scene, value: float) -> str:
     if scene.live is not None:
         angles = tilt_angles(scene.tilt, value)
         return f"multiplier {format_number(value)}" + (f", {format_number(angles['angle'])} degrees" if angles else "")
-    return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}"
+    return f"R {format_number(value)} {scene.unit}, R/W {format_number(value / scene.weight)}{_unit_of_share(scene)}"
+
+
+def _unit_of_share(scene: Scene) -> str:
+    """Return the unit of a reaction over the weight with a space before it: the moment of a turning support gives a length."""
+    return " m" if scene.is_rotation else ""
 
 
 def _announcement(seconds: float, limit: float | None) -> str:

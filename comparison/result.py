@@ -132,7 +132,11 @@ class Result(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         *cells, own_seconds, yade_seconds = verdict_cells(self.summary)
-        return verdict_title([self.summary]), VERDICT_HEADINGS, [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]]
+        return (
+            verdict_title({self.summary["unit"]}),
+            VERDICT_HEADINGS,
+            [[*cells, mark_of(self.summary["verdict"]), own_seconds, yade_seconds]],
+        )
 
     def __repr__(self) -> str:
         return "\n".join(line for line in (super().__repr__(), self.reason, self.next_step) if line)
@@ -189,7 +193,7 @@ def run(
     """
     if time_limit is not None and not 0.0 < time_limit < math.inf:
         raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
-    chosen = scene if isinstance(scene, Scene) else load(scene)
+    chosen = load(scene)
     refuse_name(chosen)
     scene_folder = Path(folder) / chosen.name
     with narration(quiet) as told:

@@ -19,7 +19,7 @@ from comparison.studies import (
 )
 from comparison.studies import sensitivity as sensitivity_study
 from la_core.scene import Scene, load
-from la_core.text_table import Tabled, dataframe, number_text
+from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,8 +71,8 @@ class CostResult(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         title = f"{self.study.title}: relative error against seconds; ● where no other setting is both faster and closer"
-        over = "" if self.study.quantity == "multiplier" else " over W"
-        headings = ("method", "setting", "answer", "status", f"{self.study.quantity}{over}", "error", "seconds", "front")
+        value = f"{self.study.quantity} {OVER_WEIGHT[self.study.unit]}".rstrip()
+        headings = ("method", "setting", "answer", "status", value, "error", "seconds", "front")
         rows = [[*(row[name] for name in ("family", "setting", "target", "status")), *_numbers(row)] for row in self.rows]
         return title, headings, rows
 
@@ -125,8 +125,8 @@ class SensitivityResult(Tabled):
         return dataframe(self.rows)
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        over = "" if self.study.quantity == "multiplier" else " over W"
-        headings = ("slope", "relaxation", f"{self.study.quantity}{over}", "programmes", "status")
+        value = f"{self.study.quantity} {OVER_WEIGHT[self.study.unit]}".rstrip()
+        headings = ("slope", "relaxation", value, "programmes", "status")
         rows = [
             [number_text(row["slope"]), number_text(row["relaxation"]), self._shown(row["value"]), str(row["iterations"]), row["status"]]
             for row in self.rows
@@ -165,7 +165,7 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False, work
         YADE is asked for and not installed.
     """
     with narration(quiet) as told:
-        study = study_cost(scene if isinstance(scene, Scene) else load(scene), yade, told, workers)
+        study = study_cost(load(scene), yade, told, workers)
     stored = cost_dict(study)
     return CostResult(stored["rungs"], stored["references"], study)
 
@@ -191,7 +191,7 @@ def sensitivity(scene: Scene | Path | str, quiet: bool = False) -> SensitivityRe
         The scene is invalid, or the structure has no answer.
     """
     with narration(quiet) as told:
-        study, references = study_sensitivity(scene if isinstance(scene, Scene) else load(scene), told)
+        study, references = study_sensitivity(load(scene), told)
     return SensitivityResult(sensitivity_study.sensitivity_dict(study)["trials"], references, study)
 
 

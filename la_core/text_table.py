@@ -9,17 +9,19 @@ from typing import Any
 from la_core.errors import SceneError
 
 ROUND_OFF = 1e-9  # of the weight: a smaller reaction is zero but for the residuals of the solver
+OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
 
 
 def number_text(value: float | None, digits: int = 6) -> str:
     """A number with `digits` significant digits, or a dash where undefined; up to a million the whole part is in full."""
     if value is None or not math.isfinite(value):
         return "–"
-    return f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
+    text = f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
+    return text.replace("-", "−", 1) if value < 0.0 else text
 
 
 def over_weight(value: float | None, weight: float) -> float | None:
-    """A value over the weight (both in N); 0 where the value is only round-off, None where there is no value."""
+    """A value (N or N m) over the weight (N); 0 where the value is only round-off, None where there is no value."""
     ratio = None if value is None else value / weight
     return 0.0 if ratio is not None and abs(ratio) < ROUND_OFF else ratio
 

@@ -2,6 +2,7 @@
 
 import dataclasses
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -98,3 +99,14 @@ def test_scenes_and_answers_draw_themselves() -> None:
     assert isinstance(scene.draw(), comparison.Picture) and isinstance(answer.plot("reaction"), comparison.Picture)
     with pytest.raises(la_core.SceneError, match='did you mean "forces"'):
         answer.plot("force")
+
+
+def test_a_scene_may_be_given_by_its_name_or_its_file(tmp_path: Path) -> None:
+    by_name, scene = la_core.solve("two_pads", bounds_only=True), la_core.load("two_pads")
+    (tmp_path / "mine.toml").write_text(scene.text)
+    assert by_name.least == la_core.solve(tmp_path / "mine.toml", bounds_only=True).least == la_core.solve(scene, bounds_only=True).least
+    assert la_core.variant("two_pads", {"joint.friction": 0.3}).text == la_core.variant(scene, {"joint.friction": 0.3}).text
+    assert la_core.load(scene) is scene
+    for wrong in (3, None, {"joint": {}}, by_name):
+        with pytest.raises(la_core.SceneError, match=f"{type(wrong).__name__}.*must be a scene, the path of a scene file, or the name"):
+            la_core.solve(wrong)

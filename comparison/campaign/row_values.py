@@ -1,13 +1,16 @@
 """Values derived from a campaign's row: reaction over weight, prediction, deviation of YADE, address of the report."""
 
 import math
+from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import quote
 
 from comparison.campaign.table import CampaignTable
 from comparison.judge import FLOOR, LEAST_REACTION
-from comparison.numbers import exists
+from comparison.numbers import exists, format_number
+from comparison.verdict import verdict_title
+from la_core import text_table
 
 Row = dict[str, Any]
 FAILED = "failed"
@@ -31,7 +34,7 @@ def over_weight(row: Row, name: str) -> float | None:
         return None
     if not row.get("unit"):
         return value
-    return value / weight if exists(weight) and weight > 0.0 else None
+    return text_table.over_weight(value, weight) if exists(weight) and weight > 0.0 else None
 
 
 def bounds(row: Row) -> tuple[float, float]:
@@ -45,6 +48,17 @@ def bounds(row: Row) -> tuple[float, float]:
     if not row.get("unit"):
         return -math.inf, least  # the associated multiplier is an upper bound for friction without dilatancy
     return least, math.inf if greatest is None else greatest
+
+
+def value_cells(row: Row) -> list[str]:
+    """Return least, Coulomb, greatest and YADE's value of the row as texts, over the weight; the bound of a multiplier is its greatest."""
+    least, greatest = bounds(row)
+    return [format_number(value, 5) for value in (least, over_weight(row, "coulomb"), greatest, over_weight(row, "yade"))]
+
+
+def title_of_values(rows: Iterable[Row]) -> str:
+    """Return the title of a table of `value_cells`; failed cases have no values."""
+    return verdict_title({str(row.get("unit") or "") for row in rows if not failed(row)})
 
 
 def prediction(row: Row) -> str:

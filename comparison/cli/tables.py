@@ -12,7 +12,7 @@ from comparison.judge import percent
 from comparison.verdict import VERDICT_HEADINGS, Check, check_words, mark_of, verdict_cells, verdict_title
 from la_core.analysis import answer_headings, answer_rows
 from la_core.scene import Expected, Scene, change_rows
-from la_core.text_table import number_text, over_weight
+from la_core.text_table import OVER_WEIGHT, number_text, over_weight
 
 ANSWER_WIDTHS = (34, 11)  # of names and values, so that the table of the prediction continues that of the bounds
 COLOURS = {"agree": "green", "disagree": "red", "inconclusive": "yellow", "cannot stand": "red"}
@@ -125,7 +125,7 @@ def _answer_table(headings: tuple[str, str, str], rows: list[tuple[str, str, str
 def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     """Return a table of the reaction's path from rest to the plateau, one row per point."""
     drive = "displacement, m" if scene.live is not None else "settlement, rad" if scene.is_rotation else "settlement, m"
-    table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), "over W" if scene.live is None else "", "strain residual", "solves")
+    table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), OVER_WEIGHT[scene.unit], "strain residual", "solves")
     columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
     for settlement, value, residual, converged, solves in zip(*columns, strict=True):
         ratio = number_text(over_weight(value, scene.weight)) if scene.live is None else ""
@@ -139,7 +139,7 @@ def verdict_table(comparisons: list[dict[str, Any]]) -> Table:
 
     Names of scenes are never broken.
     """
-    table = new_table(*VERDICT_HEADINGS, title=verdict_title(comparisons))
+    table = new_table(*VERDICT_HEADINGS, title=verdict_title({comparison["unit"] for comparison in comparisons}))
     _keep_names_whole(table, [str(comparison["scene"]) for comparison in comparisons])
     for comparison in comparisons:
         scene, *values, limit_seconds, yade_seconds = verdict_cells(comparison)

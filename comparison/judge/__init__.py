@@ -4,25 +4,24 @@ from comparison.judge import requested_accuracy
 from comparison.judge.curves import CurveDifference, compare_curves
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.first_prediction import answer_of, answer_of_text
-from comparison.judge.prediction import FINER_PATHS, slides_unforeseen
+from comparison.judge.prediction import slides_unforeseen
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.requested_accuracy import METHODS, check_accuracy, percent
-from comparison.judge.run_checks import PLAIN_SCENE, REPAIR_YADE, check_expected, check_run
+from comparison.judge.run_checks import REPAIR_YADE, check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary, limit_analysis_summary, without_run, without_undefined, yade_summary
 from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 
 __all__ = [
-    "FINER_PATHS",
     "FLOOR",
     "LEAST_REACTION",
     "METHODS",
-    "PLAIN_SCENE",
     "REPAIR_YADE",
     "UNCERTAIN",
     "CurveDifference",
     "answer_of",
     "answer_of_text",
     "check_accuracy",
+    "check_answer",
     "check_displacement",
     "check_expected",
     "check_plane",

@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from comparison.judge.energy import check_energy
-from comparison.judge.prediction import SLOWER_RUN, check_prediction
+from comparison.judge.prediction import FINER_PATHS, SLOWER_RUN, check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
 from comparison.judge.tolerances import accuracy_share, reaction_tolerance, unbalanced
-from comparison.numbers import plural
+from comparison.numbers import format_number, plural
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
+from la_core.coulomb import CoulombSolution
 from la_core.limit import Drive, Status
 from la_core.measures import residuals
 from la_core.scene import Scene
@@ -74,6 +75,30 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             yield replace(check, yade=None)  # the number compared is the scene's own, and the report names it as such
 
 
+def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
+    """Yield a check that says why limit analysis has no answer, or an uncertain one; nothing where it is solved, or nothing can stand."""
+    associated, coulomb = analysis.bounds[analysis.main], analysis.coulomb
+    if associated.status not in (Status.SOLVED, Status.INFEASIBLE):
+        reason = f"Limit analysis ended as {associated.status}, so it has no answer."
+        yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(associated.status))
+    elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
+        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
+        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=FINER_PATHS)
+
+
+def _next_step(status: Status) -> str:
+    """Return what to do where limit analysis ended with this status and without a value."""
+    return OTHER_DIRECTION if status is Status.UNBOUNDED else PLAIN_SCENE
+
+
+def _doubt(coulomb: CoulombSolution, unit: str) -> str:
+    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
+    if coulomb.status is not Status.INACCURATE:
+        return ", so it has no value"
+    value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
+    return f": its value is {value}, and the largest residual of its limit state {coulomb.certificate:.1e}"
+
+
 def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
@@ -89,8 +114,7 @@ def check_run(results: Results) -> list[Check]:
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if least.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so YADE's {scene.quantity} cannot be compared."
-        step = OTHER_DIRECTION if least.status is Status.UNBOUNDED else PLAIN_SCENE
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(least.status))]
     driven = _check_settlement(scene, run) if scene.live is None else _check_speed(results)
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]

@@ -1,7 +1,7 @@
 """Inputs of a scene: everything that a reader without the program needs to know about what was calculated."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +60,7 @@ def _materials(facts: dict[str, Any]) -> Iterator[tuple[str, str]]:
     each = (f"{_given(row['density'])} kg/m3" + (f" ({plural(row['blocks'], 'block')})" if len(densities) > 1 else "") for row in densities)
     yield "density", ", ".join(each)
     gravity = np.array(facts["gravity"])
-    down = "downwards (−z)" if gravity[2] < 0.0 and not np.any(gravity[:2]) else f"along ({', '.join(_given(g) for g in gravity)})"
+    down = "downwards (−z)" if gravity[2] < 0.0 and not np.any(gravity[:2]) else f"along {_vector(gravity)}"
     yield "gravity", f"{_given(float(np.linalg.norm(gravity)))} m/s2 {down}"
     angles = (f"{_given(mu)} ({format_number(math.degrees(math.atan(mu)), 3)}°)" for mu in facts["friction"])
     yield "friction coefficient mu (angle of friction)", ", ".join(angles)
@@ -86,16 +86,19 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
     joints, yade = comparison.get("joints") or {}, comparison.get("yade") or {}
     unit = "rad" if "m" in str(comparison.get("unit", "")) else "m"
     if facts.get("live"):
-        yield "live load, in proportion to weight", f"along ({', '.join(_given(value) for value in facts['live'])})"
+        yield "live load, in proportion to weight", f"along {_vector(facts['live'])}"
     if facts.get("tilt"):
-        yield "tilt of the ground, right-handed", f"about ({', '.join(_given(value) for value in facts['tilt'])})"
+        yield "tilt of the ground, right-handed", f"about {_vector(facts['tilt'])}"
     if facts.get("motion"):
-        motion = [*map(float, facts["motion"])]
-        turn = f", angular ({', '.join(_given(value) for value in motion[3:])}) per unit" if any(motion[3:]) else ""
-        yield "motion of the support, unit vector (x, y, z)", f"({', '.join(_given(value) for value in motion[:3])}){turn}"
+        velocity, spin = np.split(np.array(facts["motion"], dtype=float), 2)
+        if np.any(spin):
+            nearest = np.cross(spin, velocity)  # the point of the axis that is nearest to the origin
+            yield "rotation of the support, right-handed", f"about the axis {_vector(spin)} through the point {_vector(nearest)} m"
+        else:
+            yield "motion of the support, unit vector (x, y, z)", _vector(velocity)
         for own in facts.get("motions") or ():
-            turn = f", angular ({', '.join(_given(value) for value in own['spin'])})" if any(own["spin"]) else ""
-            yield f"of it, motion of {', '.join(own['names'])}", f"({', '.join(_given(value) for value in own['velocity'])}){turn}"
+            turn = f", angular {_vector(own['spin'])}" if any(own["spin"]) else ""
+            yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
         support = facts.get("support") or {}
         if support:
             places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))
@@ -124,6 +127,11 @@ def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
 def _given(value: float) -> str:
     """Return a number that was given, without the digits that calculations add."""
     return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
+
+
+def _vector(parts: Iterable[float]) -> str:
+    """Return a vector that was given, such as "(0, 0, −1)"."""
+    return f"({', '.join(_given(float(part)) for part in parts)})"
 
 
 def _extent(size: list[float]) -> str:

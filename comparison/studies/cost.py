@@ -21,7 +21,7 @@ from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Metho
 from la_core.coulomb import PredictionSettings
 from la_core.scene import Scene
 from la_core.side_by_side import side_by_side
-from la_core.text_table import ROUND_OFF, number_text
+from la_core.text_table import OVER_WEIGHT, ROUND_OFF, number_text
 
 REPEATS, ENOUGH = 3, 10.0  # runs of a rung; seconds after which it does not run again
 FINEST = PredictionSettings((1e-3, 1e-4), finer=10.0)  # reference where no exact value is known
@@ -90,6 +90,8 @@ class CostStudy:
         Name and title of the scene.
     quantity : str
         "reaction" or "multiplier".
+    unit : str
+        Unit of the quantity, "" for a multiplier; the values of the study are over the weight.
     references : dict of str to (float, str)
         Reference of the errors, in the unit of `CostPoint.value`, and its source in words; by target.
     rungs : tuple of CostPoint
@@ -99,6 +101,7 @@ class CostStudy:
     scene: str
     title: str
     quantity: str
+    unit: str
     references: dict[str, tuple[float, str]]
     rungs: tuple[CostPoint, ...]
 
@@ -139,7 +142,7 @@ def measure_study(
     rungs = [_rung(scene, *record, references[record[0].target][0]) for record in measured]
     best = [rung for target in references for rung in front([other for other in rungs if other.target == target])]
     rungs = [dataclasses.replace(rung, pareto=rung in best) for rung in rungs]
-    return CostStudy(scene.name, scene.title, scene.quantity, references, tuple(rungs))
+    return CostStudy(scene.name, scene.title, scene.quantity, scene.unit, references, tuple(rungs))
 
 
 def prediction_inset(scene: Scene) -> float:
@@ -220,14 +223,13 @@ def front(rungs: Sequence[CostPoint]) -> list[CostPoint]:
 def cost_table(ladder: CostStudy, target: str) -> Table:
     """Return a table with one row for each rung of a target; values have the uncertainty that they state, and a dot marks the front."""
     reference, source = ladder.references[target]
-    over = "" if ladder.quantity == "multiplier" else " over W"
-    title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}{over}, {source}"
+    title = f"{ladder.title}: {target}; errors are relative to {number_text(reference, 7)}, {source}"
     table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left")
     for head in (
         "method",
         "setting",
         "status",
-        f"{ladder.quantity}{over}",
+        f"{ladder.quantity} {OVER_WEIGHT[ladder.unit]}".rstrip(),
         "error",
         "build s",
         "solve s",
@@ -253,6 +255,6 @@ def cost_dict(ladder: CostStudy) -> dict[str, Any]:
     references = {target: {"value": value, "source": source} for target, (value, source) in ladder.references.items()}
     rungs = [dataclasses.asdict(rung) | {"total": rung.total} for rung in ladder.rungs]
     study: dict[str, Any] = without_undefined(
-        {"scene": ladder.scene, "quantity": ladder.quantity, "references": references, "rungs": rungs}
+        {"scene": ladder.scene, "quantity": ladder.quantity, "unit": ladder.unit, "references": references, "rungs": rungs}
     )
     return study

@@ -160,7 +160,7 @@ def sensitivity_dict(result: Sensitivity) -> dict[str, Any]:
 
 def reaction_symbol(result: Sensitivity) -> str:
     """Return the symbol of the values over the divisor."""
-    return "multiplier" if result.quantity == "multiplier" else "R/W"
+    return {"": "multiplier", "N": "R/W", "N m": "R/W, m"}[result.unit]
 
 
 def sensitivity_table(result: Sensitivity, references: Mapping[str, tuple[float, int | None]] | None = None) -> Table:

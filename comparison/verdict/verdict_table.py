@@ -1,18 +1,23 @@
 """The row of the table of `crosscheck run`: bounds, prediction and YADE's reaction over the weight, and the time of each method.
 
-A live load has its multiplier there. Its associated answer is an upper bound, and it has no other.
+A turning support has its moment over the weight there, in m. A live load has its multiplier. Its associated answer is an upper bound,
+and it has no other.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any
 
-from comparison.numbers import DASH, several_plateaus, with_uncertainty
+from comparison.numbers import DASH, format_number, several_plateaus, with_uncertainty
 from la_core.text_table import number_text, over_weight
 
 VERDICT_HEADINGS = ("scene", "least", "Coulomb", "greatest", "YADE", "verdict", "LA s", "YADE s")
-VERDICT_TITLE = "reaction over the weight W of the free blocks: limit analysis' bounds and prediction, YADE's plateau"
-MULTIPLIER_TITLE = "multiplier of the live load: limit analysis' upper bound and prediction, YADE's plateau"
-BOTH_TITLE = f"{VERDICT_TITLE}; of a live load its multiplier, bounded from above"
+BY_BOTH = "limit analysis' bounds and prediction, YADE's plateau"
+TITLES = {  # of the table, by the unit of the values
+    "N": f"reaction over the weight W of the free blocks: {BY_BOTH}",
+    "N m": f"moment on the turning support over the weight W of the free blocks, in m: {BY_BOTH}",
+    "": "multiplier of the live load: limit analysis' upper bound and prediction, YADE's plateau",
+}
+BESIDE = {"N m": "; of a turning support its moment over W, in m", "": "; of a live load its multiplier, bounded from above"}
 VERDICTS = {  # sign and words of a comparison's verdict
     "agree": ("✓", "agree"),
     "disagree": ("✗", "disagree"),
@@ -33,10 +38,10 @@ def check_words(verdict: str | None) -> tuple[str, str]:
     return ("✓", "met") if verdict == "expected value met" else VERDICTS.get(verdict, VERDICTS[None])
 
 
-def verdict_title(comparisons: Sequence[dict[str, Any]]) -> str:
-    """Return the title of the table: the scenes have reactions, multipliers, or both."""
-    kinds = {"multiplier" in comparison["limit_analysis"]["associated"] for comparison in comparisons}
-    return BOTH_TITLE if len(kinds) > 1 else MULTIPLIER_TITLE if kinds == {True} else VERDICT_TITLE
+def verdict_title(units: Collection[str]) -> str:
+    """Return the title of a table with values in these units: reactions, moments, multipliers, or several of them."""
+    first, *others = [unit for unit in TITLES if unit in units] or ["N"]
+    return TITLES[first] + "".join(BESIDE[unit] for unit in others)
 
 
 def verdict_cells(comparison: dict[str, Any]) -> list[str]:
@@ -50,10 +55,10 @@ def verdict_cells(comparison: dict[str, Any]) -> list[str]:
         return with_uncertainty(over_weight(values.get(key), divisor), over_weight(values.get("uncertainty"), divisor))
 
     bounds = ("reaction", "reaction_max") if name == "reaction" else ("", "multiplier")
-    least, greatest = (number_text(over_weight(shared.get(key), divisor), 5) for key in bounds)
+    least, greatest = (format_number(over_weight(shared.get(key), divisor), 5) for key in bounds)
     values = [least, uncertain(predicted, name), greatest, uncertain(yade, "reaction")]
     if answer["status"] != "solved":
-        values[0] = answer["status"]
+        values[0 if name == "reaction" else 2] = answer["status"]
     elif coulomb and coulomb["status"] != "solved":
         values[1] = f"{values[1]} {coulomb['status']}"
     if several := several_plateaus([over_weight(value, divisor) for value in predicted.get("plateaus") or ()], ""):

@@ -9,9 +9,8 @@ from typing import Any
 
 from comparison import provenance
 from comparison.judge import (
-    FINER_PATHS,
-    PLAIN_SCENE,
     REPAIR_YADE,
+    check_answer,
     check_expected,
     check_run,
     comparison_summary,
@@ -20,7 +19,6 @@ from comparison.judge import (
     yade_summary,
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
-from comparison.numbers import format_number
 from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, write_text
 from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
@@ -34,8 +32,6 @@ from comparison.workflow.stages import (
 from comparison.yade import Results, accuracy_settings, read_results
 from la_core import exchange
 from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
-from la_core.coulomb import CoulombSolution
-from la_core.limit import Status
 from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
@@ -196,29 +192,14 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:
-    """Return the checks of a run, or one check that says why there is no comparison."""
+    """Return the checks of a run, or those that say why there is none, or that limit analysis alone has no certain answer."""
     results = outcome.results
     if results.run is not None:
         return check_run(results)
     if outcome.yade is not None:
         reason = str(outcome.yade["message"]).splitlines()[0]
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=REPAIR_YADE)]
-    associated, coulomb = results.analysis.bounds[results.analysis.main], results.analysis.coulomb
-    if associated.status not in (Status.SOLVED, Status.INFEASIBLE, Status.UNBOUNDED):
-        reason = f"Limit analysis ended as {associated.status}, so it has no answer."
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=PLAIN_SCENE)]
-    if coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
-        reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, results.scene.unit)}."
-        return [Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=FINER_PATHS)]
-    return []
-
-
-def _doubt(coulomb: CoulombSolution, unit: str) -> str:
-    """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
-    if coulomb.status is not Status.INACCURATE:
-        return ", so it has no value"
-    value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
-    return f": its value is {value}, and the largest residual of its limit state {coulomb.certificate:.1e}"
+    return list(check_answer(results.analysis))
 
 
 def _stored_summary(folder: Path) -> dict[str, Any]:

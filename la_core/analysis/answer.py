@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from la_core.errors import SceneError
 from la_core.limit import Drive, Solution, Status
 from la_core.measures import joint_rows
 from la_core.pictures import picture
-from la_core.scene import Scene
-from la_core.text_table import Tabled, dataframe, number_text, over_weight
+from la_core.scene import Scene, load
+from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text, over_weight
 
 NAN = float("nan")
 
@@ -193,13 +194,13 @@ class Answer(Tabled):
         return self.scene.title, answer_headings(self.scene), list(answer_rows(self.scene, self.values))
 
 
-def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener: AnalysisListener | None = None) -> Answer:
+def solve(scene: Scene | Path | str, path: bool = False, bounds_only: bool = False, listener: AnalysisListener | None = None) -> Answer:
     """Solve a scene by limit analysis: the bounds, and the prediction unless the scene requests bounds alone.
 
     Parameters
     ----------
-    scene : Scene
-        Scene from `load`, `build` or `variant`.
+    scene : Scene, Path or str
+        Scene from `load`, `build` or `variant`; path of a scene file, or name of a shipped scene.
     path : bool
         Whether to follow the reaction from rest to the plateau, too. The curve is `answer.analysis.path`.
     bounds_only : bool
@@ -216,7 +217,7 @@ def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener:
     Raises
     ------
     SceneError
-        The scene requests an effect that it does not allow, or `path` is requested with another friction law or with
+        The scene is invalid, or requests an effect that it does not allow, or `path` is requested with another friction law or with
         `bounds_only`.
 
     Examples
@@ -226,6 +227,7 @@ def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener:
     >>> round(la_core.solve(pads).least_sharp / pads.weight, 6)
     0.166667
     """
+    scene = load(scene)
     if path and scene.effects.friction not in ("auto", "coulomb"):
         rule = "a path needs friction without dilatancy"
         raise scene.located(SceneError("effects.friction", rule, value=scene.effects.friction, hint='use "coulomb" or "auto"'))
@@ -236,7 +238,7 @@ def solve(scene: Scene, path: bool = False, bounds_only: bool = False, listener:
 
 def answer_headings(scene: Scene) -> tuple[str, str, str]:
     """Return the headings of the three columns of `answer_rows`."""
-    return "limit analysis", scene.unit or "value", "over W" if scene.live is None else ""
+    return "limit analysis", scene.unit or "value", OVER_WEIGHT[scene.unit]
 
 
 def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str, str]]:

@@ -43,13 +43,13 @@ def find(scene: str) -> Path:
     return FOLDER / f"{scene}.toml"
 
 
-def load(scene: Path | str) -> Scene:
+def load(scene: Scene | Path | str) -> Scene:
     """Read and validate a scene file.
 
     Parameters
     ----------
     scene : Path or str
-        Path of a scene file (TOML), or the name of a shipped scene.
+        Path of a scene file (TOML), or the name of a shipped scene. A `Scene` is returned as it is.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def load(scene: Path | str) -> Scene:
     Raises
     ------
     SceneError
-        The file is missing, is not valid TOML, or breaks a rule of the schema.
+        The file is missing, is not valid TOML, or breaks a rule of the schema; or the argument names no scene.
 
     Examples
     --------
@@ -67,6 +67,11 @@ def load(scene: Path | str) -> Scene:
     >>> la_core.load("two_pads").title
     'Right pad settles under a block'
     """
+    if isinstance(scene, Scene):
+        return scene
+    if not isinstance(scene, Path | str):
+        rule = "must be a scene, the path of a scene file, or the name of a shipped scene"
+        raise SceneError("scene", rule, value=type(scene).__name__)
     return load_scene(find(str(scene)))
 
 

@@ -19,6 +19,7 @@ from la_core.errors import SceneError
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
+from la_core.scene.shipped import load
 from la_core.scene.validation import as_scene_error
 
 KEEP_EXPECTED = ("title", "source", "accuracy", "effort", "yade", "expected")  # may change without a new expected value
@@ -62,13 +63,13 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
 
 
-def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
+def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "") -> Scene:
     """Copy a scene with some of its keys changed.
 
     Parameters
     ----------
-    scene : Scene
-        Original scene; it stays as it is.
+    scene : Scene, Path or str
+        Original scene, which stays as it is; path of its file, or name of a shipped scene.
     changes : mapping of str to Any
         New values by dotted key, such as "joint.friction" or "wall[0].courses". None deletes a key or a table.
     name : str
@@ -92,10 +93,11 @@ def variant(scene: Scene, changes: Mapping[str, Any], name: str = "") -> Scene:
     Examples
     --------
     >>> import la_core
-    >>> smooth = la_core.variant(la_core.load("wall_third"), {"joint.friction": 0.4})
+    >>> smooth = la_core.variant("wall_third", {"joint.friction": 0.4})
     >>> smooth.name, smooth.friction
     ('wall_third,joint.friction=0.4', 0.4)
     """
+    scene = load(scene)
     tables, made = tomllib.loads(scene.text), ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
     name = name or made[:LONGEST_NAME]
     plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}

@@ -14,7 +14,8 @@ from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
-from comparison.campaign.row_values import bounds, deviation, worst_first
+from comparison.campaign.row_values import bounds, deviation, title_of_values, value_cells, worst_first
+from comparison.verdict import verdict_title
 
 pytestmark = pytest.mark.slow
 
@@ -106,3 +107,11 @@ def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_rea
     assert bounds(row) == (row["least"] / 1000.0, row["greatest"] / 1000.0)
     assert bounds(row | {"greatest": None}) == (row["least"] / 1000.0, math.inf)
     assert bounds(row | {"unit": "", "least": 0.7, "greatest": None}) == (-math.inf, 0.7)
+
+
+def test_a_row_is_printed_over_the_weight_and_a_multiplier_is_bounded_from_above(tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0] | {"least": 360.0, "coulomb": -400.0, "greatest": 998.0, "yade": None}
+    assert value_cells(row) == ["0.36000", "−0.40000", "0.99800", "–"]
+    assert value_cells(row | {"unit": "", "least": 0.5, "coulomb": 0.25, "greatest": None}) == ["–", "0.25000", "0.50000", "–"]
+    assert title_of_values([row, row | {"unit": "", "state": "failed"}]) == verdict_title({"N"})
+    assert title_of_values([row | {"unit": "N m"}, row | {"unit": ""}]) == verdict_title({"N m", ""})

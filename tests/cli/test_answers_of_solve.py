@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import scenes
 from conftest import every_shipped_scene
 
 from comparison.cli.commands import main
@@ -105,3 +106,17 @@ def test_a_path_is_followed_where_it_is_asked_for(tmp_path: Path, capsys: pytest
     assert (tmp_path / "path.svg").is_file()
     assert main(["solve", "two_pads", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["limit_analysis"]["path"] is None
+
+
+@pytest.mark.parametrize("words", [("solve",), ("run", "--no-yade")], ids=["solve", "run"])
+def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Pressed straight into the ground, a wall bears any multiple of its weight."""
+    path = tmp_path / "pressed.toml"
+    path.write_text(scenes.text(*scenes.wall(4, 3), live=(0.0, 0.0, -1.0), model="coulomb"))
+    assert main([words[0], str(path), *words[1:], *(("-o", str(tmp_path / "out")) if words[0] == "run" else ())]) == 4
+    captured = capsys.readouterr()
+    told = " ".join((captured.out + captured.err).split())
+    assert "Limit analysis ended as unbounded, so it has no answer." in told
+    assert "next: Look at the direction of the settlement or of the live load" in told

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from faulty_runs import one_message
 
 from comparison.cli.commands import main
 from la_core.scene import shipped
@@ -69,3 +70,15 @@ def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, 
     captured = capsys.readouterr()
     assert [c["scene"] for c in json.loads(captured.out)["comparisons"]] == ["two_pads"]
     assert "trilith" in captured.err
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
+    workers: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "slab_four_corners").touch()
+    assert main(["run", "two_pads", "slab_four_corners", "-o", str(tmp_path), "--no-yade", "-q", "--workers", workers]) == 3
+    captured = capsys.readouterr()
+    one_message(captured.err, str(tmp_path / "slab_four_corners"), "a file stands where a folder is needed")
+    assert "expected value met" in captured.out
+    assert [scene["scene"] for scene in json.loads((tmp_path / "report.json").read_text())["comparisons"]] == ["two_pads"]

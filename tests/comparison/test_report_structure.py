@@ -7,11 +7,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from made_up_comparisons import comparison_of, page_and_markdown
 
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units
 from comparison.report import report, structure_facts
+from comparison.report.inputs import input_rows
 from comparison.report.plain_words import plain_words
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
@@ -98,3 +100,19 @@ def test_the_report_lists_what_reading_changed_in_the_geometry(tmp_path: Path) -
     assert "block <4>" not in page
     unchanged, _ = page_and_markdown(tmp_path, comparison_of(geometry=None))
     assert "scene-1-geometry" not in unchanged
+
+
+def test_a_turning_support_is_said_to_turn_about_its_axis() -> None:
+    facts = {
+        "gravity": [0.0, 0.0, -9.81],
+        "friction": [0.6],
+        "inset": 0.001,
+        "densities": [],
+        "size": [1.0] * 3,
+        "block_size": [[1.0] * 3] * 2,
+    }
+    spin, point = np.array([0.0, -1.0, 0.0]), np.array([1.2, 0.0, -0.3])
+    turning = {"structure": facts | {"motion": [*np.cross(point, spin), *spin]}, "unit": "N m"}
+    rows = dict(input_rows(turning, Units(1000.0)))
+    assert rows["rotation of the support, right-handed"] == "about the axis (0, −1, 0) through the point (1.2, 0, −0.3) m"
+    assert not any("unit vector" in name for name in rows)

@@ -8,7 +8,7 @@ from made_up_comparisons import comparison_of, frictional_comparison, page_and_m
 
 from comparison.judge.summary import limit_analysis_summary
 from comparison.report import report, values
-from comparison.verdict.verdict_table import verdict_cells
+from comparison.verdict.verdict_table import verdict_cells, verdict_title
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -140,3 +140,27 @@ def test_an_expected_value_stands_beside_the_answer_with_its_own_friction() -> N
     rows = {row["name"]: row for row in values.expected_rows(limit_analysis_summary(analyse(scene)))}
     assert rows["R / W"]["found"] == pytest.approx(0.5, rel=2e-3)
     assert rows["R_min / W, associated"]["found"] == pytest.approx(0.5 / 1.36, rel=1e-6)
+
+
+def test_a_row_writes_all_numbers_alike() -> None:
+    comparison = comparison_of()
+    comparison["limit_analysis"]["associated"] |= {"reaction": -0.1 * 2158.2, "reaction_max": 0.998 * 2158.2}
+    comparison["yade"] |= {"reaction": -0.1 * 2158.2, "uncertainty": 1e-12}
+    assert verdict_cells(comparison)[1:5] == ["−0.10000", "–", "0.99800", "−0.10000"]
+
+
+def test_a_multiplier_without_a_limit_is_called_so_where_its_bound_would_stand() -> None:
+    comparison = comparison_of(unit="", yade=None)
+    comparison["limit_analysis"]["associated"] = {"status": "unbounded", "multiplier": None, "seconds": 0.01}
+    assert verdict_cells(comparison)[1:5] == ["–", "–", "unbounded", "–"]
+
+
+def test_the_title_says_what_the_numbers_are() -> None:
+    for units, words in (
+        ({"N"}, ("reaction over the weight",)),
+        ({"N m"}, ("moment on the turning support", "in m")),
+        ({""}, ("multiplier of the live load",)),
+        ({"N", "N m", ""}, ("reaction over the weight", "of a turning support its moment over W, in m", "of a live load its multiplier")),
+    ):
+        title = verdict_title(units)
+        assert all(word in title for word in words) and title.startswith(words[0])

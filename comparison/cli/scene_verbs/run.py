@@ -29,7 +29,7 @@ def execute(context: Context) -> int:
     try:
         for comparison in made:
             comparisons.append(comparison)
-    except (SceneError, FolderInUseError, WorkerLostError):  # an error found only during the run: earlier scenes keep their report
+    except (SceneError, FolderInUseError, WorkerLostError, OSError):  # found only during the run: earlier scenes keep their report
         if comparisons:
             _conclude(comparisons, context)
         raise

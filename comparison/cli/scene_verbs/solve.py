@@ -6,7 +6,7 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
-from comparison.judge import check_accuracy, check_expected, limit_analysis_summary
+from comparison.judge import check_accuracy, check_answer, check_expected, limit_analysis_summary
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
@@ -58,7 +58,7 @@ def execute(context: Context) -> int:
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
-    concluded = _concluded(analysis, checks)
+    concluded = _concluded(analysis, [*checks, *check_answer(analysis)])
     if concluded.next_step:  # one method alone has nothing more to say about its own answer
         is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
         words = "" if is_said else f"{concluded.reason}\n"

@@ -19,6 +19,8 @@ from comparison.campaign import (
     expand,
     find_campaign,
     run_cases,
+    title_of_values,
+    value_cells,
     write_campaign_report,
 )
 from comparison.cli.context import Context
@@ -29,7 +31,6 @@ from comparison.progress import CampaignNarration
 from comparison.verdict import Verdict, mark_of
 from la_core.errors import SceneError
 from la_core.side_by_side import cores
-from la_core.text_table import number_text
 
 NOTHING_TO_ADD = ("", None, Verdict.EXPECTED_MET)  # verdicts whose reason the marks in the table say already
 MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
@@ -80,13 +81,10 @@ def exit_code(table: CampaignTable) -> int:
 def show(table: CampaignTable, context: Context) -> None:
     """Print the first rows, the reasons of failures and disagreements, the counts, and the paths of results and report."""
     out, headings = context.out, ("case", "least", "Coulomb", "greatest", "YADE", "verdict")
-    terminal_table = new_table(*headings, title="reaction over the weight W of the free blocks, or the multiplier")
+    terminal_table = new_table(*headings, title=title_of_values(table.rows))
     for row in table.rows[:MOST_SHOWN]:
-        divisor = row["weight"] if row["unit"] and row["weight"] else 1.0
-        reactions = [row[name] for name in ("least", "coulomb", "greatest", "yade")]
-        values = [number_text(None if reaction is None else reaction / divisor, 5) for reaction in reactions]
         verdict = "failed" if row["state"] == "failed" else mark_of(row["verdict"])
-        terminal_table.add_row(plain(row["case"]), *values, coloured(verdict, row["verdict"]))
+        terminal_table.add_row(plain(row["case"]), *value_cells(row), coloured(verdict, row["verdict"]))
     unused = () if any(row["yade"] is not None for row in table.rows) else ("YADE",)
     context.table(terminal_table, ("greatest", "least", *unused))
     if len(table.rows) > MOST_SHOWN:

@@ -37,8 +37,8 @@ def climb_and_draw(scene: Scene, folder: Path, with_yade: bool, narration: Narra
 
     with_yade, narration, workers: as in `study_cost`. Raises SceneError for a structure without an answer.
     """
+    folder.mkdir(parents=True, exist_ok=True)  # a folder that cannot be made is told before the measurement
     ladder = study_cost(scene, with_yade, narration, workers)
-    folder.mkdir(parents=True, exist_ok=True)
     save(cost_figure(ladder), folder / f"{scene.name}-cost.png")
     stored = cost_dict(ladder) | {"provenance": describe()}
     write_text(folder / f"{scene.name}-cost.json", json.dumps(stored, indent=2, ensure_ascii=False) + "\n")
