@@ -202,16 +202,16 @@ def _time_left(seconds: float) -> str:
 def bounds_words(analysis: LimitAnalysis) -> str:
     """Return the bounds at the scene's own inset in one phrase, or the status of a structure without them."""
     scene, bounds = analysis.scene, analysis.printed.bounds
-    main = bounds[analysis.main]
+    main, arrises = bounds[analysis.main], "" if scene.inset else ", for sharp arrises"
     if main.status is not Status.SOLVED:
         return f"bounds: {main.status}"
     if scene.live is not None:
-        return f"bound: {value_words(scene, main.value)}"
+        return f"bound: {value_words(scene, main.value)}{arrises}"
     greatest = bounds[Drive.PUSHING]
     values, shares = (
         value_range(main.value / unit, greatest.value / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight)
     )
-    return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}"
+    return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}{arrises}"
 
 
 def value_words(scene: Scene, value: float) -> str:

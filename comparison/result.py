@@ -12,7 +12,7 @@ from comparison.figures import Story, write_animation
 from comparison.picture import Picture, draw
 from comparison.progress import narration
 from comparison.provenance import describe
-from comparison.report import export_results, write_report
+from comparison.report import export_results, predicted_value, write_report
 from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, refuse_name
 from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, mark_of, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
@@ -87,6 +87,11 @@ class Result(Tabled):
     def checks(self) -> tuple[Check, ...]:
         """All checks of the comparison, each with its numbers, tolerance and verdict; they show themselves as a table."""
         return _Checks(map(stored_check, self.summary["checks"]))
+
+    @property
+    def predicted(self) -> float:
+        """Value of limit analysis that YADE is compared with (N, N m, multiplier), at the inset of both methods; NaN without one."""
+        return predicted_value(self.summary)
 
     def plot(self, name: str = "mechanisms") -> Picture:
         """Draw one figure of the report.
@@ -284,11 +289,9 @@ def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool 
         raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
     if not 1 <= fps <= MOST_FRAMES:
         raise SceneError("fps", f"must be a whole number from 1 to {MOST_FRAMES}", value=fps)
+    story, name = Story(Results(answer.analysis, record)), answer.scene.name
     with narration(quiet) as told:
-        name = answer.scene.name
-        write_animation(
-            Story(Results(answer.analysis, record)), Path(path), fps, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}")
-        )
+        write_animation(story, Path(path), fps, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
     return Path(path)
 
 

@@ -24,7 +24,8 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert capsys.readouterr().err == ""
     assert result.verdict is comparison.Verdict.AGREE and result.reason == ""
     assert result.yade is not None
-    assert result.yade.reaction == pytest.approx(result.answer.coulomb, rel=ELASTIC)
+    assert result.predicted == result.answer.coulomb
+    assert result.yade.reaction == pytest.approx(result.predicted, rel=ELASTIC)
     assert {check.verdict for check in result.checks} == {comparison.Verdict.AGREE, comparison.Verdict.EXPECTED_MET}
     again = comparison.read(tmp_path / "two_pads")
     assert (str(again), again.checks) == (str(result), result.checks)
@@ -128,3 +129,11 @@ def test_the_studies_are_run_shown_and_drawn_from_python(capsys: pytest.CaptureF
     assert capsys.readouterr().err == ""
     with pytest.raises(la_core.SceneError, match="did you mean"):
         comparison.sensitivity("two_padz")
+
+
+def test_the_prediction_of_sharp_arrises_is_that_of_the_inset_of_both_methods(tmp_path: Path) -> None:
+    sharp = la_core.variant("two_pads", {"joint.inset": 0.0}, "sharp")
+    result = comparison.run(sharp, tmp_path, yade=False, quiet=True)
+    shared = result.summary["limit_analysis"]["coulomb"]["shared_inset"]
+    assert result.predicted == shared["reaction"] > result.answer.coulomb
+    assert math.isnan(dataclasses.replace(result, summary={"limit_analysis": {"associated": {}, "coulomb": None}}).predicted)

@@ -4,7 +4,7 @@ from comparison.report import viewer
 from comparison.report.facts import structure_facts
 from comparison.report.paraview import export_results
 from comparison.report.pdf import write_pdf
-from comparison.report.plain_words import angle_words
+from comparison.report.plain_words import angle_words, predicted_value
 from comparison.report.report import stored_report, write_report
 from comparison.report.templating import flat, template_environment
 
@@ -12,6 +12,7 @@ __all__ = [
     "angle_words",
     "export_results",
     "flat",
+    "predicted_value",
     "stored_report",
     "structure_facts",
     "template_environment",

@@ -1,5 +1,6 @@
 """The plain conclusion of a scene: what moves, what the support still carries, by which method, under which assumptions."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -101,8 +102,8 @@ def angle_words(comparison: dict[str, Any]) -> str:
     return f"The structure fails when the ground is tilted{about} by {found}; the multiplier is the tangent."
 
 
-def predicted_value(comparison: dict[str, Any]) -> Any:
-    """Return the value that limit analysis predicts at the inset of both methods: Coulomb's, else the associated one; SI units."""
+def predicted_value(comparison: dict[str, Any]) -> float:
+    """Return the value that limit analysis predicts at the inset of both methods: Coulomb's, else the associated one; NaN without one."""
     answers = comparison.get("limit_analysis") or {}
     for name in ("coulomb", "associated"):
         answer = answers.get(name) or {}
@@ -110,7 +111,7 @@ def predicted_value(comparison: dict[str, Any]) -> Any:
         value = shared.get("multiplier" if "multiplier" in answer else "reaction")
         if exists(value):
             return value
-    return None
+    return math.nan
 
 
 def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:

@@ -18,7 +18,7 @@ from comparison.progress import LINE_EVERY, Narration
 from la_core.analysis import analyse
 from la_core.coulomb import PathProgress
 from la_core.limit import Drive, Status
-from la_core.scene import load
+from la_core.scene import load, variant
 
 WEIGHT = 2158.2  # N, of two pads
 
@@ -133,3 +133,8 @@ def test_bounds_without_an_upper_one_in_words() -> None:
     bounds[Drive.PUSHING] = dataclasses.replace(bounds[Drive.PUSHING], status=Status.UNBOUNDED, value=float("inf"))
     changed = dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, bounds=bounds))
     assert progress.bounds_words(changed) == "bounds: R at least 363.3 N, R/W at least 0.1683"
+
+
+def test_bounds_of_sharp_arrises_are_called_so() -> None:
+    sharp = analyse(variant(load("two_pads"), {"joint.inset": 0.0}))
+    assert progress.bounds_words(sharp) == "bounds: R 359.7 to 2158 N, R/W 0.1667 to 1.000, for sharp arrises"
