@@ -104,10 +104,8 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
             places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))
             yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
     if exists(yade.get("settlement")):
-        yield (
-            "mean displacement along the load in YADE" if facts.get("live") else "settlement imposed in YADE",
-            units.text(yade["settlement"], unit, 4),
-        )
+        imposed = f"{'rotation' if unit == 'rad' else 'settlement'} imposed in YADE"
+        yield "mean displacement along the load in YADE" if facts.get("live") else imposed, units.text(yade["settlement"], unit, 4)
     if joints:
         for name in ("normal", "shear"):
             yield f"{name} stiffness of a contact point, both methods", units.text(joints.get(name), "N/m", 4)

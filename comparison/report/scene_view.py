@@ -184,7 +184,7 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
     words = {
         "motion": "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free.",
         "drive": _drive(live, tilts),
-        "reaction": _curve(live, tilts),
+        "reaction": _curve(comparison, tilts),
         "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
     }
     for name, (heading, caption) in FIGURES.items():
@@ -203,10 +203,13 @@ def _drive(live: bool, tilts: bool) -> str:
     return "the load reaches what the structure bears" if live else "the support moves"
 
 
-def _curve(live: bool, tilts: bool) -> str:
+def _curve(comparison: dict[str, Any], tilts: bool) -> str:
     """Return what the curve shows."""
     if tilts:
         return "Tangent of the tilt angle, and the angle, against displacement."
+    if comparison.get("unit") == "N m":
+        return "Moment on the support against its rotation, from rest."
+    live = "multiplier" in associated_of(comparison)
     return "Load multiplier against displacement." if live else "Force on the support against its motion, from rest."
 
 

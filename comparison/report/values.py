@@ -18,6 +18,13 @@ from comparison.numbers import (
     with_uncertainty,
 )
 
+LIMITS = "R_min and R_max are limits that no answer can leave; the Coulomb prediction is limit analysis' answer with the friction of stone."
+MEANINGS = {  # what the values are, by their unit
+    "N": f"R is the force of the support against its motion, W the weight of the free blocks. {LIMITS}",
+    "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks. {LIMITS}",
+    "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No answer lies above the "
+    "associated one; the Coulomb prediction is limit analysis' answer with the friction of stone.",
+}
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 
 
@@ -64,6 +71,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     return reactions | {
         "ratios": ratios,
         "unit": unit,
+        "meaning": MEANINGS[base],
         "ratio_unit": "" if live else "of W" if base == "N" else "m, over W",
         "greatest_status": "no upper limit" if unbounded else "",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),

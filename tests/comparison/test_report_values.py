@@ -164,3 +164,18 @@ def test_the_title_says_what_the_numbers_are() -> None:
     ):
         title = verdict_title(units)
         assert all(word in title for word in words) and title.startswith(words[0])
+
+
+def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
+    turning = comparison_of(unit="N m")
+    turning["yade"] |= {"settlement": 1e-4}
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "reaction.png").write_bytes(b"a picture")
+    page = report.write_report(tmp_path, [turning], {}).read_text(encoding="utf-8")
+    for words in (
+        "R is the moment of the support against its rotation",
+        "Moment on the support against its rotation",
+        "rotation imposed in YADE",
+    ):
+        assert words in page
+    assert "orce on the support" not in page and "force of the support" not in page
