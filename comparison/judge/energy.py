@@ -27,18 +27,19 @@ class EnergyAudit:
 
     Attributes
     ----------
-    weights, support : float
-        Work of the weights (and of the live load, in proportion to them) and of the support on the free blocks, J.
+    weights, support, load : float
+        Work of the weights, of the support and of the live load on the free blocks, J; 0 for the one of the last two that does not act.
     kinetic, elastic : float
         Change of the stored kinetic and elastic energy, J.
     friction, viscous : float
         Energy taken along the joints, and by damping: across the joints and from the swing of the blocks, J.
     turnover : float
-        Sum of the absolute work of the weights on each block and of the support, J.
+        Sum of the absolute work of weight and live load on each block and of the support, J.
     """
 
     weights: float
     support: float
+    load: float
     kinetic: float
     elastic: float
     friction: float
@@ -48,7 +49,7 @@ class EnergyAudit:
     @property
     def drift(self) -> float:
         """Work that is not accounted for, over the turnover; NaN where nothing moved."""
-        unaccounted = self.weights + self.support - self.kinetic - self.elastic - self.friction - self.viscous
+        unaccounted = self.weights + self.support + self.load - self.kinetic - self.elastic - self.friction - self.viscous
         return unaccounted / self.turnover if self.turnover > 0.0 else float("nan")
 
 
@@ -61,26 +62,27 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
     first = 1 if assembly.effects.recording == "plateau" else 0
     settlement = run.poses.settlement[first:]
     if len(settlement) < 2 or not run.record or GRAVITY not in run.record.stage:
-        return EnergyAudit(*[float("nan")] * 7)
+        return EnergyAudit(*[float("nan")] * 8)
     poses = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)[first:]
     steps, forces = np.diff(poses, axis=0), run.poses.forces[first:]
-    by_block = np.einsum("bi,pbi->b", assembly.dead_load, steps)
+    by_weights = np.einsum("bi,pbi->b", assembly.dead_load, steps)
+    by_load, support = np.zeros_like(by_weights), 0.0
     if assembly.has_live_load:
         between = 0.5 * (multipliers := np.interp(settlement, *_series(run, "reaction")))[1:] + 0.5 * multipliers[:-1]
-        by_block += np.einsum("p,bi,pbi->b", between, assembly.live_load, steps)
-        support = 0.0
+        by_load = np.einsum("p,bi,pbi->b", between, assembly.live_load, steps)
     else:
         support = _support_work(run, settlement)
     dissipated, stored = _dissipated(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)
     damped = float(np.diff(np.interp(settlement[[0, -1]], *_series(run, "damped_energy")))[0]) if len(run.record.damped_energy) else 0.0
     return EnergyAudit(
-        weights=float(by_block.sum()),
+        weights=float(by_weights.sum()),
         support=support,
+        load=float(by_load.sum()),
         kinetic=float(np.diff(np.interp(settlement[[0, -1]], *_series(run, "kinetic_energy")))[0]),
         elastic=float(stored.sum()),
         friction=float(dissipated[1] - stored[1]),
         viscous=float(dissipated[0] - stored[0]) + damped,
-        turnover=float(np.abs(by_block).sum()) + abs(support),
+        turnover=float(np.abs(by_weights + by_load).sum()) + abs(support),
     )
 
 

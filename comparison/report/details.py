@@ -111,11 +111,13 @@ def accuracy_rows(comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
 ENERGIES = {
     "weights": "work of the weights",
     "support": "work of the support",
+    "load": "work of the live load",
     "kinetic": "gained as kinetic energy",
     "elastic": "gained as elastic energy of the joints",
     "friction": "dissipated by friction",
     "viscous": "dissipated by damping",
 }
+DRIVES = ("support", "load")  # one of them acts; the other one does no work
 
 
 def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
@@ -127,7 +129,8 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
     if not exists(audit.get("drift")):
         return []
     turnover = audit["turnover"]
-    parts = {ENERGIES[name]: audit[name] for name in ENERGIES} | {"not accounted for": audit["drift"] * turnover}
+    acting = [name for name in ENERGIES if name not in DRIVES or audit.get(name)]
+    parts = {ENERGIES[name]: audit[name] for name in acting} | {"not accounted for": audit["drift"] * turnover}
     return [
         {"name": name, "joule": small_number(value, turnover, 4), "share": f"{small_number(100.0 * value / turnover, 100.0, 5)} %"}
         for name, value in parts.items()
@@ -135,12 +138,9 @@ def energies(comparison: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def measures(comparison: dict[str, Any], live: bool, units: Units) -> Iterator[dict[str, Any]]:
-    """Yield the measures of each known mechanism; power per unit motion of the support is a force, in the report's unit.
-
-    Under a live load `dissipated_share` is None: the load does the work there, not the settling weights.
-    """
+    """Yield the measures of each known mechanism; power per unit motion of the support is a force, in the report's unit."""
     for method, measured in (comparison.get("mechanism_measures") or {}).items():
         if measured and exists(measured.get("moving_mass_share")):
-            row = {name: measured.get(name) for name in MEASURES} | ({"dissipated_share": None} if live else {})
+            row = {name: measured.get(name) for name in MEASURES}
             row["dissipated_power"] = units.value(row["dissipated_power"], str(comparison.get("unit", "" if live else "N")))
             yield {"method": METHODS.get(method, method), **row}

@@ -47,6 +47,16 @@ class Results:
         """
         return twists * self.analysis.assembly.weight if self.scene.live is not None else twists
 
+    def per_power(self, twists: np.ndarray) -> np.ndarray:
+        """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.
+
+        The inverse of `per_motion`; NaN where a live load has no power on them.
+        """
+        if self.scene.live is None:
+            return twists
+        power = float(np.sum(self.analysis.assembly.live_load * twists))
+        return twists / power if power > 0.0 else np.full_like(twists, np.nan)
+
     @property
     def stiffening(self) -> float:
         """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN where a stiffness is undefined or zero.

@@ -9,7 +9,16 @@ from la_core.analysis.decisions import decide_effects
 from la_core.analysis.modelling import StructuralModel, wedging
 from la_core.analysis.result import Answers
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
-from la_core.coulomb import SLIDING_SHARE, CoulombSolution, PredictionSettings, Sliding, predict, reaction_at_rest, slides_in_mechanism
+from la_core.coulomb import (
+    SAME_VALUE,
+    SLIDING_SHARE,
+    CoulombSolution,
+    PredictionSettings,
+    Sliding,
+    predict,
+    reaction_at_rest,
+    slides_in_mechanism,
+)
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly, Effects
@@ -124,9 +133,15 @@ def _predicted(
 
 
 def _without_history(at_inset: Answers, sharp: Answers) -> CoulombSolution | None:
-    """Return the sharp associated answer as Coulomb's where no loaded joint slides in either mechanism; None where one does."""
+    """Return the sharp associated answer as Coulomb's where friction has no history; None elsewhere.
+
+    It has none where no loaded joint slides in either mechanism, and both laws give one value at the inset.
+    """
     coulomb, associated = at_inset.coulomb, sharp.bounds[sharp.main]
     if coulomb is None or coulomb.status is not Status.SOLVED or slides_in_mechanism(sharp.assembly, associated):
+        return None
+    rounded = at_inset.bounds[at_inset.main].value
+    if abs(coulomb.value - rounded) > SAME_VALUE * abs(rounded) + coulomb.uncertainty:  # slip on the way changed it
         return None
     if mechanism.sliding_share(at_inset.assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE:
         return None

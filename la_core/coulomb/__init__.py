@@ -4,11 +4,12 @@ from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.followed_path import PathProgress, PredictionSettings
 from la_core.coulomb.prediction import predict, reaction_at_rest
-from la_core.coulomb.sliding import SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
+from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 
 __all__ = [
     "ACCEPTED_RESIDUAL",
+    "SAME_VALUE",
     "SLIDING_SHARE",
     "CoulombSolution",
     "EquilibriumPath",

@@ -43,7 +43,7 @@ class MechanismMeasures:
     dissipated_power : float
         Sum of these powers.
     dissipated_share : float
-        Dissipated power over the power of the sinking weights.
+        Dissipated power over the power of the sinking weights; NaN under a live load, which does the work there.
     participation_index : float
         Distribution of the dissipation over the interfaces, see `participation_index`.
     moving_mass_share : float
@@ -79,7 +79,7 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
     known = bool(np.isfinite(twists).all() and np.isfinite(forces).all())
     states = contact_states(assembly, twists, forces, threshold)
     dissipation = interface_dissipation(assembly, twists, forces, states)
-    total, settling = float(dissipation.sum()), settling_power(assembly, twists)
+    total, settling = float(dissipation.sum()), 0.0 if assembly.has_live_load else settling_power(assembly, twists)
 
     def count(state: ContactState) -> float:
         return float(np.sum(states == state)) if known else float("nan")

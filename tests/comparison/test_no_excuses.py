@@ -159,3 +159,17 @@ def test_no_sharp_value_is_stated_where_the_history_of_friction_decides(wall: Li
     arch = analyse(scenes.shipped("arch_spreading"))
     assert arch.sharp.coulomb is not None  # nothing slides: the value is that of the bound, with other lever arms
     assert arch.sharp.coulomb.value == pytest.approx(arch.sharp.bounds[Drive.YIELDING].value)
+
+
+def test_no_sharp_value_is_stated_where_slip_on_the_way_decides_although_the_mechanism_is_without() -> None:
+    """Two beams on three columns, the outer ones moved apart: nothing slides in the mechanism, yet both laws give another value."""
+    columns = [(name, x, role) for name, x, role in (("A", 0.0, "support"), ("B", 2.5, "support"), ("C", 1.25, "fixed"))]
+    pads = [scenes.box(f"pad {name}", (x, 0.0, -0.2), (x + 0.5, 0.4, 0.0), role) for name, x, role in columns]
+    shafts = [scenes.box(f"column {name}", (x, 0.0, 0.0), (x + 0.5, 0.4, 1.5)) for name, x, _ in columns]
+    beams = [scenes.box(f"beam {x}", (x, 0.0, 1.5), (x + 1.5, 0.4, 1.8)) for x in (0.0, 1.5)]
+    settlement = {"direction": [0.0, 0.0, -1.0], "zone": [{"blocks": ["pad B"], "ratio": -0.5}]}
+    analysis = analyse(scenes.build(*pads, *shafts, *beams, inset=1e-3, model="coulomb", settlement=settlement))
+    associated, coulomb = analysis.bounds[Drive.YIELDING], coulomb_of(analysis)
+    assert mechanism.sliding_share(analysis.assembly, coulomb.twists, coulomb.forces) < 1e-3
+    assert coulomb.value > 1.05 * associated.value
+    assert analysis.sharp.coulomb is None

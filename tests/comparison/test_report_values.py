@@ -105,7 +105,7 @@ def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) ->
     assert "−0.00100 kN" in row
 
 
-def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
+def test_powers_under_a_live_load_are_per_unit_power_of_the_load(tmp_path: Path) -> None:
     comparison = frictional_comparison(unit="", yade=None)
     answers = comparison["limit_analysis"]
     for answer in (answers["associated"], answers["coulomb"], answers["path"]):
@@ -113,7 +113,6 @@ def test_a_live_load_has_no_share_of_settling_weights(tmp_path: Path) -> None:
             answer[name.replace("reaction", "multiplier")] = answer.pop(name)
     answers["coulomb"]["multiplier_interval"] = [363.3, None]
     page, _ = page_and_markdown(tmp_path, comparison)
-    assert "0.138" not in page
     assert "363.30 to –" in page
     assert "per unit power of the load" in page
 

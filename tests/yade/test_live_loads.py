@@ -14,6 +14,7 @@ from runs import TRAVEL, made_up_run, perfect_run, with_answers
 
 from comparison.figures.motion import motions
 from comparison.judge import check_run
+from comparison.report.details import energies
 from comparison.verdict import Check, Verdict
 from comparison.workflow import run_scene
 from comparison.yade import Results, Run, read_run
@@ -74,6 +75,20 @@ def test_both_methods_meet_the_closed_form(name: str, tmp_path: Path) -> None:
     assert analysis.coulomb is not None and analysis.coulomb.value == pytest.approx(exact, rel=PER_MILLE)
     assert run.reaction == pytest.approx(exact, rel=PER_MILLE)
     assert abs(run.reaction - exact) <= run.uncertainty <= 5.0 * PER_MILLE * exact
+
+
+@pytest.mark.yade
+def test_friction_takes_what_the_load_brings(tmp_path: Path) -> None:
+    """A block that slides on a level bed: the load alone does work, and all mechanisms are per unit power of the load."""
+    summary, analysis, run = by_both(column(0.5, 0.3, friction=0.4), tmp_path / "results")
+    measures, energy = summary["mechanism_measures"], summary["energy"]
+    assert [measures[method]["dissipated_power"] for method in ("associated", "coulomb", "yade")] == pytest.approx([0.4] * 3, rel=0.01)
+    assert [measures[method]["dissipated_share"] for method in measures] == [None] * 3  # no weight settles
+    way = run.poses.settlement[-1] - run.poses.settlement[0]
+    assert abs(energy["weights"]) <= 0.001 * energy["load"] and energy["support"] == 0.0
+    assert energy["load"] == pytest.approx(0.4 * analysis.assembly.weight * way, rel=0.05)  # less on the way to the plateau
+    rows = {row["name"] for row in energies(summary)}
+    assert "work of the live load" in rows and "work of the support" not in rows
 
 
 @pytest.mark.slow
