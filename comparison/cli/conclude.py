@@ -1,7 +1,7 @@
 """Last step of `crosscheck run` and `crosscheck report`: write the reports, print the verdicts, choose the exit code."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +14,17 @@ from comparison.report import angle_words, stored_report, write_pdf, write_repor
 from comparison.verdict import Verdict
 
 
-def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context) -> int:
+def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context, left_out: Mapping[Path, list[str]] | None = None) -> int:
     """Write the report of each folder, print verdict tables or one JSON object, and return the gravest exit code.
 
-    reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json).
+    reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
+    scenes whose results cannot be read.
     """
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        page = write_report(folder, comparisons, describe(), {name: getattr(context.options, name) or "" for name in HEAD})
+        head = {name: getattr(context.options, name) or "" for name in HEAD}
+        page = write_report(folder, comparisons, describe(), head, (left_out or {}).get(folder, []))
         stored.append(stored_report(comparisons, describe()))
         if not as_json:
             for comparison in comparisons:

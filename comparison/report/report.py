@@ -2,6 +2,7 @@
 
 import datetime
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,13 @@ LIMITATIONS = (
 )
 
 
-def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: dict[str, Any], head: dict[str, str] | None = None) -> Path:
+def write_report(
+    folder: Path,
+    comparisons: list[dict[str, Any]],
+    provenance: dict[str, Any],
+    head: dict[str, str] | None = None,
+    left_out: Sequence[str] = (),
+) -> Path:
     """Write report.html, report.md and report.json into a folder and return the path of the HTML page.
 
     Figures, interactive views and scene files come from `folder/<scene>/`, where they exist. Each file is replaced as a whole or not
@@ -53,6 +60,8 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
         Versions and machine, shown at the end of the page; may be nested.
     head : dict of str, optional
         Words for the head of the report in place of those of the scenes: title, project, author, date.
+    left_out : sequence of str
+        Names of scenes in the folder whose results cannot be read; the page names them.
     """
     units = Units(max((weight for comparison in comparisons if exists(weight := comparison.get("weight"))), default=None))
     scenes = [view_of_scene(folder, number, comparison, units) for number, comparison in enumerate(comparisons, 1)]
@@ -62,6 +71,7 @@ def write_report(folder: Path, comparisons: list[dict[str, Any]], provenance: di
         "scenes": scenes,
         "scripts": scripts() if any(scene["view"] for scene in scenes) else None,
         "counts": _counts(comparisons),
+        "left_out": ", ".join(left_out),
         "provenance": list(flat(provenance)),
         "limitations": LIMITATIONS,
     }

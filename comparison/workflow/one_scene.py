@@ -3,7 +3,7 @@
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from comparison.judge import (
     check_run,
     comparison_summary,
     requested_accuracy,
+    without_run,
     without_undefined,
     yade_summary,
 )
@@ -112,11 +113,18 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
     with alone_in(folder):
         results = read_results(folder)
         previous = _stored_summary(folder)
-        yade = yade_summary(results.run) if results.run else previous.get("yade")
+        yade = yade_summary(results.run) if results.run else _without_run(previous.get("yade"), folder)
         inputs = exchange.inputs_digest(folder / ("run.h5" if results.run else "case.h5"))
         notes = previous.get("notes") or _notes(results.analysis)
         outcome = SceneOutcome(results, yade, notes, inputs, previous.get("first_verdict"))
         return _compare(outcome, folder, listener, figures)
+
+
+def _without_run(yade: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
+    """Return the summary of YADE, requested or not, in a folder without its run; one that was stored there is lost."""
+    if yade is None or yade["status"] in ("missing", "failed"):
+        return yade
+    return without_run("failed", f"{folder / 'run.h5'}: the record of YADE's run is missing, so nothing can be compared")
 
 
 def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade: bool, time_limit: float | None) -> SceneOutcome:
@@ -171,7 +179,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     drawings = {folder / f"{name}.png": draw for name, draw in (figures or report_figures)(results).items()}
     previous = _stored_summary(folder)
     view = folder / viewer.FILE
-    if previous.get("inputs") == inputs and all(path.is_file() for path in (*drawings, view)):
+    if previous.get("inputs") == inputs and _digests((*drawings, view)).items() <= previous.get("files", {}).items():
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
@@ -186,6 +194,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
     for path, draw in drawings.items():
         save(draw(), path)
     write_text(view, viewer.viewer_text(results))
+    summary["files"] = _digests((*drawings, view))
     summary["sum"] = _sum_of(summary)
     write_text(folder / "comparison.json", json.dumps(summary, indent=2, ensure_ascii=False) + "\n")
     return summary
@@ -209,6 +218,11 @@ def _stored_summary(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError):
         return {}
     return stored if isinstance(stored, dict) and stored.get("sum") == _sum_of(stored) else {}
+
+
+def _digests(paths: Iterable[Path]) -> dict[str, str]:
+    """Return the digest of each file by its name; "" for one that cannot be read."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "" for path in paths}
 
 
 def _sum_of(summary: dict[str, Any]) -> str:

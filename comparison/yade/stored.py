@@ -9,6 +9,7 @@ import numpy as np
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import LimitAnalysis, case_file
 from la_core.errors import SceneError
+from la_core.exchange import ExchangeError
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load_scene, shipped
 
@@ -76,7 +77,10 @@ def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:
 
     interfaces: those of the scene's blocks, where they are known already; they are searched for otherwise.
     """
-    analysis = case_file.read_case(folder / "case.h5", load_scene(folder / "scene.toml", name=folder.name), interfaces)
+    scene = folder / "scene.toml"
+    if not scene.is_file():
+        raise ExchangeError(f"{scene}: this copy of the scene is missing; run the scene again")
+    analysis = case_file.read_case(folder / "case.h5", load_scene(scene, name=folder.name), interfaces)
     path = folder / "run.h5"
     return Results(analysis, read_run(path, analysis.assembly) if path.exists() else None)
 

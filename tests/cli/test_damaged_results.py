@@ -121,3 +121,45 @@ def test_a_half_drawn_figure_is_never_left(copy: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(Path, "write_bytes", lambda path, content: original(path, content[:100]) and os.kill(os.getpid(), signal.SIGINT))
     assert main(["run", "two_pads", "-o", str(copy), "-q"]) == INTERRUPTED
     assert not figure.exists()
+
+
+@pytest.mark.parametrize("name", ["mechanisms.png", "viewer.json"])
+def test_a_damaged_drawing_is_made_again(name: str, copy: Path, undisturbed: Path) -> None:
+    path = copy / "two_pads" / name
+    path.write_bytes(path.read_bytes()[:300])
+    assert main(["report", str(copy), "-q"]) == 0
+    assert path.read_bytes() == (undisturbed / "two_pads" / name).read_bytes()
+
+
+def test_a_run_that_was_deleted_is_called_missing(copy: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
+    (copy / "two_pads" / "run.h5").unlink()
+    assert main(["report", str(copy), "-q"]) == TOOL
+    told = " ".join(capsys.readouterr().out.split())
+    assert "the record of YADE's run is missing" in told and "run the scene again" in told and "inconclusive" in told
+    assert answer(copy)["yade"]["reaction"] is None
+
+
+@pytest.mark.parametrize("name", ["case.h5", "scene.toml"])
+def test_a_scene_that_cannot_be_read_is_named_in_the_report_of_the_others(
+    name: str, copy: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(copy / "two_pads", copy / "broken")
+    damaged = copy / "broken" / name
+    if name == "scene.toml":
+        damaged.unlink()
+    else:
+        damaged.write_bytes(b"")
+    assert main(["report", str(copy), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, str(damaged), "again")
+    for page in ("report.html", "report.md"):
+        text = (copy / page).read_text(encoding="utf-8")
+        assert "because the results cannot be read" in text and "broken" in text
+    assert [scene["scene"] for scene in json.loads((copy / "report.json").read_text())["comparisons"]] == ["two_pads"]
+
+
+def test_a_report_stays_where_no_scene_can_be_read(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = (copy / "report.html").read_bytes()
+    (copy / "two_pads" / "scene.toml").unlink()
+    assert main(["report", str(copy), "-q"]) == TOOL
+    one_message(capsys.readouterr().err, str(copy / "two_pads" / "scene.toml"), "missing; run the scene again")
+    assert (copy / "report.html").read_bytes() == before

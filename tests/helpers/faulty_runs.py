@@ -22,9 +22,9 @@ Fake = Callable[[str], None]
 
 
 def lasting(value: Any) -> Any:
-    """What comparison.json says apart from how long it took, and the digests, which know that."""
+    """What comparison.json says apart from how long it took, and the digests, which know that and what was drawn."""
     if isinstance(value, dict):
-        return {name: lasting(item) for name, item in value.items() if name not in ("seconds", "inputs", "sum")}
+        return {name: lasting(item) for name, item in value.items() if name not in ("seconds", "inputs", "sum", "files")}
     return [lasting(item) for item in value] if isinstance(value, list) else value
 
 

@@ -17,7 +17,7 @@ from la_core.exchange import ExchangeError
 def execute(context: Context) -> int:
     """Write every folder's report again and return the gravest exit code.
 
-    A scene whose results cannot be read gets an error message; the other scenes are still reported. Raises SceneError for a folder
+    A scene whose results cannot be read gets an error message, and the report of the others names it. Raises SceneError for a folder
     without results.
     """
     folders = []
@@ -27,7 +27,7 @@ def execute(context: Context) -> int:
     if any(map(is_campaign, folders)):
         return report_campaigns(context)
     reports: list[tuple[Path, list[dict[str, Any]]]] = []
-    broken = AGREE
+    broken, left_out = AGREE, dict[Path, list[str]]()
     with Narration(context.narrator) as narration:
         for folder in folders:
             cases = sorted(path.parent for path in folder.glob("*/case.h5"))
@@ -37,10 +37,12 @@ def execute(context: Context) -> int:
             for case in cases:
                 try:
                     comparisons.append(report_again(case, narration))
-                except (ExchangeError, FolderInUseError) as error:
+                except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = complain(str(error), TOOL)
-            reports.append((folder, comparisons))
-    return max(broken, conclude(reports, context), key=GRAVITY.index)
+                    left_out.setdefault(folder, []).append(case.name)
+            if comparisons:  # the report of earlier results stays where none can be read
+                reports.append((folder, comparisons))
+    return max(broken, conclude(reports, context, left_out), key=GRAVITY.index)
 
 
 def _run_folder(folder: Path) -> Path:
