@@ -101,7 +101,8 @@ def comparison_summary(
     """
     analysis, run = results.analysis, results.run
     main = analysis.bounds[analysis.main]
-    concluded = conclusion(checks, yade, main.falling if main.status is Status.INFEASIBLE else None)
+    falling = main.falling if main.status is Status.INFEASIBLE else None
+    concluded = conclusion(checks, yade, falling, analysis.scene.effort == "high")
     summary = limit_analysis_summary(analysis)
     summary |= {
         "mechanism_measures": dict(_measures(results)),

@@ -45,8 +45,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
     if coulomb:
         half = results["half_width"]
         width = f", half-width {plain_number(half)}{unit}" if half and results["interval"] != A_POINT else ""
-        share = results["ratios"]["coulomb_uncertainty"]
-        stated = _stated(results["coulomb_uncertainty"], share, results) if exists(share) else ""
+        stated = _stated(results["coulomb_uncertainty"], results["ratios"]["coulomb_uncertainty"], results)
         parts = (stated, results["plateaus"], f"interval {results['interval']}{width}")
         accuracy = "; ".join(part for part in parts if part)
         paths = plural(len(coulomb["viscosities"]), "path") + ", " if coulomb.get("viscosities") else ""
@@ -68,8 +67,7 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
             path.get("seconds"),
         )
     if yade:
-        share = results["ratios"]["uncertainty"]
-        accuracy = _stated(results["uncertainty"], share, results) if exists(share) else DASH
+        accuracy = _stated(results["uncertainty"], results["ratios"]["uncertainty"], results) or DASH
         yield row(
             METHODS["yade"],
             results["yade"],
@@ -80,12 +78,15 @@ def costs(comparison: dict[str, Any], results: dict[str, Any], evidence: Iterabl
         )
 
 
-def _stated(uncertainty: Any, share: float, results: dict[str, Any]) -> str:
+def _stated(uncertainty: Any, share: Any, results: dict[str, Any]) -> str:
     """Return an uncertainty in the unit of the answer, and its share of the weight unless the answer is a multiplier.
 
-    One below LEAST_UNCERTAINTY of the weight is round-off.
+    One below LEAST_UNCERTAINTY of the weight is round-off; "" for an unknown one.
     """
-    if share < LEAST_UNCERTAINTY and not results["live"]:
+    size = uncertainty if results["live"] else share
+    if not exists(size):
+        return ""
+    if size < LEAST_UNCERTAINTY:
         return "± round-off"
     stated = f"± {plain_number(uncertainty)} {results['unit']}".rstrip()
     return stated if results["live"] else f"{stated}, {plain_number(share)} {results['ratio_unit']}"

@@ -109,7 +109,8 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
     if joints:
         for name in ("normal", "shear"):
             yield f"{name} stiffness of a contact point, both methods", units.text(joints.get(name), "N/m", 4)
-        yield "largest motion of the support (travel)", units.text(joints.get("travel"), unit, 4)
+        moved = "mean displacement along the load" if facts.get("live") else "motion of the support"
+        yield f"largest {moved} (travel)", units.text(joints.get("travel"), unit, 4)
     if exists(facts.get("accuracy")):
         yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
 

@@ -83,8 +83,10 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         )
     if exists(predicted):
         yield f"Then {_moving_words(comparison, facts)}."
-    reaction = (comparison.get("yade") or {}).get("reaction")
-    yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
+    yade = comparison.get("yade") or {}
+    reaction = yade.get("reaction")
+    if not (facts.get("tilt") and yade.get("status") == "plateau"):  # the angles of both methods are said already
+        yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
 
 
 def angle_words(comparison: dict[str, Any]) -> str:

@@ -4,10 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from comparison.numbers import sentences
 from comparison.verdict.check import Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
+TRIED = (
+    "This run had the finer settings of a second attempt already. Set [yade] speed and stiffening in the scene yourself, or model a "
+    "smaller part."
+)
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report, then: {FINER}"
 SUPPORT_IT = (
     "Look for a gap, a missing support or a joint without contact where these blocks rest (`crosscheck show` draws the joints). "
@@ -38,7 +43,9 @@ class Conclusion:
     remarks: tuple[str, ...] = ()
 
 
-def conclusion(checks: list[Check], yade: Mapping[str, Any] | None, falling: Sequence[str] | None = None) -> Conclusion:
+def conclusion(
+    checks: list[Check], yade: Mapping[str, Any] | None, falling: Sequence[str] | None = None, is_finest: bool = False
+) -> Conclusion:
     """Return the conclusion from every check.
 
     Parameters
@@ -49,6 +56,8 @@ def conclusion(checks: list[Check], yade: Mapping[str, Any] | None, falling: Seq
         Summary of YADE's run, with its status; None where YADE was not requested: one method alone agrees with nobody.
     falling : sequence of str or None
         Names of the blocks that fall, where limit analysis proves that the structure cannot stand; None elsewhere.
+    is_finest : bool
+        Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same ones.
     """
     verdict, reason = overall(checks)
     remarks = tuple(dict.fromkeys(check.reason for check in checks if check.verdict is Verdict.AGREE and check.reason))
@@ -56,11 +65,18 @@ def conclusion(checks: list[Check], yade: Mapping[str, Any] | None, falling: Seq
         return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade), SUPPORT_IT, remarks)
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
-        return Conclusion(verdict, reason, steps[0] if steps else DEFAULT_STEPS[verdict], remarks)
+        step = steps[0] if steps else DEFAULT_STEPS[verdict]
+        return Conclusion(verdict, reason, _after_second_attempt(step) if is_finest else step, remarks)
     if yade is None:
         met = any(check.verdict is Verdict.EXPECTED_MET for check in checks)
         return Conclusion(Verdict.EXPECTED_MET if met else None, _alone(met), "", remarks)
     return Conclusion(Verdict.AGREE if checks else None, "", "", remarks)
+
+
+def _after_second_attempt(step: str) -> str:
+    """Return a next step with TRIED in place of the sentences that advise a second attempt."""
+    kept = [sentence for sentence in sentences(step) if "--try-harder" not in sentence]
+    return step if " ".join(kept) == step else " ".join([*kept, TRIED])
 
 
 def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None) -> str:

@@ -36,17 +36,18 @@ def _displacement(scene: Scene, assembly: Assembly, stiffness: JointStiffness) -
     if request == "finite":
         return request, "requested in the scene", float("nan")
     travel = stiffness.travel * assembly.support_speed
+    moves = f"{'the blocks move along the load by' if assembly.has_live_load else 'the support moves'} {travel:.3g} m"
     distance = GAP_OVER_TRAVEL * travel
     gap, pair = least_gap(assembly, distance)
     if pair is None:
-        why = f"blocks without a joint between them are at least {gap:.3g} m apart, and the support moves {travel:.3g} m: {_LISTED}"
+        why = f"blocks without a joint between them are at least {gap:.3g} m apart, and {moves}: {_LISTED}"
         return "small", f"requested in the scene, and {why}" if request == "small" else why, gap
     names = f'blocks "{assembly.blocks.names[pair[0]]}" and "{assembly.blocks.names[pair[1]]}"'
     near = f"{names} are {gap:.3g} m apart without a joint"
     if request == "small":
-        rule = f"{near}, and may meet where the support moves {travel:.3g} m: less than {distance:.3g} m is too near"
+        rule = f"{near}, and may meet where {moves}: less than {distance:.3g} m is too near"
         raise scene.located(SceneError("effects.displacement", rule, value=request, hint='take "finite", or leave it out'))
-    return "finite", f"{near}, and the support moves {travel:.3g} m", gap
+    return "finite", f"{near}, and {moves}", gap
 
 
 def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, int] | None]:

@@ -103,6 +103,9 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
     if twists is None or not supports.any():
         return
     velocity = twists[supports, :3] + np.cross(twists[supports, 3:], blocks.centroid[supports])
-    sinks = np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity
-    if sinks < -UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max():
+    rounded = UPWARD * np.linalg.norm(gravity) * np.linalg.norm(velocity, axis=1).max()
+    rises = velocity @ gravity < -rounded
+    if np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity < -rounded:
         yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."
+    elif rises.any() and np.ptp(twists[supports], axis=0).any():  # one rigid body that turns may rise at one end
+        yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted by a ratio below 0, while the support sinks as a whole."

@@ -16,7 +16,8 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 
 import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
-from comparison.judge.run_checks import check_expected, check_run
+from comparison.judge.prediction import SLOWER_RUN
+from comparison.judge.run_checks import LONGER, check_expected, check_run
 from comparison.judge.summary import comparison_summary
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
@@ -289,3 +290,14 @@ def test_a_high_effort_is_finer_paths() -> None:
     assert ordinary is not None and fine is not None
     assert fine.viscosities[-1] < ordinary.viscosities[-1] and fine.steps > ordinary.steps
     assert abs(fine.value - ordinary.value) <= ordinary.uncertainty + fine.uncertainty
+
+
+def test_after_a_second_attempt_no_other_one_of_the_same_settings_is_advised() -> None:
+    open_checks = [Check("a check", verdict, reason="Why.") for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE)]
+    open_checks += [Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step=step) for step in (LONGER, SLOWER_RUN)]
+    for check in open_checks:
+        first, second = (conclusion([check], {"status": "plateau"}, None, is_finest).next_step for is_finest in (False, True))
+        assert "--try-harder" in first and "--try-harder" not in second
+        assert second.endswith("model a smaller part.")
+    other = Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step="Look at the scene.")
+    assert conclusion([other], None, None, True).next_step == "Look at the scene."

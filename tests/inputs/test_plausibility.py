@@ -113,3 +113,15 @@ def test_a_warning_stands_in_every_answer_and_in_the_report(
     write_report(results, [comparison], {})
     for page in ("report.html", "report.md"):
         assert "Warning: joint.friction = 2 is above 1.2" in (results / page).read_text(encoding="utf-8").replace("\\", "")
+
+
+def test_one_lifted_support_among_others_that_sink_is_named(write_scene: WriteScene, two_pads: str) -> None:
+    zones = """direction = [0.0, 0.0, -1.0]
+[[settlement.zone]]
+blocks = ["fixed pad"]
+ratio = {}"""
+    both = changed(two_pads, ('role = "fixed"', 'role = "support"'))
+    for ratio, told in ((-0.5, "is lifted by a ratio below 0, while the support sinks as a whole."), (0.5, "")):
+        text = changed(both, ("direction = [0.0, 0.0, -1.0]", zones.format(ratio)))
+        words = warnings_of(write_scene(text))
+        assert words.endswith(told) and ("fixed pad" in words) == bool(told)

@@ -71,7 +71,7 @@ def execute(context: Context) -> int:
 def _concluded(analysis: LimitAnalysis, checks: list[Check]) -> Conclusion:
     """Return the conclusion of limit analysis alone."""
     main = analysis.bounds[analysis.main]
-    return conclusion(checks, None, main.falling if main.status is Status.INFEASIBLE else None)
+    return conclusion(checks, None, main.falling if main.status is Status.INFEASIBLE else None, analysis.scene.effort == "high")
 
 
 def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:
