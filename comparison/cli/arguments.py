@@ -143,8 +143,8 @@ def _add_run(add: AddVerb) -> None:
         "where the verdict is inconclusive or disagree, run both methods again with finer settings of their own, in the folder SCENE_harder"
     )
     run.add_argument("--try-harder", action="store_true", help=harder_help)
-    most = f"wall time that --try-harder may take for each scene, in seconds (default: {HARDER_SECONDS:g}, that is 15 minutes)"
-    run.add_argument("--try-harder-limit", type=seconds, metavar="S", default=HARDER_SECONDS, help=most)
+    most = f"wall time of --try-harder, which this option implies, for each scene in seconds (default: {HARDER_SECONDS:g}, 15 minutes)"
+    run.add_argument("--try-harder-limit", type=seconds, metavar="S", help=most)
     threads_help = "threads of YADE in each scene, for large structures; two runs then differ in their last digits (default: 1)"
     run.add_argument("--threads", type=count, metavar="N", help=threads_help)
     run.add_argument("--workers", type=count, metavar="N", default=1, help="number of scenes that run side by side (default: 1)")

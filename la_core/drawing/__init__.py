@@ -1,7 +1,8 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import UNITS, Drawn, Outline
+from la_core.drawing.dxf import HIDDEN
+from la_core.drawing.outlines import UNITS, Drawn, OpenOutline, Outline
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 
-__all__ = ["DRAWING_FORMATS", "UNITS", "Cleaned", "Drawn", "Outline", "cleaned", "read_outlines", "straightened"]
+__all__ = ["DRAWING_FORMATS", "HIDDEN", "UNITS", "Cleaned", "Drawn", "OpenOutline", "Outline", "cleaned", "read_outlines", "straightened"]

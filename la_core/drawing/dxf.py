@@ -14,6 +14,7 @@ BY_BLOCK, BY_LAYER = 0, 256
 CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_ENTITIES = 500_000
 DEEPEST = 20  # inserts within inserts
+HIDDEN = "hidden entities"  # kind of those on layers that are frozen or switched off
 LEAST_CHORDS = 2  # of a curve
 DWG = b"AC10"  # the first bytes of a DWG file
 
@@ -45,12 +46,18 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
 
 
 def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int) -> Iterator[tuple[Any, str, str]]:
-    """Every entity with its layer and colour, those of inserted blocks in place; layer 0 of a block is the layer of its insert."""
+    """Every entity with its layer and colour, those of inserted blocks in place; layer 0 of a block is the layer of its insert.
+
+    None stands for an entity that the drawing hides.
+    """
     if depth > DEEPEST:
         raise ValueError(f"has inserts more than {DEEPEST} deep")
     for entity in entities:
         own = str(entity.dxf.get("layer", "0"))
         where = layer if own == "0" and depth else own
+        if _is_hidden(entity, document, where):
+            yield None, where, ""
+            continue
         drawn_in = _colour(entity, document, where, colour)
         if entity.dxftype() != "INSERT":
             yield entity, where, drawn_in
@@ -62,7 +69,7 @@ def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, d
 def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitta: float) -> None:
     from ezdxf import path  # noqa: PLC0415
 
-    kind = entity.dxftype()
+    kind = HIDDEN if entity is None else entity.dxftype()
     if kind not in CURVES:
         drawn.ignore(kind)
         return
@@ -70,6 +77,14 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitt
     points = np.array([(point.x, point.y) for point in curve.flattening(sagitta / scale, LEAST_CHORDS)], dtype=float).reshape(-1, 2)
     closed = bool(getattr(entity, "is_closed", False) or getattr(entity, "closed", False) or curve.is_closed)
     drawn.add(scale * points, closed, *place)
+
+
+def _is_hidden(entity: Any, document: Any, layer: str) -> bool:
+    """Whether an entity is invisible, or its layer is frozen or switched off; an insert on a layer that is off shows its other layers."""
+    if entity.dxf.get("invisible", 0) or layer not in document.layers:
+        return bool(entity.dxf.get("invisible", 0))
+    drawn_on = document.layers.get(layer)
+    return bool(drawn_on.is_frozen() or (drawn_on.is_off() and entity.dxftype() != "INSERT"))
 
 
 def _colour(entity: Any, document: Any, layer: str, of_block: str) -> str:

@@ -1,13 +1,16 @@
 """What a drawing holds: closed outlines, and lines that only together enclose something."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
 import shapely
 
+from la_core.text_table import number_text
+
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
+ALL_BUT_CLOSED = 0.25  # of its length: a polyline whose ends are closer than this was meant to be an outline
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
 
 
@@ -26,6 +29,31 @@ class Outline:
     points: np.ndarray
     layer: str
     colour: str
+
+
+@dataclass(frozen=True)
+class OpenOutline:
+    """A polyline that all but closes, and encloses nothing.
+
+    Attributes
+    ----------
+    layer : str
+        Layer in the drawing.
+    x, z : float
+        Where it begins, m.
+    gap : float
+        Distance between its ends, m.
+    """
+
+    layer: str
+    x: float
+    z: float
+    gap: float
+
+    def words(self) -> str:
+        """Where it is, and how far open."""
+        gap = number_text(1e3 * self.gap, 3)
+        return f'the outline on layer "{self.layer}" that begins at ({self.x:.4g}, {self.z:.4g}) m is open by {gap} mm'
 
 
 @dataclass
@@ -80,8 +108,8 @@ class Drawn:
         self.ignored[kind] = self.ignored.get(kind, 0) + 1
 
 
-def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], int]:
-    """Outlines (n, 2) that lines enclose together, and the number of lines that enclose nothing.
+def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Outlines (n, 2) that lines enclose together, and the lines that enclose nothing.
 
     Ends of lines closer to each other than `snap` (m) meet. An end that meets no other reaches on by twice as much,
     so that a line that stops just short of another one meets it. A ring around other rings is no outline.
@@ -102,7 +130,15 @@ def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], in
     faces = faces[shapely.get_num_interior_rings(faces) == 0]
     used = shapely.unary_union(shapely.boundary(faces)) if len(faces) else shapely.LineString()
     idle = shapely.length(shapely.intersection(np.array(drawn), used)) < 0.5 * shapely.length(np.array(drawn))
-    return [shapely.get_coordinates(face)[:-1] for face in faces], int(idle.sum())
+    return [shapely.get_coordinates(face)[:-1] for face in faces], [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
+
+
+def open_outlines(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:
+    """Those of the lines (n, 2) that were meant to be outlines: of three sides or more, and all but closed."""
+    for line in lines:
+        gap, length = float(np.hypot(*(line[-1] - line[0]))), float(np.hypot(*np.diff(line, axis=0).T).sum())
+        if len(line) > 3 and gap <= ALL_BUT_CLOSED * length:
+            yield OpenOutline(layer, float(line[0, 0]), float(line[0, 1]), gap)
 
 
 def _merged(points: np.ndarray, snap: float) -> np.ndarray:

@@ -8,10 +8,11 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, UNITS, Cleaned, cleaned, read_outlines
+from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, cleaned, read_outlines
 from la_core.errors import SceneError
 from la_core.scene.generators.drawings import INSTALL_DRAWING
 from la_core.scene.generators.mesh import mesh_blocks, read_files
+from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
 
@@ -20,7 +21,7 @@ WORDS = {  # of which a layer's or a body's name may consist, for each list; the
     "ignore": ("dim", "text", "bema", "hatch", "schraff", "axis", "achs", "frame", "rahmen", "defpoints", "note", "quote"),
     "openings": ("opening", "window", "door", "void", "fenster", "öffnung", "oeffnung", "aperture", "finestr", "hueco"),
     "support": ("support", "settl", "sink", "setz", "cediment", "asient", "tassement"),
-    "ground": ("ground", "earth", "foundation", "footing", "boden", "fundament", "terren", "suelo", "fondazion", "cimient"),
+    "ground": ("ground", "fix", "earth", "foundation", "footing", "boden", "fundament", "terren", "suelo", "fondazion", "cimient"),
 }
 THICKNESS = 0.4  # m, written where a drawing cannot say it
 TOLERANCE = 0.003  # m
@@ -72,13 +73,17 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     joints = _joint_width(clean)
     points = np.concatenate([outline.points for outline in clean.outlines if outline.layer not in lists["openings"]] or [np.zeros((1, 2))])
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
-    rows.append(f'unit      = "{unit}"{"" if said else "  # CHECK: the file does not say it"}')
+    rows.append(f'unit      = "{unit}"{_doubt(said, clean)}')
     rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
     rows += [f"{key:9} = {_array(names)}" for key, names in lists.items() if names]
-    if len(layers) > 1:
-        rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in layers[:2]])}")
+    rows += _left_out(drawn, clean)
+    if lists["support"] and not lists["ground"]:
+        rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")
+    built = [layer for layer in layers if counts[layer] and layer not in lists["ignore"] + lists["openings"]]
+    if len(built) > 1:
+        rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in built[:2]])}")
     held = lists["ground"] + lists["support"]
     low, high = points.min(axis=0), points.max(axis=0)
     if np.abs(points).max() > FARTHEST:  # as in the grid of a country
@@ -87,6 +92,22 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
         rows.append(_shift_row("shift    ", shift))
     base = [] if held else _base((low[0], 0.0), (high[0], THICKNESS), float(low[1]) - joints / 2.0)
     return _text(source.name, rows, base, has_support=bool(lists["support"]) or not held)
+
+
+def _doubt(said: bool, clean: Cleaned) -> str:
+    """A comment on the unit, where the file does not say it, or most blocks are larger than any that walls are built of."""
+    size = float(np.median([np.ptp(outline.points, axis=0).max() for outline in clean.outlines]))
+    if said and size > SIZE[1]:
+        return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m long or more"
+    return "" if said else "  # CHECK: the file does not say it"
+
+
+def _left_out(drawn: Drawn, clean: Cleaned) -> list[str]:
+    """Comments on outlines that are not closed, and on what the drawing hides."""
+    rows = [f"# CHECK: {one.words()}, so it is no block" for one in clean.ajar]
+    if hidden := drawn.ignored.get(HIDDEN, 0):
+        rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
+    return rows
 
 
 def _content(source: Path) -> bytes:
@@ -123,8 +144,11 @@ def _joint_width(clean: Cleaned) -> float:
     """Greatest width of the open joints between outlines, m, with a margin; 0 where most neighbours touch."""
     polygons = np.array([shapely.Polygon(outline.points) for outline in clean.outlines])
     first, second = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=WIDEST_JOINT)
+    low, high = np.split(shapely.bounds(polygons), 2, axis=1)
+    thin = (high - low).min(axis=1)
     pairs = first < second
     width = shapely.distance(polygons[first[pairs]], polygons[second[pairs]])
+    width = width[width < 0.5 * np.minimum(thin[first[pairs]], thin[second[pairs]])]  # farther apart, a block may be missing between them
     is_open = width > LEAST_JOINT
     if not len(width) or is_open.mean() < SHARE_OF_JOINTS:
         return 0.0

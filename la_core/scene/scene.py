@@ -240,8 +240,7 @@ def _validate(data: dict[str, Any], counted: str) -> scene_file.SceneFile:
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
     if not name.isprintable():
-        rule = "must be printable text, because it names a folder of results"
-        raise SceneError(f'the name "{visible(name)}"', rule, hint="rename the file")
+        raise SceneError(f'the name "{visible(name)}"', "must be printable text: it names a folder", hint="rename the file")
     tables = Tables(file, path.parent)
     if len(tables.named) > MOST_BLOCKS:
         raise SceneError("scene", f"has more than {MOST_BLOCKS} blocks", hint="use fewer or larger blocks")
@@ -288,6 +287,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         drawn=tuple(tables.drawn),
         repairs=repairs,
         warnings=(
+            *(words for one in tables.drawn for words in one.warnings()),
             *implausible(blocks, stones, file.joint.friction, gravity, support_twists(file.settlement, blocks)),
             *implausible_loads(loads, names_of_loads, ties, file.friction, blocks, gravity),
         ),

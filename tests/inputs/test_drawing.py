@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import ezdxf
 import mesh_files as meshes
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
 from la_core.limit.problem import Drive
-from la_core.scene import Scene, build, load_scene
+from la_core.scene import Scene, build, load_scene, scene_from_file
 
 SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
 ABOVE = [(0, 500), (1000, 500), (1000, 1000), (0, 1000)]
@@ -208,6 +209,41 @@ def test_a_missing_drawing_and_a_link_out_of_the_folder_are_refused(tmp_path: Pa
         scene_of(tmp_path / "inner", b"", file="out.dxf")
 
 
+OPEN = [(0, 0), (1000, 0), (1000, 500), (0, 500), (0, 12)]  # 12 mm are missing
+
+
+@pytest.mark.parametrize("points", [OPEN, OPEN[::-1]], ids=["forwards", "backwards"])
+def test_an_outline_that_is_not_closed_is_warned_of(points: list[tuple[float, float]], tmp_path: Path) -> None:
+    crack = polyline([(100, 600), (300, 800), (500, 700), (900, 900)], "CRACK", closed=False)
+    scene = scene_of(
+        tmp_path, dxf([polyline(BASE, "B"), polyline(points, "BRICK", closed=False), polyline(ABOVE, "B"), crack]), shift=[2.0, 1.0]
+    )
+    assert len(scene.blocks) == 2
+    (warning,) = scene.warnings
+    x, z = points[0]
+    place = f"({2.0 + 1e-3 * x:.4g}, {1.0 + 1e-3 * z:.4g}) m"
+    assert all(words in warning for words in ('"wall.dxf"', 'layer "BRICK"', place, "open by 12 mm", "close it"))
+
+
+def test_what_a_drawing_hides_is_not_read(tmp_path: Path) -> None:
+    document = ezdxf.new(units=4)
+    space = document.modelspace()
+    document.layers.add("FROZEN").freeze()
+    document.layers.add("OFF").off()
+    for points, layer in ((BASE, "B"), (SQUARE, "FROZEN"), (ABOVE, "OFF")):
+        space.add_lwpolyline(points, close=True, dxfattribs={"layer": layer})
+    space.add_lwpolyline(ABOVE, close=True, dxfattribs={"layer": "B", "invisible": 1})
+    inner = document.blocks.new("INNER")
+    inner.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "B"})
+    inner.add_lwpolyline(SQUARE, close=True, dxfattribs={"layer": "0"})
+    space.add_blockref("INNER", (5000, 0), dxfattribs={"layer": "FROZEN"})
+    space.add_blockref("INNER", (5000, 0), dxfattribs={"layer": "OFF"})  # what lies on another layer is seen
+    document.saveas(tmp_path / "hidden.dxf")
+    scene = scene_of(tmp_path, (tmp_path / "hidden.dxf").read_bytes())
+    np.testing.assert_allclose(sorted(scene.blocks.high[:, 2]), [0.0, 0.5])
+    assert scene.drawn[0].ignored == {"hidden entities": 5}
+
+
 # --- crosscheck new --from ---------------------------------------------------------------------------------------------------
 
 
@@ -236,6 +272,27 @@ def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: P
     assert main(["new", "-q", "--from", str(tmp_path / "far.dxf")]) == 0
     scene = load_scene(tmp_path / "far.toml")
     assert np.abs(scene.blocks.vertices).max() < 3.0 and len(find_interfaces(scene.blocks)) == 2
+
+
+def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> None:
+    """An outline that is open, a unit that makes giants of bricks, a support without ground, and no layer that is not read."""
+    courses = [[(x, z), (x + 240, z), (x + 240, z + 30), (x, z + 30)] for z in (0, 30, 60) for x in (0, 240)]
+    missing = [*courses[2], (0, 40)]
+    pad = polyline([(0, -100), (480, -100), (480, 0), (0, 0)], "SUPPORT")
+    drawings = [pad, *(polyline(points, "BRICK") for k, points in enumerate(courses) if k != 2), polyline(missing, "BRICK", closed=False)]
+    (tmp_path / "wall.dxf").write_bytes(dxf([*drawings, polyline(SQUARE, "DIM")], unit=6))
+    text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    for words in (
+        '# CHECK: the outline on layer "BRICK" that begins at (0, 30) m is open by 10000 mm, so it is no block',
+        'unit      = "m"  # CHECK: the file says it, and most blocks are then 240 m long or more',
+        "# CHECK: no layer was taken for ground",
+        'between = ["layer:BRICK", "layer:SUPPORT"]',
+    ):
+        assert words in text, words
+    (tmp_path / "wall.dxf").write_bytes(dxf([*drawings, polyline(SQUARE, "DIM")]))
+    text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    assert "joints    = 0 " in text  # the place of the missing brick, 30 mm wide, is no joint
+    assert 'unit      = "mm"\n' in text and "open by 10 mm" in text
 
 
 @pytest.mark.parametrize("unit", [1.0, 1000.0])

@@ -12,6 +12,7 @@ from comparison.cli.context import Context
 from comparison.errors import FolderInUseError, WorkerLostError
 from comparison.progress import Narration
 from comparison.run_folder import refuse_names
+from comparison.settings import HARDER_SECONDS
 from comparison.workflow import WorkerProcesses, run_scene, try_harder
 from la_core.analysis import StructuralModel, structural_model, with_accuracy
 from la_core.errors import SceneError
@@ -81,8 +82,8 @@ def _run_one(model: StructuralModel, options: argparse.Namespace, narration: Nar
     with_yade = not options.no_yade
     first = run_scene(model, options.output / model.scene.name, narration, with_yade, options.time_limit)
     yield first
-    if options.try_harder:
-        again = try_harder(first, model.scene, options.output, narration, with_yade, options.try_harder_limit)
+    if options.try_harder or options.try_harder_limit:
+        again = try_harder(first, model.scene, options.output, narration, with_yade, options.try_harder_limit or HARDER_SECONDS)
         yield from [again] if again is not None else []
 
 

@@ -2,7 +2,7 @@
 
 import importlib.util
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import UNITS, Cleaned, Outline, cleaned, read_outlines
+from la_core.drawing import UNITS, Cleaned, OpenOutline, Outline, cleaned, read_outlines
 from la_core.errors import SceneError, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -41,6 +41,8 @@ class DrawnBlocks:
     doubles, specks, loose_lines, straightened, in_openings : int
         Outlines drawn twice, outlines without area, lines that enclose nothing, outlines that are convex within the
         tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
+    ajar : tuple of OpenOutline
+        Those of the loose lines that were meant to be outlines, where the structure stands.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
     """
@@ -55,11 +57,16 @@ class DrawnBlocks:
     loose_lines: int
     straightened: int
     in_openings: int
+    ajar: tuple[OpenOutline, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
         """The same as plain values."""
         return asdict(self)
+
+    def warnings(self) -> tuple[str, ...]:
+        """One sentence for each outline that is not closed, and so became no block."""
+        return tuple(f'drawing "{self.file}": {one.words()}, so it is no block; close it in the drawing.' for one in self.ajar)
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:
@@ -108,7 +115,8 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, drawn.ignored)
+    ajar = tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in clean.ajar)
+    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, ajar, drawn.ignored)
 
 
 def _at(table: Drawing) -> str:
