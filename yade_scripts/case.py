@@ -205,6 +205,8 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     planes = face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
     faces = (data["blocks/face_block"], *planes)
     host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]], faces)
+    mass, inertia = data["blocks/mass"][index], data["blocks/inertia"][index]
+    bare = (data["blocks/role"][index] != FREE) & ~np.isfinite(mass)  # held blocks without density: 1 kg, as their mass only has to exist
     case = Case(
         name=data["scene/name"],
         plane=bool(data["scene/plane"]),
@@ -219,12 +221,12 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         overrides=_overrides("scene/settings", data),
         long_overrides=_overrides("scene/settings_of_long_run" if "scene/settings_of_long_run" in data else "scene/settings", data),
         role=data["blocks/role"][index],
-        mass=data["blocks/mass"][index],
+        mass=np.where(bare, 1.0, mass),
         centroid=data["blocks/centroid"][index],
         applied_load=data.get("blocks/applied_load", np.zeros((total, 6)))[index],
         load_weight=data.get("blocks/load_weight", np.zeros(total))[index],
         live_load=data.get("blocks/live_load", np.zeros((total, 6)))[index],
-        inertia=data["blocks/inertia"][index],
+        inertia=np.where(bare[:, None, None], np.eye(3), inertia),
         vertices=vertices,
         parts=parts_of(data, index, vertices),
         faces=faces_of_parts(data, index, faces),
@@ -281,6 +283,8 @@ def _refuse_unrunnable(case: Case) -> None:
     if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
         given = f"displacement is {case.displacement!r} and recording {case.recording!r}"
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
+    if not np.all(np.isfinite(case.mass) & (case.mass > 0.0)):
+        raise CaseError("blocks/mass: every free block needs a finite mass greater than 0")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")
     for name in ("applied_load", "live_load"):

@@ -296,4 +296,4 @@ def _failure(code: int, log: Path, when: str) -> str:
         how = f"ended with exit code {code}" if code else "ended without writing its result"
     lines = [line for line in log.read_text(errors="replace").splitlines() if not line.startswith("progress ")]
     how += "".join(f" ({line})" for line in lines if line.startswith("error: "))
-    return f"YADE {how}; the last lines of {log}:\n" + "\n".join(f"  {line}" for line in lines[-LOG_TAIL:])
+    return f"YADE {how}.\nThe last lines of {log}:\n" + "\n".join(f"  {line}" for line in lines[-LOG_TAIL:])

@@ -1,12 +1,18 @@
 """Both methods on shipped structures whose joints slide: friction without dilatancy, one against the other and against what is known."""
 
+import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
-from conftest import CrossChecked
+import scenes
+from conftest import CrossChecked, Silent
 
+import la_core
 from comparison.judge import FLOOR
 from comparison.judge.prediction import SIMILAR
+from comparison.workflow import run_scene
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.measures import mechanism
@@ -86,3 +92,19 @@ def test_a_building_of_a_thousand_blocks_goes_through_both_methods(cross_checked
     assert abs(result["reaction"] - coulomb.value) <= result["uncertainty"] + coulomb.uncertainty
     assert mechanism.similarity(found.scene.blocks, coulomb.twists, found.run.mechanism()) >= SIMILAR
     assert found.summary["verdict"] in ("agree", "inconclusive"), found.summary["reason"]
+
+
+def test_held_blocks_need_no_density(tmp_path: Path) -> None:
+    """Their mass does nothing in either method: the reaction is that of the same scene with one density for all."""
+    scene = scenes.shipped("two_pads")
+    tables = tomllib.loads(scene.text)
+    tables["block"][2]["density"] = tables.pop("stone", {}).get("density") or tables["block"][2]["density"]
+    bare = la_core.build(tables, "bare")
+    given = la_core.build(tables | {"stone": {"density": 1234.0}}, "given")
+    assert bare.blocks.names[2] == "block" and np.isnan(bare.blocks.mass[:2]).all() and np.isfinite(given.blocks.mass).all()
+    reactions = []
+    for one in (bare, given):
+        summary = run_scene(one, tmp_path / one.name, Silent(), with_yade=True, figures=lambda _: {})
+        assert summary["verdict"] == "agree", summary["reason"]
+        reactions.append(summary["yade"]["reaction"])
+    assert reactions[0] == reactions[1]
