@@ -29,7 +29,7 @@ from comparison.campaign import (
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
 from comparison.verdict import mark_of
-from la_core.errors import SceneError
+from la_core.errors import seconds_or_none, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -169,16 +169,16 @@ def run_campaign(
     comparison.errors.FolderInUseError
         Another process works in the folder.
     """
-    if workers is not None and workers < 1:
-        raise SceneError("workers", "must be at least 1, or None", value=workers)
+    count = cores() if workers is None else whole_number("workers", workers, 1)
+    limit = seconds_or_none("time_limit", time_limit)
     path = find_campaign(Path(campaign))
     defined = definition.load_campaign(path)
     place = Path(folder) if folder is not None else default_folder(path)
     runs_yade = defined.file.yade and yade
-    whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=time_limit)
+    whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=limit)
     console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
     with CampaignNarration(console, defined.title) as narration:
-        return _result_of(run_cases(whole, Local(workers or cores(), runs_yade), narration, write_campaign_report))
+        return _result_of(run_cases(whole, Local(count, runs_yade), narration, write_campaign_report))
 
 
 def read_campaign(folder: Path | str) -> CampaignResult:
@@ -203,7 +203,7 @@ def read_campaign(folder: Path | str) -> CampaignResult:
 
 
 def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | str) -> CampaignChanges:
-    """Compare two campaigns, before and after a change, as `crosscheck compare` does; cases are matched by name.
+    """Compare two campaigns, before and after a change, as `crosscheck compare` does; cases are matched by the values of their keys.
 
     Parameters
     ----------

@@ -97,6 +97,13 @@ def value_range(low: Any, high: Any, unbounded: bool, digits: int) -> str:
     return f"at least {format_number(low, digits)}" if unbounded else f"{format_number(low, digits)} to {format_number(high, digits)}"
 
 
+def range_words(low: Any, high: Any, digits: int) -> str:
+    """Return a range, one end of which may be missing, as text with `digits` significant digits; "" without both ends."""
+    if not exists(low):
+        return f"at most {format_number(high, digits)}" if exists(high) else ""
+    return value_range(low, high, not exists(high), digits)
+
+
 def interval_words(low: Any, high: Any, unit: str) -> str:
     """Return an interval in `unit` as text, with a dash for an unknown end; an interval narrower than POINT is "a point"."""
     if not exists(low) and not exists(high):

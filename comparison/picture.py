@@ -85,5 +85,5 @@ def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = No
         return Picture(assembly_figure(scene, decided_model(scene).assembly))
     drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
     if chosen not in drawings:
-        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(chosen, drawings, "figures"))
+        raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(str(chosen), drawings, "figures"))
     return Picture(drawings[chosen]())

@@ -2,7 +2,6 @@
 
 import base64
 import html
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,30 +13,14 @@ from comparison.progress import narration
 from comparison.provenance import describe
 from comparison.report import export_results, predicted_value, write_report
 from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, refuse_name
-from comparison.verdict import VERDICT_HEADINGS, Check, Verdict, check_words, mark_of, stored_check, verdict_cells, verdict_title
+from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, mark_of, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
-from la_core.errors import SceneError
+from la_core.errors import SceneError, seconds_or_none, whole_number
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
-from la_core.text_table import Tabled, number_text
-
-
-class _Checks(tuple[Check, ...], Tabled):
-    """Checks that show themselves as a table."""
-
-    def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        headings = ("check", "verdict", "limit analysis", "YADE", "difference", "tolerance", "unit")
-        rows = [
-            [check.name, " ".join(check_words(check.verdict))]
-            + [number_text(value, 5) for value in (check.limit_analysis, check.yade, check.difference, check.tolerance)]
-            + [check.unit]
-            for check in self
-        ]
-        return "checks", headings, rows
-
-    __repr__ = Tabled.__repr__
+from la_core.text_table import Tabled
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,7 +69,7 @@ class Result(Tabled):
     @property
     def checks(self) -> tuple[Check, ...]:
         """All checks of the comparison, each with its numbers, tolerance and verdict; they show themselves as a table."""
-        return _Checks(map(stored_check, self.summary["checks"]))
+        return Checks(map(stored_check, self.summary["checks"]))
 
     @property
     def predicted(self) -> float:
@@ -196,14 +179,12 @@ def run(
     >>> comparison.run("two_pads", "results", yade=False, quiet=True).verdict
     <Verdict.EXPECTED_MET: 'expected value met'>
     """
-    if time_limit is not None and not 0.0 < time_limit < math.inf:
-        raise SceneError("time_limit", "must be a positive number of seconds, or None", value=time_limit)
-    chosen = load(scene)
+    limit, chosen = seconds_or_none("time_limit", time_limit), load(scene)
     refuse_name(chosen)
     scene_folder = Path(folder) / chosen.name
     with narration(quiet) as told:
         model = structural_model(chosen)
-        summary = run_scene(model, scene_folder, told, yade, time_limit)
+        summary = run_scene(model, scene_folder, told, yade, limit)
     return _result(scene_folder, summary, model.assembly.interfaces)
 
 
@@ -254,8 +235,7 @@ def export(what: Answer | Result, folder: Path | str) -> list[Path]:
     list of Path
         Files to open in ParaView.
     """
-    answer, record = (what, None) if isinstance(what, Answer) else (what.answer, what.yade)
-    return export_results(Results(answer.analysis, record), Path(folder))
+    return export_results(_results_of(what), Path(folder))
 
 
 def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool = False) -> Path:
@@ -284,15 +264,21 @@ def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool 
     FileNotFoundError
         The file is an MP4, and ffmpeg is not installed.
     """
-    answer, record = (what, None) if isinstance(what, Answer) else (what.answer, what.yade)
+    results, frames = _results_of(what), whole_number("fps", fps, 1, MOST_FRAMES)
     if Path(path).suffix not in MOVING_FORMATS:
         raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
-    if not 1 <= fps <= MOST_FRAMES:
-        raise SceneError("fps", f"must be a whole number from 1 to {MOST_FRAMES}", value=fps)
-    story, name = Story(Results(answer.analysis, record)), answer.scene.name
+    story, name = Story(results), results.scene.name
     with narration(quiet) as told:
-        write_animation(story, Path(path), fps, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
+        write_animation(story, Path(path), frames, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
     return Path(path)
+
+
+def _results_of(what: Answer | Result) -> Results:
+    if isinstance(what, Answer):
+        return Results(what.analysis)
+    if isinstance(what, Result):
+        return Results(what.answer.analysis, what.yade)
+    raise SceneError("what", "must be an answer of la_core.solve or a result of comparison.run", value=type(what).__name__)
 
 
 def _result(folder: Path, summary: dict[str, Any], interfaces: Interfaces | None = None) -> Result:

@@ -17,6 +17,7 @@ REPORTS = ("report.html", "report.md", "report.json")  # beside the folders of s
 LOCK = ".lock"
 FIGURE_FORMATS = (".png", ".svg", ".pdf")  # what a figure's name may end in
 MOVING_FORMATS = (".gif", ".mp4")  # the same for an animation
+LONGEST_NAME = 240  # bytes: file systems allow 255, and a second attempt adds to it
 MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
@@ -29,6 +30,8 @@ def refuse_name(scene: Scene) -> None:
     """Raise SceneError for a scene whose name cannot name a folder of results."""
     if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
         raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
+    if len(scene.name.encode()) > LONGEST_NAME:
+        raise SceneError(str(scene.path), f"its name is longer than the {LONGEST_NAME} bytes of a folder's name", hint="rename it")
 
 
 def refuse_names(scenes: Iterable[Scene]) -> None:

@@ -18,6 +18,7 @@ from comparison.studies import (
     study_sensitivity,
 )
 from comparison.studies import sensitivity as sensitivity_study
+from la_core.errors import whole_number
 from la_core.scene import Scene, load
 from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text
 
@@ -164,8 +165,9 @@ def cost(scene: Scene | Path | str, yade: bool = True, quiet: bool = False, work
     comparison.errors.YadeMissingError
         YADE is asked for and not installed.
     """
+    count = whole_number("workers", workers, 1)
     with narration(quiet) as told:
-        study = study_cost(load(scene), yade, told, workers)
+        study = study_cost(load(scene), yade, told, count)
     stored = cost_dict(study)
     return CostResult(stored["rungs"], stored["references"], study)
 

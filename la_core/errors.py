@@ -1,9 +1,11 @@
 """Errors in a scene, with messages that say what to do next."""
 
 import difflib
+import math
+import numbers
 import re
 from collections.abc import Iterable, Sequence
-from typing import Self
+from typing import Any, Self
 
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
@@ -55,6 +57,23 @@ class SceneError(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         """How an error comes out of a worker process: with its message as it is, and with its place."""
         return type(self).told, self.args, self.__dict__
+
+
+def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> int:
+    """The value of an argument that must be a whole number from `least` to `most`; raises SceneError for any other."""
+    if not isinstance(value, numbers.Integral) or isinstance(value, bool) or not least <= int(value) <= most:
+        rule = f"must be a whole number from {least} to {most}" if most < math.inf else f"must be a whole number of at least {least}"
+        raise SceneError(where, rule, value=value)
+    return int(value)
+
+
+def seconds_or_none(where: str, value: Any) -> float | None:
+    """The value of an argument that must be a positive number of seconds, or None; raises SceneError for any other."""
+    if value is None:
+        return None
+    if not isinstance(value, numbers.Real) or isinstance(value, bool) or not 0.0 < float(value) < math.inf:
+        raise SceneError(where, "must be a positive number of seconds, or None", value=value)
+    return float(value)
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:

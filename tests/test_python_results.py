@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import la_core
 from comparison.figures import report_figures
 from comparison.studies import whole_studies
 from comparison.studies.cost_limit_analysis import limit_analysis_methods
+from comparison.verdict import Check, Checks
 from comparison.yade import Results
 from la_core.exchange.checksummed_file import ExchangeError
 
@@ -137,3 +139,37 @@ def test_the_prediction_of_sharp_arrises_is_that_of_the_inset_of_both_methods(tm
     shared = result.summary["limit_analysis"]["coulomb"]["shared_inset"]
     assert result.predicted == shared["reaction"] > result.answer.coulomb
     assert math.isnan(dataclasses.replace(result, summary={"limit_analysis": {"associated": {}, "coulomb": None}}).predicted)
+
+
+def test_wrong_arguments_are_refused_in_words(tmp_path: Path) -> None:
+    pads = la_core.load("two_pads")
+    answer = la_core.solve(pads, bounds_only=True)
+    tables = tomllib.loads(pads.text)
+    for call, words in (
+        (lambda: comparison.run(answer, tmp_path), "scene = 'Answer': must be a scene"),
+        (lambda: comparison.run(pads, tmp_path, time_limit="10"), "time_limit = '10': must be a positive number of seconds"),
+        (lambda: comparison.run(la_core.variant(pads, {"joint.friction": 0.3}, "n" * 300), tmp_path), "longer than the 240 bytes"),
+        (
+            lambda: comparison.run_campaign("friction_and_inset", tmp_path, workers=1.5),
+            "workers = 1.5: must be a whole number of at least 1",
+        ),
+        (lambda: comparison.run_campaign("seed_paper", tmp_path, time_limit=math.nan), "time_limit = nan: must be a positive"),
+        (lambda: comparison.cost(pads, workers=0), "workers = 0: must be a whole number"),
+        (lambda: comparison.animate(answer, "a.gif", fps=2.5), "fps = 2.5: must be a whole number from 1 to 50"),
+        (lambda: comparison.animate(pads, "a.gif"), "what = 'Scene': must be an answer"),
+        (lambda: comparison.export(pads, tmp_path), "what = 'Scene': must be an answer"),
+        (lambda: answer.plot(3), 'figure "3": unknown name'),
+        (lambda: la_core.variant(pads, [("joint.friction", 0.3)]), "changes = .* must be a table"),
+        (lambda: la_core.build(tables, name=3), "name = 3: must be a text"),
+        (lambda: la_core.build(None), "tables: must be a table"),
+    ):
+        with pytest.raises(la_core.SceneError, match=words):
+            call()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_of_checks_shows_the_range_of_a_range_check() -> None:
+    within = Check("in its range", comparison.Verdict.AGREE, -219.0, 0.7, 0.0, 3.6, "N", range=(-219.0, 219.0))
+    below = Check("below", comparison.Verdict.AGREE, 0.5, 0.4, 0.0, 0.01, "", range=(None, 0.5))
+    told = str(Checks([within, below]))
+    assert "−219 to 219" in told and "at most 0.50000" in told

@@ -106,3 +106,24 @@ def test_a_change_that_changes_nothing_keeps_what_the_scene_expects() -> None:
     pads = la_core.load("two_pads")
     assert la_core.variant(pads, {"joint.inset": pads.inset}).expected == pads.expected
     assert la_core.variant(pads, {"joint.inset": 2.0 * pads.inset}).expected is None
+
+
+def test_variants_of_other_values_have_other_names() -> None:
+    pads = la_core.load("two_pads")
+    names = [la_core.variant(pads, {"gravity": gravity}).name for gravity in ([1.0, 11.0, -99.0], [11.0, 1.0, -99.0], [1.0, 1.0, -199.0])]
+    assert len(set(names)) == 3 and all("/" not in name and " " not in name for name in names)
+    blocks = [[f"{'x' * 90}{end}"] for end in "ab"]
+    long = {la_core.variant(pads, {"title": title[0]}).name for title in blocks}
+    assert len(long) == 2 and {len(name) for name in long} == {80}
+    assert la_core.variant(pads, {}).title == pads.title
+
+
+def test_a_wrong_entry_of_an_array_is_said_once() -> None:
+    for value, told in (
+        (np.array([[0.0, 0.0, -1.0]]), "settlement.direction[0] = [0.0, 0.0, -1.0]: must be a number"),
+        ([0.0], "settlement.direction = [0.0]: has too few entries"),
+        ([0.0, "down", -1.0], "settlement.direction[1] = 'down': must be a number"),
+    ):
+        with pytest.raises(la_core.SceneError) as refused:
+            la_core.variant("two_pads", {"settlement.direction": value})
+        assert str(refused.value) == f"variant of two_pads: {told}"

@@ -26,6 +26,7 @@ REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = "Look at the direction of the settlement or of the live load: no mechanism follows it, so nothing limits the answer."
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
+OTHER_THRUST = "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source."
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
@@ -152,7 +153,8 @@ def _check_standing(results: Results) -> Check:
         return Check(name, Verdict.DISAGREE, reason=reason)
     limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
     reason = f"{limit}, but {outcome} ({run.result.message}). Blocks laid without thrust may slide although a thrust could hold them."
-    return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=GIVE_THRUST)
+    step = OTHER_THRUST if results.scene.yade.get("wedging") else GIVE_THRUST
+    return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
 def _check_settlement(scene: Scene, run: Run) -> Check:

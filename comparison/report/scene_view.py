@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from comparison.numbers import DASH, Units, exists, format_number, plain_number, small_number, value_range
+from comparison.numbers import DASH, Units, exists, format_number, plain_number, range_words, small_number
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.inputs import input_rows, key_rows, scene_file
 from comparison.report.plain_words import plain_words
@@ -148,6 +148,7 @@ def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
     symbol, word = check_words(check.get("verdict"))
     unit = check.get("unit") or ""
     words = (check.get(name) for name in ("reason", "next_step"))
+    low, high = (units.value(end, unit) for end in check.get("range") or (None, None))
     predicted, yade, difference, tolerance = (
         units.value(check.get(name), unit) for name in ("limit_analysis", "yade", "difference", "tolerance")
     )
@@ -162,7 +163,7 @@ def _check_view(check: dict[str, Any], units: Units) -> dict[str, Any]:
         "symbol": symbol,
         "word": word,
         "reason": units.words(" ".join(sentence for sentence in words if sentence)),
-        "range": _range_words(*(units.value(end, unit) for end in check.get("range") or (None, None))),
+        "range": range_words(low, high, 5),
     }
 
 
@@ -170,13 +171,6 @@ def _compared(value: float | None, tolerance: float | None) -> str:
     """Return a compared value; one that the tolerance outweighs is as good as zero, and has the decimal places of the tolerance."""
     outweighed = exists(value) and exists(tolerance) and abs(value) < tolerance
     return small_number(value, tolerance) if outweighed else format_number(value, 5)
-
-
-def _range_words(low: float | None, high: float | None) -> str:
-    """Return the range of a range check, one end of which may be missing; "" for any other check."""
-    if not exists(low):
-        return f"at most {format_number(high, 5)}" if exists(high) else ""
-    return value_range(low, high, not exists(high), 5)
 
 
 def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[dict[str, str]]:

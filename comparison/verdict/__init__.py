@@ -1,6 +1,7 @@
 """The words of a verdict: checks, marks, the conclusion with its next step, and the row of a scene in the table of results."""
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
+from comparison.verdict.check_table import Checks
 from comparison.verdict.conclusion import Conclusion, conclusion
 from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
@@ -8,6 +9,7 @@ __all__ = [
     "VERDICTS",
     "VERDICT_HEADINGS",
     "Check",
+    "Checks",
     "Conclusion",
     "Verdict",
     "check_words",

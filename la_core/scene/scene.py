@@ -31,7 +31,7 @@ from la_core.scene.validation import as_scene_error, joined
 from la_core.text_table import Tabled, number_text
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Scene(Tabled):
     """Validated scene: blocks, joint law, support motion or live load, requested effects and expected values.
 

@@ -64,6 +64,12 @@ def _faults(refused: pydantic.ValidationError, data: dict[str, Any], table: type
     told: set[str] = set()  # meanings of keys, each of which is said once
     for error in errors:
         place = tuple(step for step in error["loc"] if not _is_of_a_type(step))
+        if error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]:
+            continue  # pydantic counts the valid entries only, and has an error for each of the others
+        if error["type"] == "missing" and isinstance(place[-1], int):
+            place = place[:-1]  # an array has too few entries once, and none where another of its entries is no number
+            if any(other["type"] != "missing" and other["loc"][: len(error["loc"]) - 1] == error["loc"][:-1] for other in errors):
+                continue
         if error["type"] != "missing" or place not in meant:
             by_place.setdefault(place, str(_explained(error, data, table, told if explains else None)))
     return list(by_place.items())

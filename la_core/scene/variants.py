@@ -5,6 +5,7 @@ stored.
 """
 
 import copy
+import hashlib
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -60,6 +61,9 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     >>> la_core.build({"joint": {"friction": 0.6}, "block": [pad, block], "settlement": motion}).weight
     19620.0
     """
+    if not isinstance(tables, Mapping) or not isinstance(name, str):
+        wrong = ("tables", "must be a table", tables) if not isinstance(tables, Mapping) else ("name", "must be a text", name)
+        raise SceneError(wrong[0], wrong[1], value=wrong[2])
     return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
 
 
@@ -98,11 +102,13 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     ('wall_third,joint.friction=0.4', 0.4)
     """
     scene = load(scene)
-    tables, made = tomllib.loads(scene.text), ",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())])
-    name = name or made[:LONGEST_NAME]
+    if not isinstance(changes, Mapping):
+        raise SceneError("changes", 'must be a table such as {"joint.friction": 0.3}', value=changes)
+    tables = tomllib.loads(scene.text)
+    name = name or _shortened(",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())]))
     plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}
     override(tables, plain, f"variant of {scene.name}")
-    if "title" not in changes:
+    if changes and "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
     return build(tables, name, scene.path.parent)
 
@@ -160,7 +166,12 @@ def _whole(tables: dict[str, Any], where: Path | str) -> dict[str, Any]:
 
 def _name_of(key: str, value: Any) -> str:
     """A change as text that can be part of a folder's name."""
-    return re.sub(r"[^\w.+=-]", "", f"{key}={value}")
+    return re.sub(r"[^\w.+=-]", "", f"{key}={value}".replace(",", "_"))
+
+
+def _shortened(name: str) -> str:
+    """A name of at most LONGEST_NAME characters; a digest keeps two long ones apart."""
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 9]}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def _plain(value: Any, key: str) -> Any:

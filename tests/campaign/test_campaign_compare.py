@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from made_up_campaigns import Page, campaign, changed, every_shape
+from made_up_campaigns import MU, Page, campaign, changed, every_shape
 
 from comparison.campaign.report.compare import Change, Comparison, compare_tables
 from comparison.campaign.report.compare_report import sentence, stored_comparison, terminal_tables
@@ -48,7 +48,7 @@ def moved(folder: Path) -> tuple[CampaignTable, CampaignTable]:
     after = changed(after, 1, coulomb_mechanism="other", coulomb=before.rows[1]["coulomb"] * 1.1)
     after = changed(after, 2, yade=None, yade_status="timeout", yade_uncertainty=None)
     after = changed(after, 3, yade=before.rows[3]["yade"] * 1.0005)
-    after = changed(after, 4, case="new")
+    after = changed(after, 4, case="new", **{MU: 0.9})
     costs = [cost | {"yade_seconds": 2.0 * cost["yade_seconds"]} for cost in after.costs]
     return before, replace(after, costs=costs, provenance={"program": {"crosscheck": "0.2.0", "numpy": "2.0"}})
 
@@ -152,3 +152,19 @@ def test_the_command_ends_with_what_it_found(tmp_path: Path, capsys: pytest.Capt
     assert json.loads((tmp_path / "changes.json").read_text(encoding="utf-8"))["changed"] is True
     with pytest.raises(SystemExit):
         main(["compare", first, second, "-o", "changes.txt"])
+
+
+def test_cases_are_matched_by_their_values_in_whatever_order_they_stand(tmp_path: Path) -> None:
+    """Cases of an array are named by its place in the range, so the same name may stand for another case."""
+    before = campaign(tmp_path, "directions")
+    rows = [dict(row) for row in before.rows]
+    names = [row["case"] for row in rows]
+    assert len(names) == 2
+    swapped = [row | {"case": name} for row, name in zip(reversed(rows), names, strict=True)]
+    costs = [dict(cost) | {"case": name} for cost, name in zip(reversed(before.costs), names, strict=True)]
+    found = compare_tables(before, replace(before, rows=swapped, costs=costs))
+    assert not found.changed and found.matched == 2
+    first = swapped[1] | {"case": names[0]}  # the second case alone, under the name of the first
+    other = first | {"settlement.direction": [0.0, 1.0, 0.0], "case": names[1]}
+    found = compare_tables(before, replace(before, rows=[rows[1] | {"case": names[0]}, other]))
+    assert found.matched == 1 and found.only_before == [names[0]] and found.only_after == [f"{names[1]} (after)"]

@@ -7,6 +7,7 @@ import pytest
 import scenes
 from coulomb_problems import FOUND, PLATEAU, UNSLIDING, answer, great_wall, problem, small_wall
 
+from la_core.analysis.modelling import wedging
 from la_core.coulomb import (
     PredictionSettings,
     predict,
@@ -14,6 +15,7 @@ from la_core.coulomb import (
 from la_core.coulomb.followed_path import SHARPENED
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
+from la_core.scene import variant
 
 
 @pytest.mark.parametrize(
@@ -75,3 +77,13 @@ def test_any_friction_is_answered_or_called_inaccurate(mu) -> None:
     solution = predict(assembly, stiffness, associated)
     assert solution.status in (Status.SOLVED, Status.INACCURATE)
     assert solution.value >= associated.value - FOUND * assembly.weight
+
+
+def test_blocks_that_fall_on_the_way_leave_no_value() -> None:
+    """A flat arch that slides out of its abutments: the drag of the path would hold it at any load, which is no answer."""
+    arch = variant("flat_arch", {"joint.friction": 0.4})
+    assembly, stiffness = problem(arch)
+    associated = solve_associated(assembly, Drive.YIELDING)
+    solution = predict(assembly, stiffness, associated, wedging(arch))
+    assert associated.status is Status.SOLVED
+    assert solution.status is Status.FAILED and np.isnan([solution.value, solution.uncertainty]).all() and not len(solution.plateaus)

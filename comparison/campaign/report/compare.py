@@ -1,8 +1,9 @@
 """Comparison of two campaigns, before and after a change of code, settings or versions; changes within uncertainty stand apart."""
 
+import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
@@ -138,7 +139,8 @@ class Comparison:
 
 
 def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
-    """Compare two campaigns; cases are matched by name."""
+    """Compare two campaigns; cases are matched by the values of their keys, or by name where a campaign varies other keys."""
+    after = _named_as(before, after)
     first, second = ({str(row["case"]): row for row in table.rows} for table in (before, after))
     both = [name for name in first if name in second]
     moved = [change for name in both for change in _reactions(first[name], second[name])]
@@ -159,6 +161,30 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
         list(_costs(costs)),
         sorted(ratios, key=lambda ratio: (-abs(math.log(ratio[2])), ratio[:2])),
     )
+
+
+def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
+    """Return the second campaign with the names that the first one gives to cases of the same values.
+
+    A case is named by the place of an array in its range, which is another one where values were added or put in another order.
+    """
+    if before.axes.keys() != after.axes.keys():
+        return after
+
+    def identity(row: Row) -> str:
+        return json.dumps([row.get("sweep") or row.get("scene"), *(row.get(key) for key in sorted(before.axes))])
+
+    names = {identity(row): str(row["case"]) for row in before.rows}
+    if len(names) < len(before.rows) or len({identity(row) for row in after.rows}) < len(after.rows):
+        return after
+    own = {str(row["case"]): names.get(identity(row), str(row["case"])) for row in after.rows}
+    taken = {new for old, new in own.items() if new != old}
+    own = {old: f"{old} (after)" if new == old and new in taken else new for old, new in own.items()}
+
+    def renamed(rows: list[Row]) -> list[Row]:
+        return [row | {"case": own.get(str(row["case"]), row["case"])} for row in rows]
+
+    return replace(after, rows=renamed(after.rows), costs=renamed(after.costs))
 
 
 def _text_changes(before: Row, after: Row) -> Iterator[Change]:
