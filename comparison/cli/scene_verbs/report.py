@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, GRAVITY, TOOL, complain
+from comparison.cli.exit_codes import AGREE, GRAVITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
@@ -38,7 +38,7 @@ def execute(context: Context) -> int:
                 try:
                     comparisons.append(report_again(case, narration))
                 except (ExchangeError, FolderInUseError, SceneError) as error:
-                    broken = complain(str(error), TOOL)
+                    broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=GRAVITY.index)
                     left_out.setdefault(folder, []).append(case.name)
             if comparisons:  # the report of earlier results stays where none can be read
                 reports.append((folder, comparisons))
