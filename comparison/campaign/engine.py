@@ -16,6 +16,7 @@ from comparison.campaign.job import LOADED, Job, JobOutcome, digest, stored_outc
 from comparison.progress import CampaignNarration
 from comparison.provenance import describe
 from comparison.run_folder import alone_in, write_text
+from la_core.exchange import ExchangeError
 from la_core.limit import ClassicParameters
 
 CASES = "cases"  # folder of the cases' folders
@@ -95,7 +96,8 @@ def run_cases(
         began, outcomes = time.monotonic(), dict[str, JobOutcome]()
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
-        with _tables(campaign, outcomes, engine, began) as write:
+        ran_before = None if waiting else _engine_of_stored(campaign.folder)
+        with _tables(campaign, outcomes, lambda: ran_before or engine.name, began) as write:
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
@@ -146,20 +148,31 @@ def _run_all(
 
 
 @contextmanager
-def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Engine, began: float) -> Iterator[Callable[[], None]]:
-    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end."""
+def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Callable[[], str], began: float) -> Iterator[Callable[[], None]]:
+    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end.
+
+    engine: returns the name of the workers, which may change while they run.
+    """
     latest = time.monotonic()
 
     def write() -> None:
         nonlocal latest
         if time.monotonic() - latest >= WRITES_EVERY:
-            table.write_campaign(gather(campaign, outcomes, engine.name, began), campaign.parquet)
+            table.write_campaign(gather(campaign, outcomes, engine(), began), campaign.parquet)
             latest = time.monotonic()
 
     try:
         yield write
     finally:
-        table.write_campaign(gather(campaign, outcomes, engine.name, began), campaign.parquet)
+        table.write_campaign(gather(campaign, outcomes, engine(), began), campaign.parquet)
+
+
+def _engine_of_stored(folder: Path) -> str | None:
+    """Return the name of the workers that ran the stored campaign; None where it is unknown."""
+    try:
+        return table.read_table(folder).provenance.get("engine")
+    except ExchangeError:
+        return None
 
 
 def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, began: float) -> table.CampaignTable:

@@ -72,9 +72,9 @@ assert third.verdict == "inconclusive"
 third.plot("reaction").save("disagreement-too-fast.png")
 
 # %% [markdown]
-# The support is gone before the block can follow: the block rattles, and the reaction swings instead of settling. The run is refused;
-# its last value is not quoted. Slow down and look again, before you blame either method: at 0.4 mm/s the two agree, as the first
-# tutorial shows.
+# The support is gone before the block can follow. The force on it is steady, at 0, but the block is in the air: its weight is not in
+# balance with the forces on it. A steady value alone is no answer, so the verdict is *inconclusive*. Slow down and look again, before
+# you blame either method: at 0.4 mm/s the two agree, as the first tutorial shows.
 
 # %% [markdown]
 # ## Question

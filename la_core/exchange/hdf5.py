@@ -93,14 +93,14 @@ def present(path: Path, fields: tuple[Field, ...]) -> tuple[Field, ...]:
         return ()
 
 
-def read(path: Path, fields: tuple[Field, ...]) -> dict[str, Any]:
+def read(path: Path | str, fields: tuple[Field, ...]) -> dict[str, Any]:
     """Read and check every field; return the values by path, texts as `str` and arrays as numpy.
 
     Raises ExchangeError for a field that is missing or has another type or shape than the schema.
     """
-    with _opened(path) as file:
-        sizes: dict[str, int] = {}
-        return {field.path: _checked(path, file, field, sizes) for field in fields}
+    file_path, sizes = Path(path), dict[str, int]()
+    with _opened(file_path) as file:
+        return {field.path: _checked(file_path, file, field, sizes) for field in fields}
 
 
 @contextlib.contextmanager

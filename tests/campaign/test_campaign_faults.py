@@ -171,9 +171,9 @@ def test_a_scheduler_that_is_not_there_is_named(
     monkeypatch.setattr("comparison.campaign.workers.dask.PATIENCE", 0.5)
     path = tmp_path / "campaign.toml"
     path.write_text(QUICK, encoding="utf-8")
-    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
-        assert main(["campaign", str(path), "-o", str(tmp_path / "out"), "--scheduler", address, "-q"]) == 3
-        one_message(capsys.readouterr().err, address)
+    for address, code in (("tcp://127.0.0.1:9", 3), ("nonsense://x:1", 3), ("foo", 2), ("tcp://host", 2)):
+        assert main(["campaign", str(path), "-o", str(tmp_path / "out"), "--scheduler", address, "-q"]) == code
+        one_message(capsys.readouterr().err, address, *(["must be an address with a port"] if code == 2 else []))
     assert begun(tmp_path / "out") == []
 
 
@@ -190,6 +190,12 @@ def test_a_scheduler_that_goes_away_in_the_middle_is_told_and_the_next_call_goes
     assert process.returncode == TOOL
     one_message(said, "the Dask scheduler is gone")
     assert [row["state"] for row in run(WITH_YADE, out).rows] == ["done"] * 3
+
+
+def test_a_finished_campaign_keeps_the_name_of_the_workers_that_ran_it(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    first = run(QUICK, out, Inline()).provenance["engine"]
+    assert run(QUICK, out, Dask("tcp://nobody:1", out)).provenance["engine"] == first != "Dask"
 
 
 def test_a_missing_extra_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -189,3 +189,25 @@ def test_report_on_a_campaign_s_folder_writes_its_report_again(tmp_path: Path, c
     assert main(["report", str(table.folder), "-q"]) == 1
     assert "it does not" in capsys.readouterr().out
     assert main(["report", str(table.folder), str(tmp_path)]) == 2
+
+
+def test_a_mechanism_of_the_associated_answer_has_no_picture_where_the_case_draws_the_prediction(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "one axis")
+    table = changed(table, 0, associated_mechanism="7-other")
+    for row in table.rows:
+        place = tmp_path / str(row["folder"]) / "scene"
+        place.mkdir(parents=True, exist_ok=True)
+        (place / "mechanisms.png").write_bytes(b"a picture")
+    captions = [str(picture["caption"]) for picture in report_rows.mechanism_pictures(table, letters(sweeps_of(table)))]
+    assert captions and not any("associated" in caption for caption in captions)
+    alone = changed(table, 0, coulomb_mechanism=None, associated_mechanism="7-other")
+    captions = [str(picture["caption"]) for picture in report_rows.mechanism_pictures(alone, letters(sweeps_of(alone)))]
+    assert any("associated" in caption for caption in captions)
+
+
+def test_directions_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "directions")
+    given = [[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0]]  # sorted as texts, the second would come first
+    rows = [row | {"settlement.direction": value} for row, value in zip(table.rows, given, strict=True)]
+    (panel,) = matrix_panels(replace(table, rows=rows, axes={"settlement.direction": given}))
+    assert panel.columns == ["(0, 0, −1)", "(−1, 0, 0)"]

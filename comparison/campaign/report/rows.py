@@ -132,13 +132,15 @@ def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) 
 
 
 def mechanism_pictures(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
-    """Yield a picture of every mechanism, from the first case that has it by limit analysis, else by YADE; at most MOST_PICTURES."""
+    """Yield a picture of every mechanism, from the first case that has it by limit analysis, else by YADE; at most MOST_PICTURES.
+
+    The figure of a case shows the prediction's mechanism. That of the associated answer is drawn only where there is no prediction.
+    """
     varying, pictures = _varying(table), 0
     for scene, letter_of in lettered.items():
         rows = [row for row in table.rows if sweep_of(row) == scene]
         for label, letter in letter_of.items():
-            by = ((method, row) for method in ("coulomb", "associated", "yade") for row in rows if row.get(f"{method}_mechanism") == label)
-            for method, row in by:
+            for method, row in _drawn_with(rows, label):
                 folder = own_folder(table.folder, row)
                 drawn = sorted(folder.glob("*/mechanisms.png")) if folder is not None and pictures < MOST_PICTURES else []
                 if not drawn:
@@ -149,6 +151,15 @@ def mechanism_pictures(table: CampaignTable, lettered: Mapping[str, Mapping[str,
                     "caption": f"{scene}, mechanism {letter} by {WORDS[method]}, in the case",
                 }
                 break
+
+
+def _drawn_with(rows: list[Row], label: str) -> Iterator[tuple[str, Row]]:
+    """Yield the methods and cases whose figure shows the mechanism with this label."""
+    for method in ("coulomb", "associated", "yade"):
+        for row in rows:
+            is_drawn = method != "associated" or row.get("coulomb_mechanism") is None
+            if is_drawn and row.get(f"{method}_mechanism") == label:
+                yield method, row
 
 
 def classic(table: CampaignTable) -> Iterator[Words]:

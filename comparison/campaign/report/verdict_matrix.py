@@ -68,10 +68,10 @@ def matrix_panels(table: CampaignTable) -> list[Panel]:
     """Return the panels: one for unvaried scenes, one per single parameter, and two-way panels for every larger sweep."""
     sweeps = sweeps_of(table, classic=True)
     still = [sweep for sweep in sweeps if not sweep.parameters]
-    result = [_scenes(table.folder, "", still)] if still else []
+    result = [_scenes(table, "", still)] if still else []
     for parameter in table.axes:
         along = [sweep for sweep in sweeps if sweep.parameters == [parameter]]
-        result += [_scenes(table.folder, parameter, along)] if along else []
+        result += [_scenes(table, parameter, along)] if along else []
     for sweep in sweeps:
         if len(sweep.parameters) > 1:
             result += _of_two(table.folder, sweep)
@@ -86,12 +86,13 @@ def cell(folder: Path, row: Row) -> MatrixCell:
     return MatrixCell(str(row.get("case")), *verdict_symbol(row), link(folder, row), words)
 
 
-def _scenes(folder: Path, parameter: str, sweeps: list[SweepRows]) -> Panel:
+def _scenes(table: CampaignTable, parameter: str, sweeps: list[SweepRows]) -> Panel:
     """Return a panel with one row per scene and one column per value of the parameter; one column for "", no parameter."""
+    folder = table.folder
     if not parameter:
         rows = [(sweep.scene, [[cell(folder, row) for row in sweep.rows]]) for sweep in sweeps]
         return Panel("Cases without varied parameters", "scene", "", ["verdict"], rows)
-    values = ordered([value for sweep in sweeps for value in sweep.values[parameter]])
+    values = ordered([value for sweep in sweeps for value in sweep.values[parameter]], table.axes[parameter])
     rows = [
         (sweep.scene, [[cell(folder, row) for row in sweep.where({parameter: value})] for value in values]) for sweep in sweeps
     ]  # fmt: skip

@@ -11,6 +11,7 @@ import fcntl
 import logging
 import os
 import queue
+import re
 import uuid
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,8 @@ class Dask:
             import distributed  # noqa: PLC0415 - an extra
         except ImportError as error:
             raise SceneError("--scheduler", "needs the package distributed, which is not installed", hint=INSTALL) from error
+        if not re.search(r":\d+/?$", self._address):  # the client would fail, and try to close itself for 20 s
+            raise SceneError("--scheduler", "must be an address with a port, such as tcp://host:8786", value=self._address)
         for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
             logging.getLogger(name).setLevel(logging.CRITICAL)  # this class reports the errors itself
         try:
