@@ -49,7 +49,8 @@ class CampaignResult(Tabled):
     title : str
         Title of the campaign.
     rows : list of dict
-        One row a case, with the columns of results.csv; None is undefined. Reactions are in N or N m.
+        One row a case that ended, with the columns of results.csv, and "folder", the folder of its report; None is undefined.
+        Reactions are in N or N m.
     """
 
     folder: Path
@@ -62,7 +63,7 @@ class CampaignResult(Tabled):
         Returns
         -------
         pandas.DataFrame
-            One row a case, with the columns of results.csv.
+            One row a case, with the keys of `rows`.
 
         Raises
         ------
@@ -73,7 +74,7 @@ class CampaignResult(Tabled):
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
         counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in self.rows)
-        words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+        words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "none has ended"
         more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
         title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}; {title_of_values(self.rows)}"
         return title, ("case", "least", "Coulomb", "greatest", "YADE", "verdict"), [_cells(row) for row in self.rows[:MOST_ROWS]]

@@ -38,7 +38,7 @@ def cost_figure(ladder: CostStudy) -> Figure:
         axes.set_xlabel(
             "time of one run (s)\n\n" + textwrap.fill(f"on a Pareto front: {key or '–'}", KEY_WIDTH), fontsize=8, parse_math=False
         )
-        axes.set_ylabel("relative error (-)")
+        axes.set_ylabel(f"relative error (-), at least {LEAST_ERROR:.0e}: the error of a solver")
     return figure
 
 
