@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, TypeGuard
@@ -151,6 +152,17 @@ def sentences(text: str) -> list[str]:
     """Return the sentences of a text, each with its full stop."""
     *ended, last = text.split(". ")
     return [*(f"{sentence}." for sentence in ended), last]
+
+
+def said_once(texts: Iterable[str]) -> list[str]:
+    """Return texts without the sentences that an earlier one, or an earlier part, says in the same words; empty texts are left out."""
+    said: dict[str, None] = {}
+    kept = []
+    for text in texts:
+        new = [sentence for sentence in dict.fromkeys(sentences(text)) if sentence and sentence not in said]
+        said |= dict.fromkeys(new)
+        kept += [" ".join(new)] if new else []
+    return kept
 
 
 def force_unit(weight: Any, unit: str = "N") -> tuple[float, str]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from comparison.numbers import sentences
+from comparison.numbers import said_once
 
 
 class Verdict(enum.StrEnum):
@@ -82,7 +82,7 @@ def overall(checks: list[Check]) -> tuple[Verdict | None, str]:
     for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE):
         reasons = [check.reason for check in checks if check.verdict is verdict]
         if reasons:
-            return verdict, " ".join(dict.fromkeys(sentence for reason in reasons for sentence in sentences(reason)))
+            return verdict, " ".join(said_once(reasons))
     return (Verdict.AGREE, "") if checks else (None, "")
 
 

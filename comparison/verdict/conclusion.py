@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from comparison.numbers import sentences
+from comparison.numbers import said_once, sentences
 from comparison.verdict.check import Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
@@ -60,7 +60,7 @@ def conclusion(
         Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same ones.
     """
     verdict, reason = overall(checks)
-    remarks = tuple(dict.fromkeys(check.reason for check in checks if check.verdict is Verdict.AGREE and check.reason))
+    remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict is not Verdict.DISAGREE:
         return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade), SUPPORT_IT, remarks)
     if verdict in DEFAULT_STEPS:

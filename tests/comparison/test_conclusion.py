@@ -301,3 +301,11 @@ def test_after_a_second_attempt_no_other_one_of_the_same_settings_is_advised() -
         assert second.endswith("model a smaller part.")
     other = Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step="Look at the scene.")
     assert conclusion([other], None, None, True).next_step == "Look at the scene."
+
+
+def test_remarks_say_nothing_twice() -> None:
+    checks = [Check(name, Verdict.AGREE, reason=f"The {name} differ. It need not be unique.") for name in ("mechanisms", "moving blocks")]
+    assert conclusion([*checks, *checks], {"status": "plateau"}).remarks == (
+        "The mechanisms differ. It need not be unique.",
+        "The moving blocks differ.",
+    )
