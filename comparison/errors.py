@@ -33,8 +33,9 @@ def message_of(error: BaseException) -> str:
     """Return one message that says what stopped a command and what to do."""
     if isinstance(error, _WITH_A_MESSAGE):
         return str(error)
-    if isinstance(error, FileExistsError) and error.filename:
-        return f"{error.filename}: a file stands where a folder is needed; rename it, or choose another folder with -o"
+    if isinstance(error, FileExistsError | NotADirectoryError) and error.filename:
+        said = "a file stands where a folder is needed; rename it, or choose another folder with -o"
+        return f"{error.filename}: {error.strerror or 'File exists'}: {said}"
     if isinstance(error, OSError):
         return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them
     if isinstance(error, MemoryError):

@@ -112,6 +112,10 @@ def test_variants_of_other_values_have_other_names() -> None:
     pads = la_core.load("two_pads")
     names = [la_core.variant(pads, {"gravity": gravity}).name for gravity in ([1.0, 11.0, -99.0], [11.0, 1.0, -99.0], [1.0, 1.0, -199.0])]
     assert len(set(names)) == 3 and all("/" not in name and " " not in name for name in names)
+    arrays = [np.array([1.1, 11.0, -99.0]), np.array([1.11, 1.0, -99.0]), np.array([11, 1, -99]), np.array([1, 11, -99])]
+    assert len({la_core.variant(pads, {"gravity": gravity}).name for gravity in arrays}) == 4
+    titles = ["a b", "ab", "a, b", "a_b", "a-b"]
+    assert len({la_core.variant(pads, {"title": title}).name for title in titles}) == len(titles)
     blocks = [[f"{'x' * 90}{end}"] for end in "ab"]
     long = {la_core.variant(pads, {"title": title[0]}).name for title in blocks}
     assert len(long) == 2 and {len(name) for name in long} == {80}

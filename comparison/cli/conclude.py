@@ -23,9 +23,11 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context,
     as_json, out = context.options.json, context.out
     codes, stored = [], []
     for folder, comparisons in reports:
-        head = {name: getattr(context.options, name) or "" for name in HEAD}
-        page = write_report(folder, comparisons, describe(), head, (left_out or {}).get(folder, []))
-        stored.append(stored_report(comparisons, describe()))
+        head, unread = {name: getattr(context.options, name) or "" for name in HEAD}, (left_out or {}).get(folder, [])
+        stored.append(stored_report(comparisons, describe(), unread))
+        if not comparisons:  # the report of earlier results stays where none can be read
+            continue
+        page = write_report(folder, comparisons, describe(), head, unread)
         if not as_json:
             for comparison in comparisons:
                 if comparison["verdict"] == Verdict.CANNOT_STAND:

@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from comparison.numbers import DASH
+
 LEAST_WIDTH = 40  # columns: below, a table is unreadable however it is laid out
 INDENT = "  "  # of the second and later lines of a sentence
 
@@ -61,9 +63,10 @@ def show_table(console: Console, table: Table, can_go: Sequence[str] = (), whole
 
 
 def _gone(table: Table, width: int, can_go: Sequence[str]) -> set[str]:
-    """Return the headings of the columns that a table must lose to fit into a width."""
+    """Return the headings of the columns that a table must lose to fit into a width, those without any value first."""
     gone: set[str] = set()
-    for heading in can_go:
+    empty = {str(column.header) for column in table.columns if set(column.cells) <= {DASH}}
+    for heading in sorted(can_go, key=lambda heading: heading not in empty):
         if _width(table, gone) > width:
             gone.add(heading)
     return gone

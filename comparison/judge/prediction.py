@@ -23,6 +23,7 @@ from comparison.judge.tolerances import (
     unsure_methods,
 )
 from comparison.numbers import settlement_text
+from comparison.verdict import DOES_THIS as HARDER
 from comparison.verdict import Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
@@ -39,7 +40,6 @@ BOUND_ONLY = {
     Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
 }
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
-HARDER = "`crosscheck run --try-harder` does this."
 FINER_PATHS = f"Let limit analysis follow finer paths, the cheaper of the two methods to refine. {HARDER}"
 SLOWER_RUN = f"Run YADE slower ([yade] speed: half of what the report lists) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"

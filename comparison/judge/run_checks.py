@@ -84,7 +84,8 @@ def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
         yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(associated.status))
     elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
         reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
-        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=FINER_PATHS)
+        step = _thrust(analysis.scene) if math.isinf(coulomb.uncertainty) else FINER_PATHS
+        yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
 def _next_step(status: Status) -> str:
@@ -92,8 +93,15 @@ def _next_step(status: Status) -> str:
     return OTHER_DIRECTION if status is Status.UNBOUNDED else PLAIN_SCENE
 
 
+def _thrust(scene: Scene) -> str:
+    """Return what to do where blocks slide although a thrust could hold them."""
+    return OTHER_THRUST if scene.yade.get("wedging") else GIVE_THRUST
+
+
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
     """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
+    if math.isinf(coulomb.uncertainty):
+        return ": the blocks slide and fall on the way to a plateau, although an equilibrium exists"
     if coulomb.status is not Status.INACCURATE:
         return ", so it has no value"
     value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
@@ -153,8 +161,7 @@ def _check_standing(results: Results) -> Check:
         return Check(name, Verdict.DISAGREE, reason=reason)
     limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
     reason = f"{limit}, but {outcome} ({run.result.message}). Blocks laid without thrust may slide although a thrust could hold them."
-    step = OTHER_THRUST if results.scene.yade.get("wedging") else GIVE_THRUST
-    return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=step)
+    return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=_thrust(results.scene))
 
 
 def _check_settlement(scene: Scene, run: Run) -> Check:

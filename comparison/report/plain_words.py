@@ -85,7 +85,7 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         yield f"Then {_moving_words(comparison, facts)}."
     yade = comparison.get("yade") or {}
     reaction = yade.get("reaction")
-    if not (facts.get("tilt") and yade.get("status") == "plateau"):  # the angles of both methods are said already
+    if not (facts.get("tilt") and "YADE" in angle_words(comparison)):  # which gives the angles of both methods
         yield from _of_yade(comparison, f"{format_number(reaction, 4)} times its weight" if exists(reaction) else "")
 
 

@@ -77,7 +77,7 @@ def write_report(
     }
     for name in ("report.md", "report.html"):
         write_text(folder / name, template_environment(name).get_template(f"{name}.j2").render(page))
-    stored = stored_report(comparisons, provenance)
+    stored = stored_report(comparisons, provenance, left_out)
     write_text(folder / "report.json", json.dumps(stored, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
     return folder / "report.html"
 
@@ -106,9 +106,9 @@ def _day_of_results(folder: Path, comparisons: list[dict[str, Any]]) -> str:
     return datetime.date.fromtimestamp(max(times)).isoformat() if times else ""
 
 
-def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any]) -> dict[str, Any]:
-    """Return the content of report.json; undefined numbers are None."""
-    return dict(without_undefined({"comparisons": comparisons, "provenance": provenance}))
+def stored_report(comparisons: list[dict[str, Any]], provenance: dict[str, Any], left_out: Sequence[str] = ()) -> dict[str, Any]:
+    """Return the content of report.json, with the names of scenes that cannot be read under `left_out`; undefined numbers are None."""
+    return dict(without_undefined({"comparisons": comparisons, "provenance": provenance, "left_out": list(left_out)}))
 
 
 def _counts(comparisons: list[dict[str, Any]]) -> list[dict[str, Any]]:

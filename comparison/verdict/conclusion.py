@@ -9,11 +9,9 @@ from comparison.verdict.check import Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
-TRIED = (
-    "This run had the finer settings of a second attempt already. Set [yade] speed and stiffening in the scene yourself, or model a "
-    "smaller part."
-)
-LOOK = f"Look at both mechanisms and both curves of the reaction in the report, then: {FINER}"
+DOES_THIS = "`crosscheck run --try-harder` does this."
+TRIED = "This run had the finer settings of a second attempt already. Compare the scene with its source, or model a smaller part."
+LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
     "Look for a gap, a missing support or a joint without contact where these blocks rest (`crosscheck show` draws the joints). "
     "If the drawing is right, the structure needs support before anything else can be asked of it."
@@ -75,8 +73,9 @@ def conclusion(
 
 def _after_second_attempt(step: str) -> str:
     """Return a next step with TRIED in place of the sentences that advise a second attempt."""
-    kept = [sentence for sentence in sentences(step) if "--try-harder" not in sentence]
-    return step if " ".join(kept) == step else " ".join([*kept, TRIED])
+    said = sentences(step)
+    advised = [one for one, following in zip(said, [*said[1:], ""], strict=True) if "--try-harder" in one or following == DOES_THIS]
+    return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
 
 
 def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None) -> str:

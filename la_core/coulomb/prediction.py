@@ -6,6 +6,7 @@ differ in the viscosity that they begin with. The travel is doubled until the cu
 end of the finest path; what the paths and the rest of the curve leave open is its uncertainty.
 """
 
+import math
 import time
 from dataclasses import replace
 
@@ -30,7 +31,7 @@ MOVED = 5.0
 STEPS_SHARE = 3e-4
 SAFETY = 2.0  # times the difference between the two finest paths
 BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
-UNKNOWN = 1.0  # of the weight and of the value: an answer with a larger uncertainty is none
+UNKNOWN = 100.0  # times the weight and the value: an answer with a larger uncertainty is none
 
 
 def predict(
@@ -76,7 +77,7 @@ def predict(
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
     if solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value)):  # the blocks fell on one path
-        return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
+        return replace(without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations), uncertainty=math.inf)
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
 

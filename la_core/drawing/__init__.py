@@ -2,7 +2,19 @@
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
 from la_core.drawing.dxf import HIDDEN
-from la_core.drawing.outlines import UNITS, Drawn, OpenOutline, Outline
+from la_core.drawing.outlines import UNITS, Drawn, OpenOutline, Outline, open_words
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 
-__all__ = ["DRAWING_FORMATS", "HIDDEN", "UNITS", "Cleaned", "Drawn", "OpenOutline", "Outline", "cleaned", "read_outlines", "straightened"]
+__all__ = [
+    "DRAWING_FORMATS",
+    "HIDDEN",
+    "UNITS",
+    "Cleaned",
+    "Drawn",
+    "OpenOutline",
+    "Outline",
+    "cleaned",
+    "open_words",
+    "read_outlines",
+    "straightened",
+]

@@ -1,6 +1,7 @@
 """What a drawing holds: closed outlines, and lines that only together enclose something."""
 
-from collections.abc import Callable, Iterable, Iterator
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +11,8 @@ import shapely
 from la_core.text_table import number_text
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
-ALL_BUT_CLOSED = 0.25  # of its length: a polyline whose ends are closer than this was meant to be an outline
+ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
+MOST_NAMED = 3  # open outlines that a sentence names
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
 
 
@@ -49,11 +51,6 @@ class OpenOutline:
     x: float
     z: float
     gap: float
-
-    def words(self) -> str:
-        """Where it is, and how far open."""
-        gap = number_text(1e3 * self.gap, 3)
-        return f'the outline on layer "{self.layer}" that begins at ({self.x:.4g}, {self.z:.4g}) m is open by {gap} mm'
 
 
 @dataclass
@@ -131,6 +128,19 @@ def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], li
     used = shapely.unary_union(shapely.boundary(faces)) if len(faces) else shapely.LineString()
     idle = shapely.length(shapely.intersection(np.array(drawn), used)) < 0.5 * shapely.length(np.array(drawn))
     return [shapely.get_coordinates(face)[:-1] for face in faces], [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
+
+
+def open_words(ajar: Sequence[OpenOutline]) -> str:
+    """What is open in a drawing, and where, as a sentence without its full stop; "" where nothing is."""
+    if not ajar:
+        return ""
+    gap = number_text(1e3 * max(one.gap for one in ajar), 3)
+    layers = ", ".join(json.dumps(layer, ensure_ascii=False) for layer in dict.fromkeys(one.layer for one in ajar))
+    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in ajar[:MOST_NAMED])
+    if len(ajar) == 1:
+        return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out"
+    more = ", ..." if len(ajar) > MOST_NAMED else ""
+    return f"{len(ajar)} outlines on layer {layers} that begin at {places}{more} are open by up to {gap} mm, so they are left out"
 
 
 def open_outlines(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:

@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, cleaned, read_outlines
+from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, cleaned, open_words, read_outlines
 from la_core.errors import SceneError
 from la_core.scene.generators.drawings import INSTALL_DRAWING
 from la_core.scene.generators.mesh import mesh_blocks, read_files
@@ -104,7 +104,7 @@ def _doubt(said: bool, clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned) -> list[str]:
     """Comments on outlines that are not closed, and on what the drawing hides."""
-    rows = [f"# CHECK: {one.words()}, so it is no block" for one in clean.ajar]
+    rows = [f"# CHECK: {open_words(clean.ajar)}"] if clean.ajar else []
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
     return rows

@@ -108,4 +108,4 @@ def _of_motion(blocks: Blocks, gravity: np.ndarray, twists: np.ndarray | None) -
     if np.average(velocity, axis=0, weights=blocks.volume[supports]) @ gravity < -rounded:
         yield "the support moves against gravity: it lifts the structure; a settlement has a direction such as [0, 0, -1]."
     elif rises.any() and np.ptp(twists[supports], axis=0).any():  # one rigid body that turns may rise at one end
-        yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted by a ratio below 0, while the support sinks as a whole."
+        yield f"{_named(blocks, np.flatnonzero(supports)[rises])} lifted, while the support sinks as a whole."

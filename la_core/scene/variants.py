@@ -105,8 +105,8 @@ def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "
     if not isinstance(changes, Mapping):
         raise SceneError("changes", 'must be a table such as {"joint.friction": 0.3}', value=changes)
     tables = tomllib.loads(scene.text)
-    name = name or _shortened(",".join([scene.name, *(_name_of(key, value) for key, value in changes.items())]))
     plain = {key: None if value is None else _plain(value, str(key)) for key, value in changes.items()}
+    name = name or _shortened(",".join([scene.name, *(_name_of(key, value) for key, value in plain.items())]))
     override(tables, plain, f"variant of {scene.name}")
     if changes and "title" not in changes:
         tables["title"] = ": ".join([scene.title, ", ".join(f"{key} = {value}" for key, value in changes.items())])[:LONGEST_TITLE]
@@ -165,13 +165,22 @@ def _whole(tables: dict[str, Any], where: Path | str) -> dict[str, Any]:
 
 
 def _name_of(key: str, value: Any) -> str:
-    """A change as text that can be part of a folder's name."""
-    return re.sub(r"[^\w.+=-]", "", f"{key}={value}".replace(",", "_"))
+    """A change as text that can be part of a folder's name; a digest tells values apart that such a text cannot show."""
+    is_row = isinstance(value, list) and all(isinstance(item, int | float) for item in value)
+    words = f"{key}={'_'.join(map(str, value)) if is_row else value}"
+    safe = re.sub(r"[^\w.+=-]", "", words)
+    shows = is_row or value is None or isinstance(value, int | float) or (isinstance(value, str) and str(value) in safe)
+    return safe if shows else f"{safe}-{_digest(repr(value))}"
 
 
 def _shortened(name: str) -> str:
     """A name of at most LONGEST_NAME characters; a digest keeps two long ones apart."""
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 9]}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 9]}-{_digest(name)}"
+
+
+def _digest(text: str) -> str:
+    """Eight letters that stand for a text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
 def _plain(value: Any, key: str) -> Any:

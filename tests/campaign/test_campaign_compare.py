@@ -168,3 +168,11 @@ def test_cases_are_matched_by_their_values_in_whatever_order_they_stand(tmp_path
     other = first | {"settlement.direction": [0.0, 1.0, 0.0], "case": names[1]}
     found = compare_tables(before, replace(before, rows=[rows[1] | {"case": names[0]}, other]))
     assert found.matched == 1 and found.only_before == [names[0]] and found.only_after == [f"{names[1]} (after)"]
+
+
+def test_a_case_of_other_values_is_no_case_of_the_same_name(tmp_path: Path) -> None:
+    before = campaign(tmp_path, "directions")
+    after = changed(before, 1, **{"settlement.direction": [0.0, 1.0, 0.0]})
+    found, name = compare_tables(before, after), str(before.rows[1]["case"])
+    assert (found.matched, found.only_before, found.only_after) == (1, [name], [f"{name} (after)"])
+    assert not found.changes

@@ -163,3 +163,25 @@ def test_a_report_stays_where_no_scene_can_be_read(copy: Path, capsys: pytest.Ca
     assert main(["report", str(copy), "-q"]) == TOOL
     one_message(capsys.readouterr().err, str(copy / "two_pads" / "scene.toml"), "missing; run the scene again")
     assert (copy / "report.html").read_bytes() == before
+
+
+def test_json_names_what_was_left_out_and_keeps_its_shape(copy: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(copy, copy.parent / "other")
+    (copy / "two_pads" / "scene.toml").unlink()
+    assert main(["report", str(copy), "--json", "-q"]) == TOOL
+    told = json.loads(capsys.readouterr().out)
+    assert (told["comparisons"], told["left_out"]) == ([], ["two_pads"])
+    assert main(["report", str(copy), str(copy.parent / "other"), "--json", "-q"]) == TOOL
+    first, second = json.loads(capsys.readouterr().out)["reports"]
+    assert first["left_out"] == ["two_pads"] and second["left_out"] == [] and len(second["comparisons"]) == 1
+
+
+def test_a_stored_scene_that_breaks_a_rule_is_an_error_of_the_scene(
+    copy: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(copy / "two_pads", copy / "broken")
+    scene = copy / "broken" / "scene.toml"
+    scene.write_text(scene.read_text().replace("friction =", "fricton =", 1))
+    assert main(["report", str(copy), "-q"]) == 2
+    one_message(capsys.readouterr().err, str(scene), "fricton")
+    assert "broken" in (copy / "report.md").read_text(encoding="utf-8")

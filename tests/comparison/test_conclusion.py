@@ -17,7 +17,7 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
 from comparison.judge.prediction import SLOWER_RUN
-from comparison.judge.run_checks import LONGER, check_expected, check_run
+from comparison.judge.run_checks import LONGER, check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
@@ -309,3 +309,15 @@ def test_remarks_say_nothing_twice() -> None:
         "The mechanisms differ. It need not be unique.",
         "The moving blocks differ.",
     )
+
+
+def test_blocks_that_slide_although_a_thrust_could_hold_them_need_a_thrust_or_another_one() -> None:
+    for wedged, words in ((True, "Give it another size"), (False, "Give the blocks a thrust")):
+        arch = la_core.variant("flat_arch", {"joint.friction": 0.4} | ({} if wedged else {"yade.wedging": None}))
+        analysis = analyse(arch)
+        if wedged:
+            (check,) = check_answer(analysis)
+            assert check.verdict is Verdict.INCONCLUSIVE and "slide and fall on the way" in check.reason and words in check.next_step
+        run = dataclasses.replace(perfect_run(analysis))
+        fallen = dataclasses.replace(run, result=dataclasses.replace(run.result, status="collapsed"))
+        assert any(words in check.next_step for check in check_run(Results(analysis, fallen)))

@@ -1,5 +1,6 @@
 """Drawings: outlines of DXF and SVG become the blocks that a user would have typed, or are refused in words."""
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -222,7 +223,19 @@ def test_an_outline_that_is_not_closed_is_warned_of(points: list[tuple[float, fl
     (warning,) = scene.warnings
     x, z = points[0]
     place = f"({2.0 + 1e-3 * x:.4g}, {1.0 + 1e-3 * z:.4g}) m"
-    assert all(words in warning for words in ('"wall.dxf"', 'layer "BRICK"', place, "open by 12 mm", "close it"))
+    assert all(words in warning for words in ('"wall.dxf"', 'layer "BRICK"', place, "open by 12 mm, so it is left out", "close"))
+
+
+def test_many_open_outlines_are_one_warning_and_a_layer_may_have_any_name(tmp_path: Path) -> None:
+    squares = [[(x, z) for x, z in ((k, 0), (k + 90, 0), (k + 90, 50), (k, 50), (k, 10 + k // 100))] for k in range(0, 500, 100)]
+    shapes = "".join(f'<polyline points="{" ".join(f"{x},{-z}" for x, z in points)}"/>' for points in squares)
+    layer = '<g xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:groupmode="layer" inkscape:label="a&#10;b = [">'
+    text = f'<svg xmlns="http://www.w3.org/2000/svg" width="600mm" height="600mm" viewBox="0 0 600 600">{layer}{shapes}</g>'
+    (tmp_path / "wall.svg").write_text(f'{text}<rect x="0" y="100" width="500" height="50"/></svg>')
+    written = tomllib.loads(scene_from_file(tmp_path / "wall.svg", tmp_path))
+    (warning,) = build(written, "wall", tmp_path).warnings
+    assert "5 outlines on layer" in warning and ", ... are open by up to 14 mm" in warning
+    assert warning.count(" m,") <= 3 and "\n" not in warning
 
 
 def test_what_a_drawing_hides_is_not_read(tmp_path: Path) -> None:
@@ -283,7 +296,7 @@ def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> N
     (tmp_path / "wall.dxf").write_bytes(dxf([*drawings, polyline(SQUARE, "DIM")], unit=6))
     text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
     for words in (
-        '# CHECK: the outline on layer "BRICK" that begins at (0, 30) m is open by 10000 mm, so it is no block',
+        '# CHECK: the outline on layer "BRICK" that begins at (0, 30) m is open by 10000 mm, so it is left out',
         'unit      = "m"  # CHECK: the file says it, and most blocks are then 240 m long or more',
         "# CHECK: no layer was taken for ground",
         'between = ["layer:BRICK", "layer:SUPPORT"]',

@@ -164,9 +164,9 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
 
 
 def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
-    """Return the second campaign with the names that the first one gives to cases of the same values.
+    """Return the second campaign with the names that the first one gives to cases of the same values, and "(after)" at other such names.
 
-    A case is named by the place of an array in its range, which is another one where values were added or put in another order.
+    A case is named by the place of an array in its range, so the same name may stand for other values.
     """
     if before.axes.keys() != after.axes.keys():
         return after
@@ -177,9 +177,11 @@ def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
     names = {identity(row): str(row["case"]) for row in before.rows}
     if len(names) < len(before.rows) or len({identity(row) for row in after.rows}) < len(after.rows):
         return after
-    own = {str(row["case"]): names.get(identity(row), str(row["case"])) for row in after.rows}
-    taken = {new for old, new in own.items() if new != old}
-    own = {old: f"{old} (after)" if new == old and new in taken else new for old, new in own.items()}
+    taken = set(names.values())
+    own = {}
+    for row in after.rows:
+        name = str(row["case"])
+        own[name] = names.get(identity(row), f"{name} (after)" if name in taken else name)
 
     def renamed(rows: list[Row]) -> list[Row]:
         return [row | {"case": own.get(str(row["case"]), row["case"])} for row in rows]

@@ -40,8 +40,7 @@ def execute(context: Context) -> int:
                 except (ExchangeError, FolderInUseError, SceneError) as error:
                     broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=GRAVITY.index)
                     left_out.setdefault(folder, []).append(case.name)
-            if comparisons:  # the report of earlier results stays where none can be read
-                reports.append((folder, comparisons))
+            reports.append((folder, comparisons))
     return max(broken, conclude(reports, context, left_out), key=GRAVITY.index)
 
 

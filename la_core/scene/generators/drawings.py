@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import UNITS, Cleaned, OpenOutline, Outline, cleaned, read_outlines
+from la_core.drawing import UNITS, Cleaned, OpenOutline, Outline, cleaned, open_words, read_outlines
 from la_core.errors import SceneError, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -65,8 +65,8 @@ class DrawnBlocks:
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """One sentence for each outline that is not closed, and so became no block."""
-        return tuple(f'drawing "{self.file}": {one.words()}, so it is no block; close it in the drawing.' for one in self.ajar)
+        """A sentence on the outlines that are not closed."""
+        return (f'drawing "{self.file}": {open_words(self.ajar)}; close what is open in the drawing.',) if self.ajar else ()
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:
