@@ -28,7 +28,7 @@ MEANINGS = {  # of every exit code, for the help and the page of the command lin
     USAGE: "usage or scene error",
     TOOL: "a tool is missing or failed",
     INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`",
-    CANNOT_STAND: "the structure cannot stand under its own weight",
+    CANNOT_STAND: "the structure cannot stand under its weight and dead loads",
     INTERRUPTED: "interrupted by Ctrl-C",
 }
 

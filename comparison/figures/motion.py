@@ -133,7 +133,7 @@ def _of_limit_analysis(analysis: LimitAnalysis, label: str, twists: np.ndarray, 
     displacement = np.stack([np.zeros_like(twists), end * np.where(known, twists, 0.0)])
     joints = shown_joints(analysis.assembly, twists, forces)
     falling = tuple(main.falling) if main.status is Status.INFEASIBLE else ()
-    reason = "" if known else "cannot stand under its own weight" if falling else str(main.status)
+    reason = "" if known else "cannot stand" if falling else str(main.status)
     return Motion(label, np.array([0.0, end]), displacement, forces[None], twists, joints, falling, reason)
 
 

@@ -105,7 +105,7 @@ def _obstacle(analysis: LimitAnalysis) -> str:
     scene = analysis.scene
     status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
     if status is Status.INFEASIBLE:
-        return f"Limit analysis: the structure cannot stand under its own weight; no {scene.quantity} exists."
+        return f"Limit analysis: the structure cannot stand; no {scene.quantity} exists."
     return "" if np.isfinite(value) else f"Limit analysis ended with the status {status}; no {scene.quantity} is known."
 
 

@@ -176,7 +176,7 @@ def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], co
 def _why_none(falling: Sequence[str]) -> str:
     if not falling:
         return "no mechanism is known"
-    return f"cannot stand under its own weight: {len(falling)} block{'s fall' if len(falling) > 1 else ' falls'}"
+    return f"cannot stand: {len(falling)} block{'s fall' if len(falling) > 1 else ' falls'}"
 
 
 def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = "", hatch: str = "") -> tuple[list[str], list[str]]:

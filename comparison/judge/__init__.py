@@ -8,7 +8,7 @@ from comparison.judge.prediction import slides_unforeseen
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.requested_accuracy import METHODS, check_accuracy, percent
 from comparison.judge.run_checks import REPAIR_YADE, check_answer, check_expected, check_run
-from comparison.judge.summary import comparison_summary, limit_analysis_summary, without_run, without_undefined, yade_summary
+from comparison.judge.summary import comparison_summary, conclusion_of, limit_analysis_summary, without_run, without_undefined, yade_summary
 from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNCERTAIN
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "check_run",
     "compare_curves",
     "comparison_summary",
+    "conclusion_of",
     "effects_summary",
     "limit_analysis_summary",
     "percent",

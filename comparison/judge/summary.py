@@ -10,7 +10,7 @@ from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.verdict import Check, conclusion
+from comparison.verdict import Check, Conclusion, conclusion
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
@@ -81,6 +81,14 @@ def _of_live_load(scene: Scene, yade: dict[str, Any]) -> dict[str, Any]:
     return {"multiplier": value} | tilt_angles(scene.tilt, value, math.nan if uncertainty is None else uncertainty)
 
 
+def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, Any] | None) -> Conclusion:
+    """Return the conclusion from limit analysis, every check and the summary of YADE, which is None where YADE was not requested."""
+    scene, main = analysis.scene, analysis.bounds[analysis.main]
+    falling = main.falling if main.status is Status.INFEASIBLE else None
+    is_loaded = len(scene.loads) > 0 or scene.ties is not None
+    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded)
+
+
 def comparison_summary(
     results: Results, yade: dict[str, Any] | None, checks: list[Check], notes: list[str], first: dict[str, Any] | None = None
 ) -> dict[str, Any]:
@@ -100,9 +108,7 @@ def comparison_summary(
         What limit analysis said before YADE ran, see `first_prediction`; None where no effect was restored since.
     """
     analysis, run = results.analysis, results.run
-    main = analysis.bounds[analysis.main]
-    falling = main.falling if main.status is Status.INFEASIBLE else None
-    concluded = conclusion(checks, yade, falling, analysis.scene.effort == "high")
+    concluded = conclusion_of(analysis, checks, yade)
     summary = limit_analysis_summary(analysis)
     summary |= {
         "mechanism_measures": dict(_measures(results)),

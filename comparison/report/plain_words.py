@@ -38,7 +38,7 @@ def _sentences(comparison: dict[str, Any], units: Units) -> Iterator[str]:
 def _falls(names: list[str]) -> str:
     listed = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
     falling = f": {len(names)} block{' falls' if len(names) == 1 else 's fall'} ({listed})" if names else ""
-    return f"The structure cannot stand under its own weight{falling}."
+    return f"The structure cannot stand{falling}."
 
 
 def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:

@@ -16,6 +16,10 @@ SUPPORT_IT = (
     "Look for a gap, a missing support or a joint without contact where these blocks rest (`crosscheck show` draws the joints). "
     "If the drawing is right, the structure needs support before anything else can be asked of it."
 )
+CHECK_LOADS = (
+    "Look at the loads and ties on these blocks (`crosscheck show` draws them), and whether the structure stands without them. Then look "
+    "for a gap, a missing support or a joint without contact where they rest."
+)
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
@@ -42,7 +46,11 @@ class Conclusion:
 
 
 def conclusion(
-    checks: list[Check], yade: Mapping[str, Any] | None, falling: Sequence[str] | None = None, is_finest: bool = False
+    checks: list[Check],
+    yade: Mapping[str, Any] | None,
+    falling: Sequence[str] | None = None,
+    is_finest: bool = False,
+    is_loaded: bool = False,
 ) -> Conclusion:
     """Return the conclusion from every check.
 
@@ -56,11 +64,13 @@ def conclusion(
         Names of the blocks that fall, where limit analysis proves that the structure cannot stand; None elsewhere.
     is_finest : bool
         Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same ones.
+    is_loaded : bool
+        Whether dead loads or ties act on the structure, besides its weight.
     """
     verdict, reason = overall(checks)
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict is not Verdict.DISAGREE:
-        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade), SUPPORT_IT, remarks)
+        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded), CHECK_LOADS if is_loaded else SUPPORT_IT, remarks)
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]
@@ -78,12 +88,13 @@ def _after_second_attempt(step: str) -> str:
     return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
 
 
-def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None) -> str:
+def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool) -> str:
     named = ", ".join(f'"{name}"' for name in falling[:MOST_NAMES])
     more = f" and {len(falling) - MOST_NAMES} more blocks" if len(falling) > MOST_NAMES else ""
     status = "" if yade is None else str(yade.get("status"))
     other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, f"YADE's run ended as {status}.")
-    proof = "Limit analysis proves that no equilibrium exists under the structure's own weight"
+    under = "weight, loads and ties" if is_loaded else "own weight"
+    proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}"
     return f"{proof}: {named}{more} would fall. {other}" if falling else f"{proof}. {other}"
 
 

@@ -92,7 +92,7 @@ class Answer(Tabled):
 
     @property
     def uncertainty(self) -> float:
-        """Stated uncertainty of the prediction (N, N m, multiplier); NaN where it is unknown."""
+        """Stated uncertainty of the prediction (N, N m, multiplier); NaN where it is unknown, infinite where the blocks fell."""
         coulomb = self.analysis.printed.coulomb
         return NAN if coulomb is None else coulomb.uncertainty
 

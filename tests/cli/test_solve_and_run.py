@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import scenes
 from faulty_runs import lasting
 from paths import with_reports
 from stored_answers import lighter, run, solve, state
@@ -153,3 +154,24 @@ def test_what_a_run_of_yade_changed_is_not_taken_for_an_answer_of_limit_analysis
     before = state(out)
     assert lasting(solve(out, capsys, "two_blocks")) == lasting(fresh)
     assert state(out) == before
+
+
+def test_what_cannot_stand_is_told_from_what_is_stored_too_and_loads_are_named(
+    out: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tie at its top overturns a block that stands without it: 500 N at 0.9 m against 397 N m."""
+    block, ground = (
+        scenes.box("block", (0.0, 0.0, 0.0), (0.3, 0.5, 0.9)),
+        scenes.box("ground", (-3.0, -1.0, -0.1), (1.0, 1.0, 0.0), "fixed"),
+    )
+    tie = 'name = "rod"\nblocks = ["block"]\nfrom = [0.0, 0.25, 0.9]\nto = [-2.0, 0.25, 0.9]\nforce = 500.0'
+    path = tmp_path / "pulled.toml"
+    path.write_text(scenes.text(block, ground, f"[[tie]]\n{tie}", live=(1.0, 0.0, 0.0)))
+    told = []
+    for _ in range(2):
+        assert main(["solve", str(path), "--results", str(out)]) == 5
+        captured = capsys.readouterr()
+        told.append(" ".join(captured.out.split()))
+        assert "Look at the loads and ties on these blocks" in " ".join(captured.err.split())
+    assert told[0] == told[1]
+    assert 'no equilibrium exists under the structure\'s weight, loads and ties: "block" would fall' in told[0]

@@ -67,7 +67,7 @@ def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() ->
     ):
         assert words in told, told
     falls = {"limit_analysis": {"associated": {"status": "infeasible", "falling": ["a", "b"]}}}
-    told = ["The structure cannot stand under its own weight: 2 blocks fall (a, b).", "No forces between the blocks can hold it"]
+    told = ["The structure cannot stand: 2 blocks fall (a, b).", "No forces between the blocks can hold it"]
     assert [sentence.split(", so")[0] for sentence in plain_words(falls, Units(None))] == told
     assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict names the blocks
 

@@ -6,11 +6,11 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
-from comparison.judge import check_accuracy, check_answer, check_expected, limit_analysis_summary
+from comparison.judge import check_accuracy, check_answer, check_expected, conclusion_of, limit_analysis_summary
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
 from comparison.settings import load_settings
-from comparison.verdict import Check, Conclusion, Verdict, conclusion
+from comparison.verdict import Check, Verdict
 from comparison.yade import Results
 from la_core.analysis import LimitAnalysis, associated_values, solve, structural_model, with_accuracy
 from la_core.limit import Status
@@ -29,8 +29,7 @@ class _BoundsFirst(Narration):
         if self._context.options.json or (analysis.scene.accuracy is not None and not self._context.options.bounds):
             super().tell_bounds(analysis)
             return
-        if (concluded := _concluded(analysis, [])).verdict is Verdict.CANNOT_STAND:
-            self._context.tell(f"{analysis.scene.name} cannot stand. {concluded.reason}")
+        _tell_whether_it_stands(analysis, self._context)
         values = {"associated": associated_values(analysis)}
         self._context.table(tables.bounds_table(analysis.scene, values, self._context.options.long))
         self.has_printed_bounds = True
@@ -54,11 +53,13 @@ def execute(context: Context) -> int:
     if options.json:
         context.print_json(summary)
     else:
+        if not narration.has_printed_bounds:  # they were stored, or are those of the last attempt
+            _tell_whether_it_stands(analysis, context)
         _print_rest(scene, summary["limit_analysis"], checks, narration.has_printed_bounds, context)
     if options.output is not None:
         _draw(analysis, options.output)
         narrator.print(f"drawn in {options.output}", markup=False)
-    concluded = _concluded(analysis, [*checks, *check_answer(analysis)])
+    concluded = conclusion_of(analysis, [*checks, *check_answer(analysis)], None)
     if concluded.next_step:  # one method alone has nothing more to say about its own answer
         is_said = concluded.verdict is Verdict.CANNOT_STAND and not options.json
         words = "" if is_said else f"{concluded.reason}\n"
@@ -68,10 +69,10 @@ def execute(context: Context) -> int:
     return EXIT_OF_VERDICT[concluded.verdict]
 
 
-def _concluded(analysis: LimitAnalysis, checks: list[Check]) -> Conclusion:
-    """Return the conclusion of limit analysis alone."""
-    main = analysis.bounds[analysis.main]
-    return conclusion(checks, None, main.falling if main.status is Status.INFEASIBLE else None, analysis.scene.effort == "high")
+def _tell_whether_it_stands(analysis: LimitAnalysis, context: Context) -> None:
+    """Say that the structure cannot stand, and why, where limit analysis proves it."""
+    if (concluded := conclusion_of(analysis, [], None)).verdict is Verdict.CANNOT_STAND:
+        context.tell(f"{analysis.scene.name} cannot stand. {concluded.reason}")
 
 
 def _analysed(scene: Scene, context: Context, narration: Narration) -> LimitAnalysis:

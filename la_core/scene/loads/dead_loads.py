@@ -66,7 +66,7 @@ def not_there(pattern: str, kind: str, names: Sequence[str], groups_of: Sequence
         hint = nearest(pattern, groups, "layers and colours") if groups else "only blocks of a [[drawing]] have a layer or a colour"
         return f'no {kind} has the {pattern.partition(":")[0]} "{pattern.partition(":")[2]}"', hint
     meant = f"{OF_GROUPS[0]}{pattern}"
-    hint = f'did you mean "{meant}"?' if meant in groups else nearest(pattern, names) if names else ""
+    hint = f'did you mean "{meant}"?' if meant in groups else nearest(pattern, names, "names") if names else ""
     return f'no {kind} has the name "{pattern}"', hint
 
 
@@ -120,7 +120,7 @@ def _fault_of_tie(tie: Tie, blocks: Blocks) -> tuple[str, str, str] | None:
     for name in tie.blocks:
         if name not in blocks.names:
             many = "a rod ends at one block, so give the name of that block" if chosen_by(blocks, name).any() else ""
-            return "blocks", f'no block has the name "{name}"', many or nearest(name, blocks.names)
+            return "blocks", f'no block has the name "{name}"', many or nearest(name, blocks.names, "names")
     if not any(blocks.free[blocks.names.index(name)] for name in tie.blocks):
         return "blocks", "no end is at a free block, so the rod changes nothing", ""
     return None
