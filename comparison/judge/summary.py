@@ -56,7 +56,7 @@ def _measures(results: Results) -> Iterator[tuple[str, dict[str, Any]]]:
     if analysis.coulomb is not None:
         mechanisms["coulomb"] = (analysis.coulomb.twists, analysis.coulomb.forces)
     if run is not None:
-        mechanisms["yade"] = (results.per_power(run.mechanism()), run.plateau_forces())
+        mechanisms["yade"] = (results.per_drive(run.mechanism()), run.plateau_forces())
     for method, (twists, forces) in mechanisms.items():
         measures = vars(measure(assembly, twists, forces))
         yield method, {name: value for name, value in measures.items() if isinstance(value, float)}

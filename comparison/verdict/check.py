@@ -23,7 +23,7 @@ class Verdict(enum.StrEnum):
     EXPECTED_MET
         Limit analysis meets the value that the scene expects. As the verdict of a comparison: YADE was not run.
     CANNOT_STAND
-        The structure has no equilibrium under its own weight, and YADE does not contradict this.
+        The structure has no equilibrium under its weight and dead loads, and YADE does not contradict this.
     """
 
     AGREE = "agree"

@@ -48,7 +48,7 @@ class Results:
         """
         return twists * self.analysis.assembly.weight if self.scene.live is not None else twists
 
-    def per_power(self, twists: np.ndarray) -> np.ndarray:
+    def per_drive(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.
 
         The inverse of `per_motion`; NaN where a live load has no power on them.

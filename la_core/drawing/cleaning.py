@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 import shapely
 
-from la_core.drawing.outlines import Drawn, OpenOutline, Outline, enclosed, open_outlines
+from la_core.drawing.outlines import Drawn, OpenOutline, Outline, all_but_closed, enclosed
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
@@ -28,7 +28,7 @@ class Cleaned:
         Outlines without area that are dropped.
     loose : int
         Lines that enclose nothing.
-    ajar : tuple of OpenOutline
+    open_outlines : tuple of OpenOutline
         Those of the loose lines that were meant to be outlines.
     straightened : int
         Outlines that were convex but for the tolerance, and are convex now.
@@ -38,7 +38,7 @@ class Cleaned:
     doubles: int
     specks: int
     loose: int
-    ajar: tuple[OpenOutline, ...]
+    open_outlines: tuple[OpenOutline, ...]
     straightened: int
 
 
@@ -57,14 +57,14 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     ValueError
         An outline crosses itself.
     """
-    outlines, loose, ajar = list(drawn.outlines), 0, list[OpenOutline]()
+    outlines, loose, open_ones = list(drawn.outlines), 0, list[OpenOutline]()
     for (layer, colour), lines in drawn.lines.items():
         faces, idle = enclosed(lines, max(SNAP, tolerance))
         outlines += [Outline(face, layer, colour) for face in faces]
         loose += len(idle)
-        ajar += open_outlines(idle, layer)
+        open_ones += all_but_closed(idle, layer)
     if not outlines:
-        return Cleaned((), 0, 0, loose, tuple(ajar), 0)
+        return Cleaned((), 0, 0, loose, tuple(open_ones), 0)
     polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
     crossed = ~shapely.is_valid(polygons)
     if crossed.any():
@@ -78,7 +78,7 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
     rings = [shapely.get_coordinates(polygons[k])[:-1] for k in order]
     found = tuple(Outline(ring, outlines[k].layer, outlines[k].colour) for k, ring in zip(order, rings, strict=True))
-    return Cleaned(found, int(double.sum()), int(speck.sum()), loose, tuple(ajar), int(straight[kept].sum()))
+    return Cleaned(found, int(double.sum()), int(speck.sum()), loose, tuple(open_ones), int(straight[kept].sum()))
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:

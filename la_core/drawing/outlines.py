@@ -130,20 +130,20 @@ def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], li
     return [shapely.get_coordinates(face)[:-1] for face in faces], [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
 
 
-def open_words(ajar: Sequence[OpenOutline]) -> str:
+def open_words(outlines: Sequence[OpenOutline]) -> str:
     """What is open in a drawing, and where, as a sentence without its full stop; "" where nothing is."""
-    if not ajar:
+    if not outlines:
         return ""
-    gap = number_text(1e3 * max(one.gap for one in ajar), 3)
-    layers = ", ".join(json.dumps(layer, ensure_ascii=False) for layer in dict.fromkeys(one.layer for one in ajar))
-    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in ajar[:MOST_NAMED])
-    if len(ajar) == 1:
+    gap = number_text(1e3 * max(one.gap for one in outlines), 3)
+    layers = ", ".join(json.dumps(layer, ensure_ascii=False) for layer in dict.fromkeys(one.layer for one in outlines))
+    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in outlines[:MOST_NAMED])
+    if len(outlines) == 1:
         return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out"
-    more = ", ..." if len(ajar) > MOST_NAMED else ""
-    return f"{len(ajar)} outlines on layer {layers} that begin at {places}{more} are open by up to {gap} mm, so they are left out"
+    more = ", ..." if len(outlines) > MOST_NAMED else ""
+    return f"{len(outlines)} outlines on layer {layers} that begin at {places}{more} are open by up to {gap} mm, so they are left out"
 
 
-def open_outlines(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:
+def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:
     """Those of the lines (n, 2) that were meant to be outlines: of three sides or more, and all but closed."""
     for line in lines:
         gap, length = float(np.hypot(*(line[-1] - line[0]))), float(np.hypot(*np.diff(line, axis=0).T).sum())

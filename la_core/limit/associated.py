@@ -41,7 +41,7 @@ class Status(enum.StrEnum):
     SOLVED
         A value exists, and its residuals confirm it.
     INFEASIBLE
-        The structure cannot stand under its own weight: no equilibrium obeys the friction law.
+        The structure cannot stand under its weight and dead loads: no equilibrium obeys the friction law.
     UNBOUNDED
         No mechanism follows the support's motion, or the live load, so nothing limits the value.
     INACCURATE

@@ -104,7 +104,7 @@ def _doubt(said: bool, clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned) -> list[str]:
     """Comments on outlines that are not closed, and on what the drawing hides."""
-    rows = [f"# CHECK: {open_words(clean.ajar)}"] if clean.ajar else []
+    rows = [f"# CHECK: {open_words(clean.open_outlines)}"] if clean.open_outlines else []
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
     return rows

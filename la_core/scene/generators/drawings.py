@@ -41,7 +41,7 @@ class DrawnBlocks:
     doubles, specks, loose_lines, straightened, in_openings : int
         Outlines drawn twice, outlines without area, lines that enclose nothing, outlines that are convex within the
         tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
-    ajar : tuple of OpenOutline
+    open_outlines : tuple of OpenOutline
         Those of the loose lines that were meant to be outlines, where the structure stands.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
@@ -57,7 +57,7 @@ class DrawnBlocks:
     loose_lines: int
     straightened: int
     in_openings: int
-    ajar: tuple[OpenOutline, ...]
+    open_outlines: tuple[OpenOutline, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
@@ -66,7 +66,8 @@ class DrawnBlocks:
 
     def warnings(self) -> tuple[str, ...]:
         """A sentence on the outlines that are not closed."""
-        return (f'drawing "{self.file}": {open_words(self.ajar)}; close what is open in the drawing.',) if self.ajar else ()
+        words = open_words(self.open_outlines)
+        return (f'drawing "{self.file}": {words}; close what is open in the drawing.',) if words else ()
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:
@@ -115,8 +116,8 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    ajar = tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in clean.ajar)
-    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, ajar, drawn.ignored)
+    open_ones = tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in clean.open_outlines)
+    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, drawn.ignored)
 
 
 def _at(table: Drawing) -> str:
