@@ -7,6 +7,7 @@ import pytest
 from faulty_runs import one_message
 
 from comparison.cli.commands import main
+from comparison.settings import HARDER_SECONDS
 from la_core.scene import shipped
 
 
@@ -82,3 +83,13 @@ def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
     one_message(captured.err, str(tmp_path / "slab_four_corners"), "a file stands where a folder is needed")
     assert "expected value met" in captured.out
     assert [scene["scene"] for scene in json.loads((tmp_path / "report.json").read_text())["comparisons"]] == ["two_pads"]
+
+
+@pytest.mark.parametrize(("words", "seconds"), [([], []), (["--try-harder"], [HARDER_SECONDS]), (["--try-harder-limit", "7"], [7.0])])
+def test_a_limit_of_a_second_attempt_asks_for_one(
+    words: list[str], seconds: list[float], tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
+    monkeypatch.setattr("comparison.cli.scene_verbs.run.try_harder", lambda *given: asked.append(given[-1]))
+    assert main(["run", "two_pads", "-o", str(tmp_path), "--no-yade", "-q", *words]) == 0
+    assert asked == seconds
