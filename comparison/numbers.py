@@ -155,7 +155,7 @@ def sentences(text: str) -> list[str]:
 
 
 def said_once(texts: Iterable[str]) -> list[str]:
-    """Return texts without the sentences that an earlier one, or an earlier part, says in the same words; empty texts are left out."""
+    """Return texts without the sentences that were said before; empty texts are left out."""
     said: dict[str, None] = {}
     kept = []
     for text in texts:

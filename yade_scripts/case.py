@@ -283,7 +283,7 @@ def _refuse_unrunnable(case: Case) -> None:
     if case.displacement not in ("small", "finite") or case.recording not in ("plateau", "states"):
         given = f"displacement is {case.displacement!r} and recording {case.recording!r}"
         raise CaseError(f"scene: {given}; they must be 'small' or 'finite', and 'plateau' or 'states'")
-    if not np.all(np.isfinite(case.mass) & (case.mass > 0.0)):
+    if not np.all(np.isfinite(case.mass[case.free]) & (case.mass[case.free] > 0.0)):
         raise CaseError("blocks/mass: every free block needs a finite mass greater than 0")
     if not np.all(np.isfinite(case.position)) or not np.all(case.friction >= 0.0):
         raise CaseError("contacts: every position must be finite and every friction coefficient at least 0")

@@ -23,8 +23,7 @@ from comparison.judge.tolerances import (
     unsure_methods,
 )
 from comparison.numbers import settlement_text
-from comparison.verdict import DOES_THIS as HARDER
-from comparison.verdict import Check, Verdict, inside, within
+from comparison.verdict import HARDER, Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
 from la_core.analysis import wedging

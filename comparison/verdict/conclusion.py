@@ -9,7 +9,7 @@ from comparison.verdict.check import Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
 FINER = "Repeat both methods with finer settings of their own: `crosscheck run --try-harder`."
-DOES_THIS = "`crosscheck run --try-harder` does this."
+HARDER = "`crosscheck run --try-harder` does this."
 TRIED = "This run had the finer settings of a second attempt already. Compare the scene with its source, or model a smaller part."
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
@@ -84,7 +84,7 @@ def conclusion(
 def _after_second_attempt(step: str) -> str:
     """Return a next step with TRIED in place of the sentences that advise a second attempt."""
     said = sentences(step)
-    advised = [one for one, following in zip(said, [*said[1:], ""], strict=True) if "--try-harder" in one or following == DOES_THIS]
+    advised = [one for one, following in zip(said, [*said[1:], ""], strict=True) if "--try-harder" in one or following == HARDER]
     return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
 
 

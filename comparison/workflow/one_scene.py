@@ -201,7 +201,7 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
 
 
 def _judge(outcome: SceneOutcome) -> list[Check]:
-    """Return the checks of a run, or those that say why there is none, or that limit analysis alone has no certain answer."""
+    """Return the checks of a run; without one, those that say why nothing was compared."""
     results = outcome.results
     if results.run is not None:
         return check_run(results)

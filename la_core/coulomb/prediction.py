@@ -31,7 +31,9 @@ MOVED = 5.0
 STEPS_SHARE = 3e-4
 SAFETY = 2.0  # times the difference between the two finest paths
 BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
-UNKNOWN = 100.0  # times the weight and the value: an answer with a larger uncertainty is none
+# Times the weight, or the value where this is larger: with a larger uncertainty there is no answer. Blocks that fall on one path leave
+# a million weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
+UNKNOWN = 100.0
 
 
 def predict(

@@ -48,8 +48,8 @@ def load(scene: Scene | Path | str) -> Scene:
 
     Parameters
     ----------
-    scene : Path or str
-        Path of a scene file (TOML), or the name of a shipped scene. A `Scene` is returned as it is.
+    scene : Scene, Path or str
+        Path of a scene file (TOML), or the name of a shipped scene; a scene is returned as it is.
 
     Returns
     -------

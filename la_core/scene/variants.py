@@ -61,9 +61,10 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
     >>> la_core.build({"joint": {"friction": 0.6}, "block": [pad, block], "settlement": motion}).weight
     19620.0
     """
-    if not isinstance(tables, Mapping) or not isinstance(name, str):
-        wrong = ("tables", "must be a table", tables) if not isinstance(tables, Mapping) else ("name", "must be a text", name)
-        raise SceneError(wrong[0], wrong[1], value=wrong[2])
+    if not isinstance(tables, Mapping):
+        raise SceneError("tables", "must be a table", value=tables)
+    if not isinstance(name, str):
+        raise SceneError("name", "must be a text", value=name)
     return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
 
 

@@ -176,3 +176,15 @@ def test_a_case_of_other_values_is_no_case_of_the_same_name(tmp_path: Path) -> N
     found, name = compare_tables(before, after), str(before.rows[1]["case"])
     assert (found.matched, found.only_before, found.only_after) == (1, [name], [f"{name} (after)"])
     assert not found.changes
+
+
+def test_a_table_that_has_more_keys_in_another_version_is_told_by_its_name(tmp_path: Path) -> None:
+    before = campaign(tmp_path, "directions")
+    tables = [{"direction": [0.0, 0.0, -1.0]}, {"direction": [1.0, 0.0, 0.0]}]
+
+    def with_tables(more: dict[str, float]) -> CampaignTable:
+        rows = [row | {"settlement": one | more} for row, one in zip(before.rows, tables, strict=True)]
+        return replace(before, rows=rows, axes={"settlement": [row["settlement"] for row in rows]})
+
+    found = compare_tables(with_tables({}), with_tables({"ratio": 1.0}))
+    assert found.matched == 2 and not found.changed

@@ -1,0 +1,123 @@
+"""A second attempt with finer settings: when it is made, with which settings, and what it leaves to do."""
+
+import itertools
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Silent
+
+import la_core
+from comparison.judge.prediction import SLOWER_RUN
+from comparison.judge.run_checks import LONGER
+from comparison.verdict import Check, Verdict, conclusion
+from comparison.workflow import harder
+from la_core.analysis.accuracy import ATTEMPTS, finer_paths
+from la_core.analysis.stage import analyse
+from la_core.coulomb import PredictionSettings
+
+
+def first(verdict: str, seconds: float = 10.0, **yade: Any) -> dict[str, Any]:
+    """What is used of a first comparison.json."""
+    values = {"reaction": 1.0, "uncertainty": 0.1, "seconds": seconds, "status": "plateau"} | yade
+    return {
+        "scene": "wall_third", "verdict": verdict, "reason": "why",
+        "yade": values, "settings": {"stiffening": 4.0, "normal_stiffness": 2e6},
+        "limit_analysis": {"coulomb": {"reaction": 1.2, "uncertainty": 0.2, "seconds": 1.0}},
+    }  # fmt: skip
+
+
+class Told(Silent):
+    """A listener that keeps what it was told."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def stage(self, scene: str, stage: str, state: str) -> None:
+        self.lines.append(state)
+
+
+def test_what_a_second_attempt_reads_stands_in_the_file_of_the_first() -> None:
+    contract = json.loads((Path(__file__).parents[1] / "helpers" / "contract.json").read_text(encoding="utf-8"))
+    known = {*contract["comparison.json"], "limit_analysis.coulomb.uncertainty"}  # which came later
+    content = first("inconclusive")
+    assert set(content) <= known
+    assert {f"yade.{name}" for name in content["yade"]} <= known
+    assert {f"limit_analysis.coulomb.{name}" for name in content["limit_analysis"]["coulomb"]} <= known
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
+    """Calls of `run_scene` by a second attempt."""
+    calls: list[tuple[Any, ...]] = []
+    monkeypatch.setattr(harder, "run_scene", lambda *given, **named: calls.append((*given, named)) or {"verdict": "agree"})
+    return calls
+
+
+def test_a_second_attempt_is_made_only_where_something_is_open(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    scene = la_core.load("wall_third")
+    for verdict in (None, "agree", "expected value met", "cannot stand"):
+        assert harder.try_harder(first(str(verdict)), scene, tmp_path, Told(), True) is None
+    assert not runs
+    for verdict in ("inconclusive", "disagree"):
+        assert harder.try_harder(first(verdict), scene, tmp_path, Told(), True) == {"verdict": "agree"}
+    assert len(runs) == 2
+    assert harder.try_harder(first("inconclusive", status="missing"), scene, tmp_path, Told(), True) is None
+    assert harder.try_harder(first("inconclusive"), runs[0][0], tmp_path, Told(), True) is None  # a third attempt would be the same
+
+
+def test_its_settings_are_finer_for_both_methods_and_depend_on_no_value(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    scene = la_core.load("wall_third")
+    for verdict, reaction in itertools.product(("inconclusive", "disagree"), (1.0, 7.0)):
+        harder.try_harder(first(verdict, reaction=reaction), scene, tmp_path, Told(), True)
+    texts = {run[0].text for run in runs}
+    assert len(texts) == 1
+    other = runs[0][0]
+    assert other.name == "wall_third_harder" and runs[0][1] == tmp_path / other.name
+    assert other.effort == "high" and other.expected == scene.expected and other.source == scene.source
+    assert other.yade["stiffening"] == 16.0 and "normal_stiffness" not in other.yade
+    assert other.yade["damping_ratio"] == 1.0 and other.yade["travel_periods"] == 2400.0
+    hurried = la_core.variant(scene, {"yade.speed": 0.02, "yade.damping_ratio": 1.5})
+    assert harder.finer_settings(hurried, {})["yade.speed"] == 0.01
+    assert harder.finer_settings(hurried, {})["yade.damping_ratio"] == 1.5
+    given = la_core.variant(scene, {"yade.normal_stiffness": 2e6})
+    finer = harder.finer_settings(given, {"stiffening": 1.0, "normal_stiffness": 2e6})
+    assert finer["yade.normal_stiffness"] == 8e6 and "yade.stiffening" not in finer
+
+
+def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    scene, told = la_core.load("wall_third"), Told()
+    harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 200.0)
+    *_, with_yade, seconds, named = runs[0]
+    assert with_yade and 0.0 < seconds <= 200.0
+    kept = named["first_verdict"]
+    assert (kept["scene"], kept["verdict"], kept["reason"]) == ("wall_third", "inconclusive", "why")
+    assert (kept["coulomb"], kept["yade"]) == (1.2, 1.0)
+    assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, 200.0) is None
+    limit = re.search(r"about (\d+) minutes; --try-harder-limit (\d+) \(s\) allows it", told.lines[-1])
+    assert limit is not None and int(limit[2]) == 60 * int(limit[1]) and len(runs) == 1
+    assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, float(limit[2])) is not None
+
+
+def test_a_high_effort_is_finer_paths() -> None:
+    default, high = PredictionSettings(), finer_paths()
+    assert high.viscosities[-1] < default.viscosities[-1] and high.finer > default.finer and high.effort > default.effort
+    assert len(ATTEMPTS) > 2
+    scene = la_core.load("two_blocks")
+    ordinary, fine = analyse(scene).coulomb, analyse(la_core.variant(scene, {"effort": "high"})).coulomb
+    assert ordinary is not None and fine is not None
+    assert fine.viscosities[-1] < ordinary.viscosities[-1] and fine.steps > ordinary.steps
+    assert abs(fine.value - ordinary.value) <= ordinary.uncertainty + fine.uncertainty
+
+
+def test_after_a_second_attempt_no_other_one_of_the_same_settings_is_advised() -> None:
+    open_checks = [Check("a check", verdict, reason="Why.") for verdict in (Verdict.DISAGREE, Verdict.INCONCLUSIVE)]
+    open_checks += [Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step=step) for step in (LONGER, SLOWER_RUN)]
+    for check in open_checks:
+        first, second = (conclusion([check], {"status": "plateau"}, None, is_finest).next_step for is_finest in (False, True))
+        assert "--try-harder" in first and "--try-harder" not in second
+        assert second.endswith("model a smaller part.")
+    other = Check("a check", Verdict.INCONCLUSIVE, reason="Why.", next_step="Look at the scene.")
+    assert conclusion([other], None, None, True).next_step == "Look at the scene."

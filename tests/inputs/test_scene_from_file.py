@@ -1,0 +1,82 @@
+"""`crosscheck new --from` writes a scene for a drawing or a file of bodies, and marks what the file cannot say."""
+
+from pathlib import Path
+
+import mesh_files as meshes
+import numpy as np
+import pytest
+import wall_drawings as drawn
+from wall_drawings import dxf, polyline
+
+from comparison.cli.commands import main
+from la_core.geometry import find_interfaces
+from la_core.scene import load_scene, scene_from_file
+
+SQUARE = [(0, 0), (1000, 0), (1000, 500), (0, 500)]
+ABOVE = [(0, 500), (1000, 500), (1000, 1000), (0, 1000)]
+BASE = [(0, -100), (1000, -100), (1000, 0), (0, 0)]
+
+
+def test_a_scene_for_a_drawing_is_written_and_can_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "wall.dxf").write_bytes(drawn.wall_dxf())
+    assert main(["new", "--from", str(tmp_path / "wall.dxf")]) == 0
+    scene = load_scene(tmp_path / "wall.toml")
+    assert len(scene.blocks) == 9 and scene.support_twist is not None
+    assert not scene.repairs.unclosed and scene.repairs.gaps_closed == 14
+    assert main(["new", "--from", str(tmp_path / "wall.dxf")]) == 2
+    assert "exists already and is not replaced" in capsys.readouterr().err
+
+
+def test_a_structure_without_ground_gets_a_base(tmp_path: Path) -> None:
+    page = '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" viewBox="0 0 2000 2000">'
+    (tmp_path / "stones.svg").write_text(f'{page}<g id="A"><polygon points="0,0 1000,0 1000,-500 0,-500"/></g></svg>')
+    assert main(["new", "-q", "--from", str(tmp_path / "stones.svg")]) == 0
+    scene = load_scene(tmp_path / "stones.toml")
+    assert set(scene.blocks.names) == {"base", "settling base", "block 1"}
+    assert len(find_interfaces(scene.blocks)) == 2
+
+
+def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: Path) -> None:
+    """Millimetres from an origin 6,000 km away leave too few digits for joints."""
+    far = [[(x + 3_512_345_678, z + 5_401_234_567) for x, z in outline] for outline in (BASE, SQUARE, ABOVE)]
+    (tmp_path / "far.dxf").write_bytes(dxf([polyline(far[0], "GROUND"), polyline(far[1], "A"), polyline(far[2], "A")]))
+    assert main(["new", "-q", "--from", str(tmp_path / "far.dxf")]) == 0
+    scene = load_scene(tmp_path / "far.toml")
+    assert np.abs(scene.blocks.vertices).max() < 3.0 and len(find_interfaces(scene.blocks)) == 2
+
+
+def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> None:
+    """An outline that is open, a unit that makes giants of bricks, a support without ground, and no layer that is not read."""
+    courses = [[(x, z), (x + 240, z), (x + 240, z + 30), (x, z + 30)] for z in (0, 30, 60) for x in (0, 240)]
+    missing = [*courses[2], (0, 40)]
+    pad = polyline([(0, -100), (480, -100), (480, 0), (0, 0)], "SUPPORT")
+    drawings = [pad, *(polyline(points, "BRICK") for k, points in enumerate(courses) if k != 2), polyline(missing, "BRICK", closed=False)]
+    (tmp_path / "wall.dxf").write_bytes(dxf([*drawings, polyline(SQUARE, "DIM")], unit=6))
+    text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    for words in (
+        '# CHECK: the outline on layer "BRICK" that begins at (0, 30) m is open by 10000 mm, so it is left out',
+        'unit      = "m"  # CHECK: the file says it, and most blocks are then 240 m long or more',
+        "# CHECK: no layer was taken for ground",
+        'between = ["layer:BRICK", "layer:SUPPORT"]',
+    ):
+        assert words in text, words
+    (tmp_path / "wall.dxf").write_bytes(dxf([*drawings, polyline(SQUARE, "DIM")]))
+    text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
+    assert "joints    = 0 " in text  # the place of the missing brick, 30 mm wide, is no joint
+    assert 'unit      = "mm"\n' in text and "open by 10 mm" in text
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0])
+def test_bodies_become_a_scene_without_typing(unit: float, tmp_path: Path) -> None:
+    bodies = {name: unit * 2.0 * np.asarray(vertices) for name, (vertices, _) in meshes.wall().items()}
+    (tmp_path / "bodies.obj").write_text(meshes.obj(bodies))
+    assert main(["new", "-q", "--from", str(tmp_path / "bodies.obj")]) == 0
+    scene = load_scene(tmp_path / "bodies.toml")
+    assert len(scene.blocks) >= len(bodies)
+    assert 0.1 < np.ptp(scene.blocks.vertices, axis=0).max() < 100.0
+
+
+@pytest.mark.parametrize(("name", "words"), [("wall.dwg", "is neither a drawing nor a file of bodies"), ("none.dxf", "cannot be read")])
+def test_what_is_no_drawing_is_refused(name: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "--from", str(tmp_path / name)]) == 2
+    assert words in capsys.readouterr().err
