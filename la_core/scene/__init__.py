@@ -5,7 +5,7 @@ from la_core.scene.changes import change_rows, geometry_changes
 from la_core.scene.from_file import SOURCE_FORMATS, scene_from_file
 from la_core.scene.given_keys import GivenKey, given_keys
 from la_core.scene.loads.dead_loads import GROUND
-from la_core.scene.loads.friction import friction_of_joints, refuse_idle_classes
+from la_core.scene.loads.friction import friction_of_joints, joints_per_class, refuse_idle_classes
 from la_core.scene.loads.summary import classes_as_dicts, loads_as_dicts, motions_as_dicts, ties_as_dicts
 from la_core.scene.loads.tilt import tilt_angles
 from la_core.scene.scene import Scene, load_scene, scene_of_text
@@ -43,6 +43,7 @@ __all__ = [
     "full_model",
     "geometry_changes",
     "given_keys",
+    "joints_per_class",
     "key_paths",
     "load",
     "load_scene",

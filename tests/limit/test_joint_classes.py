@@ -1,6 +1,7 @@
 """Classes of joints have frictions of their own, and a structure slides in the weakest."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ import scenes
 from loaded_scenes import EXACT, PREDICTED, STACK, friction, solved
 
 import la_core
+from comparison.cli.scene_verbs.show import facts_table, scene_facts
+from la_core.analysis import decided_model
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
 
@@ -52,3 +55,25 @@ def test_the_inset_does_not_change_classes_of_joints() -> None:
     model = assemble(scene)
     assert np.array_equal(model.points.friction, model.with_inset(scene, 0.0).points.friction)
     assert sorted(set(model.points.friction.tolist())) == [0.1, 0.6]
+
+
+@pytest.mark.parametrize(
+    ("classes", "counts"),
+    [
+        ((friction(joints="bed", friction=0.2), friction(joints="footing", friction=0.1)), [1, 1]),
+        ((friction(joints="head", friction=0.2),), [0]),
+        ((friction(joints="bed", friction=0.2), friction(between=["upper", "lower"], friction=0.1)), [0, 1]),  # the last one counts
+    ],
+)
+def test_show_counts_the_joints_of_every_class(classes: Sequence[str], counts: list[int]) -> None:
+    scene = scenes.build(*STACK, *classes, live=(1.0, 0.0, 0.0), settlement=None, friction=0.3)
+    facts = scene_facts(scene, decided_model(scene))
+    assert [joints["interfaces"] for joints in facts["joint_classes"]] == counts
+    assert all(
+        row.endswith(f", {count} interface{'' if count == 1 else 's'}") for count, row in zip(counts, _friction_rows(facts), strict=True)
+    )
+
+
+def _friction_rows(facts: dict[str, Any]) -> list[str]:
+    table = facts_table("stack", facts)
+    return [str(cell) for cell in table.columns[0].cells if str(cell).startswith("friction of")]

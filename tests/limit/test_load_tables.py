@@ -78,7 +78,7 @@ def test_show_lists_and_draws_loads_ties_and_classes_of_joints(tmp_path: Path, c
     assert (floor["name"], floor["mass"], floor["blocks"]) == ("floor", pytest.approx(250.0 * 3.6), 7)
     assert (beam["force"], beam["mass"], beam["blocks"]) == ([0.0, 0.0, -1500.0], None, 1)
     assert facts["ties"] == [{"name": "rod", "tension": 2000.0, "length": pytest.approx(3.6), "between": ["wall 5.1", "wall 5.6"]}]
-    assert facts["joint_classes"] == [{"joints": "footing", "between": None, "friction": 0.5}]
+    assert facts["joint_classes"] == [{"joints": "footing", "between": None, "friction": 0.5, "interfaces": 6}]
     scene = load_scene(path)
     figure = assembly_figure(scene, assemble(scene))
     labels = {text.get_text() for legend in figure.legends for text in legend.get_texts()}

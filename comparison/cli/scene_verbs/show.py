@@ -16,7 +16,17 @@ from comparison.studies import TimeEstimate, estimated_times
 from la_core.analysis import DecidedModel, decided_model
 from la_core.errors import SceneError
 from la_core.model import unjoined
-from la_core.scene import Scene, classes_as_dicts, geometry_changes, load_scene, loads_as_dicts, motions_as_dicts, shipped, ties_as_dicts
+from la_core.scene import (
+    Scene,
+    classes_as_dicts,
+    geometry_changes,
+    joints_per_class,
+    load_scene,
+    loads_as_dicts,
+    motions_as_dicts,
+    shipped,
+    ties_as_dicts,
+)
 from la_core.text_table import number_text
 
 FACTS = ("weight", "free_blocks", "fixed_blocks", "support_blocks", "interfaces", "contact_points", "friction_coefficient", "inset")
@@ -58,7 +68,8 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts |= {"friction_coefficient": scene.friction, "inset": scene.inset}
     facts["dimensions"] = (blocks.high[blocks.free].max(axis=0) - blocks.low[blocks.free].min(axis=0)).tolist()
     facts["densities"] = np.unique(np.round(blocks.density[blocks.free], 9)).tolist()
-    facts["joint_classes"] = classes_as_dicts(scene.joint_classes)
+    counts = joints_per_class(scene.joint_classes, blocks, decided.whole.interfaces)
+    facts["joint_classes"] = [one | {"interfaces": n} for one, n in zip(classes_as_dicts(scene.joint_classes), counts, strict=True)]
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
     facts["motions"] = [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks)
     facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
@@ -84,7 +95,8 @@ def facts_table(title: str, facts: dict[str, Any]) -> Table:
     for tie in facts["ties"]:
         table.add_row(tables.plain(f"tie {tie['name']}, {' to '.join(tie['between'])}"), number_text(tie["tension"], 4), "N")
     for joints in facts["joint_classes"]:
-        table.add_row(tables.plain(f"friction of {class_words(joints)}"), number_text(joints["friction"], 4), "")
+        count = plural(joints["interfaces"], "interface")
+        table.add_row(tables.plain(f"friction of {class_words(joints)}, {count}"), number_text(joints["friction"], 4), "")
     for motion in facts["motions"]:
         across = ", ".join(number_text(part, 4) for part in motion["velocity"])
         table.add_row(tables.plain(f"share of the settlement, {', '.join(motion['names'])}"), f"({across})", "")

@@ -32,6 +32,14 @@ def friction_of_joints(rules: tuple[JointFriction, ...], common: float, blocks: 
     return friction
 
 
+def joints_per_class(rules: tuple[JointFriction, ...], blocks: Blocks, interfaces: Interfaces) -> list[int]:
+    """Number of interfaces whose friction each class gives; the parameters are those of `friction_of_joints`."""
+    ruling = np.full(len(interfaces), -1)
+    for number, rule in enumerate(rules):
+        ruling[joints_of_rule(rule, blocks, interfaces)] = number
+    return [int((ruling == number).sum()) for number in range(len(rules))]
+
+
 def joints_of_rule(rule: JointFriction, blocks: Blocks, interfaces: Interfaces) -> np.ndarray:
     """Mask (I,) of the interfaces that a class of joints holds for."""
     a, b = interfaces.block_a, interfaces.block_b
