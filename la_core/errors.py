@@ -10,6 +10,7 @@ from typing import Any, Self
 CONTROL = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]"
 )  # characters that control a terminal, except tab and new line
+MOST_LISTED, FEW_LISTED = 40, 10  # valid names that a hint lists in full; of more, how many it lists
 
 
 class SceneError(Exception):
@@ -77,10 +78,13 @@ def seconds_or_none(where: str, value: Any) -> float | None:
 
 
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
-    """A hint with the valid key (or other `kind`) nearest to `word`, or with all valid ones where no key is similar."""
+    """A hint with the valid key (or other `kind`) nearest to `word`; where none is similar, with the valid ones, of many the first."""
     choices = list(valid)
     near = difflib.get_close_matches(word, choices, n=1, cutoff=0.5)
-    return f'did you mean "{near[0]}"?' if near else f"valid {kind}: {', '.join(choices)}"
+    if near:
+        return f'did you mean "{near[0]}"?'
+    listed = choices if len(choices) <= MOST_LISTED else [*choices[:FEW_LISTED], f"... ({len(choices)} in all)"]
+    return f"valid {kind}: {', '.join(listed)}"
 
 
 def visible(text: str) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from comparison.cli.commands import main
 from la_core.analysis.modelling import structural_model
-from la_core.errors import SceneError
+from la_core.errors import SceneError, nearest
 from la_core.scene import shipped
 from la_core.scene.line_numbers import key_lines, line_of
 from la_core.scene.scene import load_scene
@@ -259,3 +259,8 @@ def test_show_draws_what_is_to_be_corrected(tmp_path: Path, capsys: pytest.Captu
     assert figure.read_bytes()[:4] == b"\x89PNG"
     said = capsys.readouterr().err
     assert "with a red cross at each place to correct" in said and "overlap by about 0.01 m" in said
+
+
+def test_a_hint_lists_the_first_of_many_names() -> None:
+    assert nearest("zzz", [f"wall {k}" for k in range(200)], "names").endswith("wall 8, wall 9, ... (200 in all)")
+    assert nearest("wall 1999", [f"wall {k}" for k in range(200)], "names") == 'did you mean "wall 199"?'

@@ -28,6 +28,7 @@ from la_core.scene.shipped import starter_text
         (load(mass=1.0, force=(0.0, 0.0, -1.0)), "needs either a `force` or a `mass`"),
         (load(mass=1.0, blocks=[]), "needs `blocks` or a `region`"),
         (load(mass=1.0, blocks=["beem"]), 'no block has the name "beem"; did you mean "beam"?'),
+        (load(mass=1.0, blocks=["lift"]), 'no block has the name "lift"; valid names: beam'),  # "left" is held: no load acts on it
         (load(mass=1.0, blocks=["left"]), "chooses no free block; a load on a held block changes nothing"),
         (load(mass=1.0, per="m"), '`per = "m"` needs `from` and `to`'),
         (load(mass=1.0, start=(0.0, 0.0), to=(1.0, 0.0)), '`per = "m"` needs `from` and `to`, and they belong to it alone'),

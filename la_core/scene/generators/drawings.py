@@ -140,7 +140,7 @@ def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
         for pattern in getattr(table, key):
             if not any(_names((pattern,), place) for place in places):
                 rule = "no outline is on such a layer or of such a colour"
-                raise SceneError(f"{_at(table)}.{key}", rule, value=pattern, hint=nearest(pattern, valid[:20], "layers"))
+                raise SceneError(f"{_at(table)}.{key}", rule, value=pattern, hint=nearest(pattern, valid, "layers"))
 
 
 def _lists(table: Drawing, clean: Cleaned) -> list[str]:

@@ -126,7 +126,7 @@ def _roles(mesh: Mesh, bodies: list[Surface]) -> list[str]:
             hits = [fnmatchcase(name, pattern) for name in names]
             if not any(hits):
                 raise SceneError(
-                    f"{_where(mesh)}: {role}", "no name of a body matches", value=pattern, hint=nearest(pattern, names[:20], "names")
+                    f"{_where(mesh)}: {role}", "no name of a body matches", value=pattern, hint=nearest(pattern, names, "names")
                 )
             matched[role] = [old or hit for old, hit in zip(matched[role], hits, strict=True)]
     both = [name for name, *hits in zip(names, *matched.values(), strict=True) if all(hits)]

@@ -88,12 +88,18 @@ def _told(place: tuple[str, int], name: str, fault: tuple[str, str, str] | None)
         yield (*place, key), str(SceneError(f"{table}.{key}", rule, hint=hint))
 
 
-def _unknown(pattern: str, blocks: Blocks, key: str) -> tuple[str, str, str] | None:
-    return None if chosen_by(blocks, pattern).any() else (key, *not_there(pattern, "block", blocks.names, blocks.groups))
+def _unknown(pattern: str, blocks: Blocks, key: str, offered: np.ndarray | None = None) -> tuple[str, str, str] | None:
+    """Return the fault of a pattern that chooses no block; its hint offers only some blocks (B,), by default all."""
+    if chosen_by(blocks, pattern).any():
+        return None
+    some = np.arange(len(blocks)) if offered is None else np.flatnonzero(offered)
+    groups = [blocks.groups[k] for k in some] if blocks.groups else []
+    return key, *not_there(pattern, "block", [blocks.names[k] for k in some], groups)
 
 
 def _fault_of_load(load: Load, blocks: Blocks) -> tuple[str, str, str] | None:
-    unknown = next((fault for pattern in load.blocks if (fault := _unknown(pattern, blocks, "blocks")) is not None), None)
+    faults = (_unknown(pattern, blocks, "blocks", blocks.free) for pattern in load.blocks)  # on a held block a load changes nothing
+    unknown = next((fault for fault in faults if fault is not None), None)
     if unknown is not None:
         return unknown
     chosen, key = chosen_blocks(load, blocks), "blocks" if load.blocks else "region"
