@@ -145,15 +145,32 @@ class Canvas:
 
         In space, the outlines of large structures are behind the blocks.
         """
-        blocks = self.blocks
-        seen = np.flatnonzero((blocks.face_normal @ self.toward > 1e-6) & moved[blocks.face_block])
-        polygons = loops(blocks.vertices[blocks.face_vertex], blocks.face_start)
-        self.outlines([polygons[f] for f in seen], colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
+        facing = self._polygons(self._facing(moved))
+        self.outlines(facing, colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
+
+    def hidden_edges(self, some: np.ndarray) -> None:
+        """Draw the edges of those blocks of the mask `some` (B,) that others hide altogether, as dashed lines over them."""
+        facing = self._facing(some)
+        owner = self.blocks.face_block[facing]
+        middles = np.array([face.mean(axis=0) for face in self._polygons(facing)]).reshape(-1, 3)
+        is_in_sight = np.isin(owner, owner[~self._is_hidden(middles)])
+        self.outlines(self._polygons(facing[~is_in_sight]), INK, 0.8, "--")
+
+    def _facing(self, some: np.ndarray) -> np.ndarray:
+        """Return the faces towards the viewer of the blocks of a mask (B,)."""
+        return np.flatnonzero((self.blocks.face_normal @ self.toward > 1e-6) & some[self.blocks.face_block])
+
+    def _polygons(self, faces: np.ndarray) -> list[np.ndarray]:
+        """Return the corners (n, 3) of faces, m."""
+        every = loops(self.blocks.vertices[self.blocks.face_vertex], self.blocks.face_start)
+        return [every[face] for face in faces]
 
     def seen(self, position: np.ndarray) -> np.ndarray:
         """Return the mask (N,) of the visible positions: all in a plane or small scene, else those that no block hides."""
-        if self.plane or self.few:
-            return np.ones(len(position), dtype=bool)
+        return np.ones(len(position), dtype=bool) if self.plane or self.few else ~self._is_hidden(position)
+
+    def _is_hidden(self, position: np.ndarray) -> np.ndarray:
+        """Return the mask (N,) of the positions that lie behind stone."""
         blocks = self.blocks
         owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
         along = blocks.face_normal @ self.toward
@@ -167,7 +184,7 @@ class Canvas:
             missed = np.logical_or.reduceat((np.abs(along) <= 1e-9) & (inside < 0.0), owner_start, axis=1)
             stone = np.where(missed, 0.0, leave - np.maximum(enter, 0.0))
             hidden.append(np.any(stone > HIDING * structure_size(blocks), axis=1))
-        return ~np.concatenate(hidden)
+        return np.concatenate(hidden)
 
     def marks(self, position: np.ndarray, **style: Any) -> None:
         """Draw markers at positions (N, 3); `style` goes to `Axes.plot`."""

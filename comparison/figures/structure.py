@@ -60,6 +60,8 @@ def assembly_figure(scene: Scene, assembly: Assembly, title: str | None = None, 
     (canvas,) = canvases(figure, assembly, 1)
     blocks, interfaces = assembly.blocks, assembly.interfaces
     canvas.solids(blocks.vertices, *looks(assembly))
+    if not canvas.plane:
+        canvas.hidden_edges(blocks.role == SUPPORT)
     if canvas.plane or canvas.few:
         canvas.outlines(loops(interfaces.polygon, interfaces.polygon_start), INK, float(np.clip(canvas.dot / 2.5, 0.7, 1.3)))
     position = assembly.points.position

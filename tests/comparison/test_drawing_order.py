@@ -5,13 +5,15 @@ from pathlib import Path
 
 import numpy as np
 from figure_scenes import DOWN, SCENES, scene_of
-from scenes import shipped
+from matplotlib.collections import LineCollection
+from scenes import load, shipped
 
 from comparison.figures import canvas as drawing
 from comparison.figures import structure
 from comparison.figures.drawing_order import back_to_front
 from la_core.analysis.stage import analyse
 from la_core.model.assembly import assemble
+from la_core.scene.shipped import starter_text
 
 
 def test_nearer_blocks_are_drawn_over_those_they_rest_on(tmp_path: Path) -> None:
@@ -63,3 +65,15 @@ def test_blocks_set_aside_are_drawn_behind_those_that_stand_before_them() -> Non
     facing = whole.interfaces.normal @ toward > 0.0
     a, b = whole.interfaces.block_a, whole.interfaces.block_b
     assert np.all(rank[np.where(facing, a, b)] < rank[np.where(facing, b, a)])
+
+
+def test_a_support_that_walls_hide_is_drawn_by_dashed_edges() -> None:
+    settles_behind, settles_in_front = "{ from = [1.1, 1.2], to = [1.3, 1.6] }", "{ from = [1.6, 0.0], to = [2.4, 0.2] }"
+    for plan, settling, dashed_faces in (("cross", settles_behind, 3), ("L", settles_in_front, 0)):
+        text = starter_text("building").replace(settles_in_front, settling).replace('plan       = "L"', f'plan = "{plan}"')
+        scene = load(text[: text.index("[[building.opening]]")] + "[settlement]\ndirection = [0.0, 0.0, -1.0]\n")
+        lines = [
+            drawn for drawn in structure.assembly_figure(scene, assemble(scene)).axes[0].collections if isinstance(drawn, LineCollection)
+        ]
+        dashed = [line for line in lines if line.get_linestyle()[0][1] is not None]
+        assert sum(len(line.get_segments()) for line in dashed) == dashed_faces
