@@ -106,12 +106,14 @@ def range_words(low: Any, high: Any, digits: int) -> str:
 
 
 def interval_words(low: Any, high: Any, unit: str) -> str:
-    """Return an interval in `unit` as text, with a dash for an unknown end; an interval narrower than POINT is "a point"."""
+    """Return an interval in `unit` as text, a dash where both ends are missing; one narrower than POINT is "a point"."""
     if not exists(low) and not exists(high):
         return DASH
-    if exists(low) and exists(high) and high - low <= POINT * max(abs(low), abs(high)):
-        return A_POINT
-    return f"{format_number(low, 5)} to {format_number(high, 5)} {unit}".rstrip()
+    if exists(low) and exists(high):
+        if high - low <= POINT * max(abs(low), abs(high)):
+            return A_POINT
+        return f"{format_number(low, 5)} to {format_number(high, 5)} {unit}".rstrip()
+    return f"{range_words(low, high, 5)} {unit}".rstrip()
 
 
 def half_width(low: Any, high: Any) -> float | None:

@@ -22,8 +22,12 @@ def number_text(value: float | None, digits: int = 6) -> str:
 
 def over_weight(value: float | None, weight: float) -> float | None:
     """A value (N or N m) over the weight (N); 0 where the value is only round-off, None where there is no value."""
-    ratio = None if value is None else value / weight
-    return 0.0 if ratio is not None and abs(ratio) < ROUND_OFF else ratio
+    return None if value is None else without_round_off(value, weight) / weight
+
+
+def without_round_off(value: float, weight: float) -> float:
+    """A value (N or N m), or 0 where it is only round-off beside the weight (N)."""
+    return 0.0 if abs(value) < ROUND_OFF * weight else value
 
 
 def as_text(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> str:

@@ -63,10 +63,10 @@ def write_words(axes: Any, words: Sequence[Word], limits: tuple[float, float], o
     rows: list[tuple[float, float]] = []
     written: set[str] = set()
     for word in lines:
-        level = share(word.low)
-        for low, alignment in ((level, "bottom"), (level - row, "top")):
-            if _is_free((low, low + row), levels, rows):
-                rows.append((low, low + row))
+        level, height = share(word.low), row * len(word.words.splitlines())
+        for low, alignment in ((level, "bottom"), (level - height, "top")):
+            if _is_free((low, low + height), levels, rows):
+                rows.append((low, low + height))
                 _write(axes, word, level, alignment)
                 written.update(word.named)
                 break

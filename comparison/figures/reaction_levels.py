@@ -10,6 +10,7 @@ from comparison.numbers import POINT, force_unit
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.limit import Drive, Solution
+from la_core.text_table import without_round_off
 
 NEAR = 2.5  # times the range of all other values: a greatest reaction or an interval's end beyond is written, not drawn
 PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
@@ -51,7 +52,8 @@ def levels(analysis: LimitAnalysis) -> dict[str, float]:
     }
     if analysis.coulomb is not None:
         named["coulomb"] = analysis.coulomb.value
-    return {name: value for name, value in named.items() if np.isfinite(value)}
+    size = 0.0 if analysis.main is Drive.LIVE else analysis.assembly.weight
+    return {name: without_round_off(value, size) for name, value in named.items() if np.isfinite(value)}
 
 
 def interval_of(analysis: LimitAnalysis) -> tuple[float, float] | None:

@@ -17,6 +17,7 @@ from comparison.numbers import (
     value_range,
     with_uncertainty,
 )
+from la_core.text_table import without_round_off
 
 LIMITS = "R_min and R_max are limits that no answer can leave; the Coulomb prediction is limit analysis' answer with the friction of stone."
 MEANINGS = {  # what the values are, by their unit
@@ -25,12 +26,20 @@ MEANINGS = {  # what the values are, by their unit
     "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No answer lies above the "
     "associated one; the Coulomb prediction is limit analysis' answer with the friction of stone.",
 }
+NOT_STATED = "not stated: thresholds of slip, or paths, give different ones"  # why `la_core.coulomb.stated_interval` withholds one
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 
 
 def associated_of(comparison: dict[str, Any]) -> dict[str, Any]:
     """Return the associated answer in the content of `comparison.json`; empty where it is missing."""
     return (comparison.get("limit_analysis") or {}).get("associated") or {}
+
+
+def _interval_text(low: Any, high: Any, unit: str, status: Any) -> str:
+    """Return an interval, or why it is unknown; files of earlier versions have no status."""
+    if exists(low) or exists(high):
+        return interval_words(low, high, unit)
+    return {"not stated": NOT_STATED, "unlimited": "unlimited"}.get(status, DASH)
 
 
 def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
@@ -47,8 +56,11 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     base = comparison.get("unit", "" if live else "N")
     _, unit = units.of(base)
 
+    weight = comparison.get("weight")
+    size = weight if exists(weight) and not live else 0.0
+
     def shown(value: Any) -> float | None:
-        return units.value(value, base)
+        return units.value(without_round_off(value, size), base) if exists(value) else None
 
     predicted = shown(shared_coulomb.get(quantity))
     low, high = (shown(end) for end in shared_coulomb.get(f"{quantity}_interval") or (None, None))
@@ -64,9 +76,9 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "coulomb_uncertainty": shown(shared_coulomb.get("uncertainty")),
         "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
-    weight = shown(comparison.get("weight"))
     sources = (("associated", shared), ("Coulomb", shared_coulomb), ("YADE", yade if steady else {}))
-    ratios = {name: value / weight if exists(value) and weight and not live else None for name, value in reactions.items()}
+    shown_weight = shown(weight)
+    ratios = {name: value / shown_weight if exists(value) and shown_weight and not live else None for name, value in reactions.items()}
     unbounded = associated.get("reaction_max_status") == "unbounded"
     return reactions | {
         "ratios": ratios,
@@ -76,7 +88,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "greatest_status": "no upper limit" if unbounded else "",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
-        "interval": interval_words(low, high, unit),
+        "interval": _interval_text(low, high, unit, shared_coulomb.get("interval_status")),
         "plateaus": several_plateaus([shown(value) for value in shared_coulomb.get("plateaus") or []], unit),
         "half_width": half_width(low, high),
         "less": "Coulomb" if exists(predicted) else "associated" if live else "R_min",

@@ -17,7 +17,7 @@ from la_core.limit import Drive, Solution, Status
 from la_core.measures import joint_rows
 from la_core.pictures import picture
 from la_core.scene import Scene, load
-from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text, over_weight
+from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text, over_weight, without_round_off
 
 NAN = float("nan")
 
@@ -262,12 +262,14 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield "Coulomb: status", answer["status"], ""
     low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
-    yield _quantity(scene, "Coulomb: uncertainty", answer["uncertainty"], 2)
+    uncertainty = answer["uncertainty"]
+    yield "Coulomb: uncertainty", number_text(uncertainty, 2), _over_weight_text(scene, uncertainty, 2)
     yield from _angle_rows("Coulomb: ", answer)
     for plateau in answer["plateaus"]:
         yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
-    yield _quantity(scene, "Coulomb: least by its mechanism", low)
-    yield _quantity(scene, "Coulomb: greatest by its mechanism", high)
+    for name, end in (("Coulomb: least by its mechanism", low), ("Coulomb: greatest by its mechanism", high)):
+        is_number = end is not None and math.isfinite(end)
+        yield _quantity(scene, name, end) if is_number else (name, answer["interval_status"], "")
     if math.isfinite(answer[f"{scene.quantity}_sharp"] or math.nan):
         yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
     for name in ("strain_residual", "drift", "travel", "seconds"):
@@ -282,6 +284,12 @@ def _angle_rows(before: str, answer: dict[str, Any]) -> Iterator[tuple[str, str,
             yield f"{before}{name.replace('_', ', ')}, degrees", number_text(answer[name], digits), ""
 
 
-def _quantity(scene: Scene, name: str, value: float | None, digits: int = 6) -> tuple[str, str, str]:
-    over = "" if scene.live is not None else number_text(over_weight(value, scene.weight), digits)
-    return name, number_text(value, digits), over
+def _quantity(scene: Scene, name: str, value: float | None) -> tuple[str, str, str]:
+    """Return the row of a reaction, which is 0 where it is only round-off, or of a multiplier."""
+    if value is not None and scene.live is None:
+        value = without_round_off(value, scene.weight)
+    return name, number_text(value), _over_weight_text(scene, value, 6)
+
+
+def _over_weight_text(scene: Scene, value: float | None, digits: int) -> str:
+    return "" if scene.live is not None else number_text(over_weight(value, scene.weight), digits)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from la_core.coulomb import CoulombSolution, EquilibriumPath
+from la_core.coulomb import CoulombSolution, EquilibriumPath, interval_status
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, Effects, JointStiffness
 from la_core.scene import Scene, tilt_angles
@@ -229,12 +229,14 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
     if rounded is None or printed is None:
         return None
     values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
+    values |= {"interval_status": interval_status(printed.interval)}
     values |= {"uncertainty": printed.uncertainty, "plateaus": printed.plateaus.tolist()}
     values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
     values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
     if scene.inset == 0.0 and analysis.assembly.inset:
         shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
         shared |= tilt_angles(scene.tilt, rounded.value, rounded.uncertainty)
+        shared["interval_status"] = interval_status(rounded.interval)
         values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
     values |= tilt_angles(scene.tilt, printed.value, printed.uncertainty)
     values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}

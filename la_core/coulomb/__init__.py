@@ -3,6 +3,7 @@
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.followed_path import PathProgress, PredictionSettings
+from la_core.coulomb.interval import interval_status
 from la_core.coulomb.prediction import predict, reaction_at_rest
 from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
@@ -17,6 +18,7 @@ __all__ = [
     "PredictionSettings",
     "Sliding",
     "follow_path",
+    "interval_status",
     "look_for_sliding",
     "predict",
     "reaction_at_rest",

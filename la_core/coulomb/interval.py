@@ -51,6 +51,13 @@ def reaction_interval(joints: ElasticJoints, rates: JointRates, state: JointStat
     return _ends(joints.assembly, parting, sliding, direction)
 
 
+def interval_status(interval: tuple[float, float]) -> str:
+    """What is known of an interval: "not stated" where an end is NaN, "unlimited" where one is infinite, else "limited"."""
+    if np.isnan(interval).any():
+        return "not stated"
+    return "limited" if np.isfinite(interval).all() else "unlimited"
+
+
 def stated_interval(
     joints: ElasticJoints, mechanisms: Sequence[tuple[State, State]], value: float, uncertainty: float
 ) -> tuple[float, float]:

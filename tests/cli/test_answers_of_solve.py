@@ -1,6 +1,7 @@
 """`crosscheck solve` answers with values, a path or the blocks that fall, and JSON comes alone."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -11,6 +12,10 @@ import scenes
 from conftest import every_shipped_scene
 
 from comparison.cli.commands import main
+from la_core.analysis.answer import answer_rows
+from la_core.analysis.result import answer_values
+from la_core.analysis.stage import analyse
+from la_core.coulomb import interval_status
 from la_core.scene import shipped
 
 SOLVED_KEYS = {
@@ -35,6 +40,18 @@ def test_solve_prints_one_json_object_and_nothing_else(capsys: pytest.CaptureFix
     assert coulomb["reaction_interval"] == pytest.approx([associated["reaction"]] * 2, rel=1e-6)
     assert coulomb["dilatancy_residual"] <= 1e-3 and coulomb["iterations"] > 0 and coulomb["seconds"] > 0.0
     assert not {"yade", "checks", "verdict"} & answer.keys()
+
+
+@pytest.mark.parametrize(
+    ("interval", "shown"),
+    [((math.nan, math.nan), ["not stated"] * 2), ((-math.inf, 363.297), ["unlimited", "363.297"]), ((0.0, 1e-7), ["0", "0"])],
+)
+def test_the_ends_of_an_interval_are_numbers_or_say_why_not(interval: tuple[float, float], shown: list[str]) -> None:
+    scene = shipped.load("two_pads")
+    values = answer_values(analyse(scene))
+    values["coulomb"] |= {"reaction_interval": list(interval), "interval_status": interval_status(interval)}
+    rows = {name: value for name, value, _ in answer_rows(scene, values)}
+    assert [rows[f"Coulomb: {end} by its mechanism"] for end in ("least", "greatest")] == shown
 
 
 def _overhanging(folder: Path) -> Path:

@@ -7,6 +7,7 @@ import pytest
 from made_up_comparisons import comparison_of, frictional_comparison, page_and_markdown, values_part
 
 from comparison.judge.summary import limit_analysis_summary
+from comparison.numbers import Units
 from comparison.report import report, values
 from comparison.verdict.verdict_table import verdict_cells, verdict_title
 from la_core.analysis.stage import analyse
@@ -105,6 +106,19 @@ def test_the_inset_of_yade_is_what_the_prediction_is_shown_at(tmp_path: Path) ->
     assert "−0.00100 kN" in row
 
 
+@pytest.mark.parametrize(("status", "words"), [("not stated", "not stated: thresholds of slip"), ("unlimited", "unlimited"), (None, "–")])
+def test_an_interval_without_ends_says_why(status: str | None, words: str) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"] |= {"reaction_interval": [None, None], "interval_status": status}
+    assert values.values_of(comparison, Units(comparison["weight"]))["interval"].startswith(words)
+
+
+def test_a_reaction_that_is_only_round_off_is_zero() -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["associated"]["reaction"] = 1e-10 * comparison["weight"]
+    assert values.values_of(comparison, Units(comparison["weight"]))["least"] == 0.0
+
+
 def test_powers_under_a_live_load_are_per_unit_power_of_the_load(tmp_path: Path) -> None:
     comparison = frictional_comparison(unit="", yade=None)
     answers = comparison["limit_analysis"]
@@ -113,7 +127,7 @@ def test_powers_under_a_live_load_are_per_unit_power_of_the_load(tmp_path: Path)
             answer[name.replace("reaction", "multiplier")] = answer.pop(name)
     answers["coulomb"]["multiplier_interval"] = [363.3, None]
     page, _ = page_and_markdown(tmp_path, comparison)
-    assert "363.30 to –" in page
+    assert "at least 363.30" in page
     assert "per unit power of the load" in page
 
 

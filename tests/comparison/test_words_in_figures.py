@@ -52,6 +52,14 @@ def test_the_power_of_friction_is_told_per_power_of_what_pushes(push: str, expec
     assert sum(expected in text.get_text() for text in figure.findobj(Text)) == 2
 
 
+@pytest.mark.parametrize(("level", "fits"), [(1.6 * ROW, False), (2.1 * ROW, True)])
+def test_a_label_of_two_rows_needs_room_for_both(level: float, fits: bool) -> None:
+    """Below its line it would reach the axis, and a line above leaves it no room there."""
+    axes = structure.Figure().subplots()
+    two_rows = Word(level, level, "prediction\nseveral plateaus", "black", ("prediction",))
+    assert write_words(axes, [two_rows], (0.0, 1.0), other=[level + 1.5 * ROW]) == ({"prediction"} if fits else set())
+
+
 def test_words_keep_off_lines_and_each_other() -> None:
     axes = structure.Figure().subplots()
     axes.set_ylim(0.0, 1.0)
