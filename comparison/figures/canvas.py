@@ -202,8 +202,13 @@ class Canvas:
             self.arrow(first, last, LOAD_COLOUR, 1.2)
 
     def rods(self, ends: np.ndarray) -> None:
-        """Draw ties between their ends (T, 2, 3), m."""
+        """Draw ties between their ends (T, 2, 3), m; the axes grow for ends that are at most one size of the structure away."""
         self.outlines(list(ends), LOAD_COLOUR, 1.6)
+        flat, size = self.flat(ends.reshape(-1, 3)), structure_size(self.blocks)
+        low, high = np.transpose([self.axes.get_xlim(), self.axes.get_ylim()])
+        left, bottom = np.clip(flat.min(axis=0) - MARGIN * size, low - size, low)
+        right, top = np.clip(flat.max(axis=0) + MARGIN * size, high, high + size)
+        self.axes.set(xlim=(left, right), ylim=(bottom, top))
         self.marks(ends.reshape(-1, 3), marker="s", markersize=4.0, markerfacecolor=LOAD_COLOUR, markeredgecolor=LOAD_COLOUR)
 
     def gravity(self, direction: np.ndarray) -> None:
@@ -212,10 +217,7 @@ class Canvas:
         self.axes.annotate("", (0.975, 0.9), -32.0 * self.flat(direction), **place, arrowprops=arrow_style(FAINT))
 
     def text(self, position: np.ndarray, words: str, points: float) -> None:
-        """Write plain text, without markup, centred at a position (3,), with a white halo.
-
-        `points` is the font size.
-        """
+        """Write plain text, without markup, centred at a position (3,), with a white halo; `points` is the font size."""
         style = {"ha": "center", "va": "center", "fontsize": points, "color": INK, "zorder": 7}
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 

@@ -5,6 +5,7 @@ import pytest
 import scenes
 from loaded_scenes import BEAM, EXACT, STACK, friction, solved, tie
 
+from comparison.figures.structure import assembly_figure
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
@@ -46,3 +47,12 @@ def test_a_tie_through_a_joint_adds_to_its_friction() -> None:
     weight = 2000.0 * 9.81 * 0.2
     assert solved(weak, Drive.LIVE).value == pytest.approx(0.2 * (weight + 500.0) / weight, abs=EXACT)
     assert solved(scene, Drive.LIVE).value > 0.3
+
+
+@pytest.mark.parametrize(("anchor", "is_shown"), [(-2.0, True), (-50.0, False)])
+def test_the_anchor_of_a_tie_is_drawn_unless_it_is_far_away(anchor: float, is_shown: bool) -> None:
+    """One that is many times the size of the structure away would make the structure a dot: its rod leaves the figure."""
+    scene = scenes.build(*LEANING, tie(["leaning"], (1.2, 0.5, 1.0), (anchor, 0.5, 1.0), 1000.0), friction=0.9)
+    low, high = assembly_figure(scene, assemble(scene)).axes[0].get_xlim()
+    assert (low < anchor) == is_shown
+    assert high - low < 12.0
