@@ -2,7 +2,7 @@
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
 from la_core.drawing.dxf import HIDDEN
-from la_core.drawing.outlines import UNITS, Drawn, OpenOutline, Outline, open_words
+from la_core.drawing.outlines import UNITS, Drawn, LeftOut, OpenOutline, Outline, around_words, open_words, stray_words
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 
 __all__ = [
@@ -11,10 +11,13 @@ __all__ = [
     "UNITS",
     "Cleaned",
     "Drawn",
+    "LeftOut",
     "OpenOutline",
     "Outline",
+    "around_words",
     "cleaned",
     "open_words",
     "read_outlines",
     "straightened",
+    "stray_words",
 ]

@@ -7,10 +7,12 @@ import numpy as np
 import scipy
 import shapely
 
-from la_core.drawing.outlines import Drawn, OpenOutline, Outline, all_but_closed, enclosed
+from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, touched, within
+from la_core.drawing.outlines import Drawn, LeftOut, OpenOutline, Outline, all_but_closed, by_layer
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
+ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
@@ -32,6 +34,10 @@ class Cleaned:
         Those of the loose lines that were meant to be outlines.
     straightened : int
         Outlines that were convex but for the tolerance, and are convex now.
+    around : tuple of LeftOut
+        Outlines around others, which are left out.
+    idle : tuple of (str, (n, 2) array)
+        The lines that enclose nothing, each with its layer.
     """
 
     outlines: tuple[Outline, ...]
@@ -40,6 +46,13 @@ class Cleaned:
     loose: int
     open_outlines: tuple[OpenOutline, ...]
     straightened: int
+    around: tuple[LeftOut, ...] = ()
+    idle: tuple[tuple[str, np.ndarray], ...] = ()
+
+    def stray(self, blocks: Sequence[Outline]) -> tuple[LeftOut, ...]:
+        """Those of the idle lines that lie in blocks, by layer."""
+        inside = within([line for _, line in self.idle], [block.points for block in blocks])
+        return by_layer(one for one, is_inside in zip(self.idle, inside, strict=True) if is_inside)
 
 
 def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
@@ -57,28 +70,71 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     ValueError
         An outline crosses itself.
     """
-    outlines, loose, open_ones = list(drawn.outlines), 0, list[OpenOutline]()
-    for (layer, colour), lines in drawn.lines.items():
-        faces, idle = enclosed(lines, max(SNAP, tolerance))
-        outlines += [Outline(face, layer, colour) for face in faces]
-        loose += len(idle)
-        open_ones += all_but_closed(idle, layer)
+    found = _found(drawn, max(SNAP, tolerance))
+    outlines, idle = found.outlines, tuple((place[0], line) for place, lines in found.idle.items() for line in lines)
+    open_ones = tuple(one for place, lines in found.idle.items() for one in all_but_closed(lines, place[0]))
     if not outlines:
-        return Cleaned((), 0, 0, loose, tuple(open_ones), 0)
+        return Cleaned((), 0, 0, len(idle), open_ones, 0, by_layer(found.around), idle)
+    if not any(np.ptp(outline.points, axis=0).all() for outline in outlines):
+        raise ValueError("has only outlines without height; the elevation must lie in the xy plane of the file, its heights along y")
     polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
     crossed = ~shapely.is_valid(polygons)
     if crossed.any():
         raise ValueError(f"{_place(outlines[int(np.argmax(crossed))])}: the outline crosses itself")
     area = shapely.area(polygons)
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
+    speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
     polygons, straight = _without_dents(polygons, tolerance)
     kept = np.flatnonzero(~speck & ~double)
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
-    rings = [shapely.get_coordinates(polygons[k])[:-1] for k in order]
-    found = tuple(Outline(ring, outlines[k].layer, outlines[k].colour) for k, ring in zip(order, rings, strict=True))
-    return Cleaned(found, int(double.sum()), int(speck.sum()), loose, tuple(open_ones), int(straight[kept].sum()))
+    rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), drawn.sagitta)
+    clean = tuple(Outline(points, outlines[k].layer, outlines[k].colour) for k, points in zip(order, rings, strict=True))
+    counts = int(double.sum()), int(speck.sum()), len(idle)
+    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), by_layer(found.around), idle)
+
+
+@dataclass
+class _Found:
+    """Outlines of a drawing, closed or enclosed by lines; the lines that bound none, by place; and outlines around others."""
+
+    outlines: list[Outline]
+    idle: dict[tuple[str, str], list[np.ndarray]]
+    around: list[tuple[str, np.ndarray]]
+
+
+def _found(drawn: Drawn, snap: float) -> _Found:
+    """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
+    found = _Found(list(drawn.outlines), {}, [])
+    for (layer, colour), lines in drawn.lines.items():
+        here = [k for k, outline in enumerate(found.outlines) if (outline.layer, outline.colour) == (layer, colour)]
+        take_part = touched([found.outlines[k].points for k in here], lines, snap + drawn.sagitta)
+        rings = [here[k] for k in np.flatnonzero(take_part)]
+        faces, idle, around = enclosed(lines, snap, drawn.sagitta, [found.outlines[k].points for k in rings])
+        found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in set(rings)]
+        found.outlines += [Outline(face, layer, colour) for face in faces]
+        found.around += [(layer, points) for points in around]
+        found.idle[layer, colour] = [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
+    return _with_lines_of_other_layers(found, snap, drawn.sagitta)
+
+
+def _with_lines_of_other_layers(found: _Found, snap: float, sagitta: float) -> _Found:
+    """Divide outlines by lines that bound nothing on their own layer: head joints and bed joints often have a layer each."""
+    lines = [(place, line) for place, some in found.idle.items() for line in some]
+    which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap)
+    used: set[int] = set()
+    outlines: list[Outline] = []
+    for k, outline in enumerate(found.outlines):
+        across = which[whose == k]
+        parts = divided(outline.points, [lines[j][1] for j in across], snap, sagitta) if len(across) else [outline.points]
+        used |= set(across.tolist()) if len(parts) > 1 else set()
+        outlines += [Outline(part, outline.layer, outline.colour) for part in parts]
+    idle: dict[tuple[str, str], list[np.ndarray]] = {}
+    for j, (place, line) in enumerate(lines):
+        if j not in used:
+            idle.setdefault(place, []).append(line)
+    return _Found(outlines, idle, found.around)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:
@@ -104,7 +160,7 @@ def _without_dents(polygons: np.ndarray, tolerance: float) -> tuple[np.ndarray, 
 
 
 def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
-    """Mask of the polygons that share most of their area with an earlier one."""
+    """Mask of the polygons that share most of their area with a larger one, or with an earlier one of the same area."""
     double = np.zeros(len(polygons), dtype=bool)
     centre, size = shapely.get_coordinates(shapely.centroid(polygons)), np.sqrt(shapely.area(polygons))
     near = scipy.spatial.cKDTree(centre).query_pairs(float(size.max()) * (1.0 - DOUBLE), output_type="ndarray")
@@ -112,7 +168,9 @@ def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
     near = near[np.hypot(*(centre[near[:, 0]] - centre[near[:, 1]]).T) <= (1.0 - DOUBLE) * size[near].min(axis=1)]
     shared = shapely.area(shapely.intersection(polygons[near[:, 0]], polygons[near[:, 1]]))
     whole = shapely.area(polygons)[near].max(axis=1)
-    double[near[shared >= DOUBLE * whole].max(axis=1)] = True
+    twice = np.sort(near[shared >= DOUBLE * whole], axis=1)
+    area = shapely.area(polygons)[twice]
+    double[np.where(area[:, 1] > area[:, 0] * (1.0 + ALIKE), twice[:, 0], twice[:, 1])] = True
     return double
 
 

@@ -8,7 +8,15 @@ import numpy as np
 
 from la_core.drawing.outlines import Drawn
 
-INSERT_UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 14: 1e-1}  # $INSUNITS of a DXF header, in m
+INSERT_UNITS = {
+    1: 0.0254,
+    2: 0.3048,
+    4: 1e-3,
+    5: 1e-2,
+    6: 1.0,
+    14: 1e-1,
+    21: 0.3048,
+}  # $INSUNITS of a DXF header, in m; 21 is a US survey foot
 COLOURS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "white"}
 BY_BLOCK, BY_LAYER = 0, 256
 CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -26,13 +34,15 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     from ezdxf import recover  # noqa: PLC0415 - an optional extra
 
     try:
-        document, _ = recover.read(io.BytesIO(content))
+        document, auditor = recover.read(io.BytesIO(content))
         scale = unit or INSERT_UNITS.get(int(document.header.get("$INSUNITS", 0)))
     except Exception as error:  # any error of a reader of foreign bytes
         raise ValueError(f"is not a whole DXF file: {_words(error)}") from error
     if scale is None:
         raise ValueError('does not say its unit; state it: unit = "mm"')
     drawn = Drawn(scale)
+    for kind, count in _out_of_reach(document, auditor).items():
+        drawn.ignored |= {kind: count} if count else {}
     try:
         for number, (entity, layer, colour) in enumerate(_entities(document.modelspace(), document, "0", "white", 0)):
             if number >= MOST_ENTITIES:
@@ -43,6 +53,16 @@ def read_dxf(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     except Exception as error:
         raise ValueError(f"holds an entity that cannot be read: {_words(error)}") from error
     return drawn
+
+
+def _out_of_reach(document: Any, auditor: Any) -> dict[str, int]:
+    """What no entity of the model space shows: entities on the sheets, and inserts of blocks that the file does not hold."""
+    from ezdxf.audit import AuditError  # noqa: PLC0415
+
+    sheets = [layout for layout in document.layouts if not layout.is_modelspace]
+    on_sheets = sum(entity.dxftype() != "VIEWPORT" for sheet in sheets for entity in sheet)
+    missing = sum(fix.code == AuditError.UNDEFINED_BLOCK for fix in auditor.fixes)
+    return {"entities in paper space": on_sheets, "inserts of missing blocks": missing}
 
 
 def _entities(entities: Iterable[Any], document: Any, layer: str, colour: str, depth: int) -> Iterator[tuple[Any, str, str]]:
@@ -70,7 +90,8 @@ def _add(drawn: Drawn, entity: Any, place: tuple[str, str], scale: float, sagitt
     from ezdxf import path  # noqa: PLC0415
 
     kind = HIDDEN if entity is None else entity.dxftype()
-    if kind not in CURVES:
+    is_surface = kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)  # a mesh
+    if kind not in CURVES or is_surface:
         drawn.ignore(kind)
         return
     curve = path.make_path(entity)

@@ -2,11 +2,9 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy
-import shapely
 
 from la_core.text_table import number_text
 
@@ -53,6 +51,26 @@ class OpenOutline:
     gap: float
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """Lines or outlines of one layer that are left out.
+
+    Attributes
+    ----------
+    layer : str
+        Layer in the drawing.
+    count : int
+        Number of them.
+    x, z : float
+        Middle of the first one, m.
+    """
+
+    layer: str
+    count: int
+    x: float
+    z: float
+
+
 @dataclass
 class Drawn:
     """Content of a drawing as it is read, in m.
@@ -67,6 +85,8 @@ class Drawn:
         Unit of the file, m.
     ignored : dict of int
         Number of entities of each kind that are no outlines.
+    sagitta : float
+        Largest distance between a curve and its chords, m.
     """
 
     unit: float
@@ -74,6 +94,7 @@ class Drawn:
     lines: dict[tuple[str, str], list[np.ndarray]] = field(default_factory=dict)
     ignored: dict[str, int] = field(default_factory=dict)
     count: int = 0
+    sagitta: float = 0.0
 
     def add(self, points: np.ndarray, closed: bool, layer: str, colour: str) -> None:
         """Add a polyline (n, 2), m; it is closed if it says so, or if it ends where it begins."""
@@ -93,7 +114,8 @@ class Drawn:
     def without(self, left_out: Callable[[str, str], bool]) -> "Drawn":
         """The drawing without the layers and colours for which `left_out` is true."""
         outlines = [outline for outline in self.outlines if not left_out(outline.layer, outline.colour)]
-        return Drawn(self.unit, outlines, {place: lines for place, lines in self.lines.items() if not left_out(*place)}, self.ignored)
+        lines = {place: some for place, some in self.lines.items() if not left_out(*place)}
+        return replace(self, outlines=outlines, lines=lines)
 
     @property
     def places(self) -> set[tuple[str, str]]:
@@ -105,42 +127,60 @@ class Drawn:
         self.ignored[kind] = self.ignored.get(kind, 0) + 1
 
 
-def enclosed(lines: list[np.ndarray], snap: float) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Outlines (n, 2) that lines enclose together, and the lines that enclose nothing.
-
-    Ends of lines closer to each other than `snap` (m) meet. An end that meets no other reaches on by twice as much,
-    so that a line that stops just short of another one meets it. A ring around other rings is no outline.
-    """
-    ends = np.concatenate([[line[0], line[-1]] for line in lines])
-    place = _merged(ends, snap)
-    _, number, uses = np.unique(place, axis=0, return_inverse=True, return_counts=True)
-    lone = (uses[number.ravel()] == 1).reshape(-1, 2)
-    drawn = []
-    for line, (first, last), (reaches_back, reaches_on) in zip(lines, place.reshape(-1, 2, 2), lone, strict=True):
-        inner = line[1:-1]
-        points = np.concatenate([[first], inner, [last]])
-        before = [points[0] + _ahead(points[1], points[0], 2.0 * snap)] if reaches_back else []
-        after = [points[-1] + _ahead(points[-2], points[-1], 2.0 * snap)] if reaches_on else []
-        drawn.append(shapely.LineString(np.concatenate([np.reshape(before, (-1, 2)), points, np.reshape(after, (-1, 2))])))
-    noded = shapely.unary_union(np.array(drawn))
-    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
-    faces = faces[shapely.get_num_interior_rings(faces) == 0]
-    used = shapely.unary_union(shapely.boundary(faces)) if len(faces) else shapely.LineString()
-    idle = shapely.length(shapely.intersection(np.array(drawn), used)) < 0.5 * shapely.length(np.array(drawn))
-    return [shapely.get_coordinates(face)[:-1] for face in faces], [line for line, is_idle in zip(lines, idle, strict=True) if is_idle]
-
-
 def open_words(outlines: Sequence[OpenOutline]) -> str:
     """What is open in a drawing, and where, as a sentence without its full stop; "" where nothing is."""
     if not outlines:
         return ""
     gap = number_text(1e3 * max(one.gap for one in outlines), 3)
-    layers = ", ".join(json.dumps(layer, ensure_ascii=False) for layer in dict.fromkeys(one.layer for one in outlines))
+    layers = ", ".join(_quoted(layer) for layer in dict.fromkeys(one.layer for one in outlines))
     places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in outlines[:MOST_NAMED])
     if len(outlines) == 1:
         return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out"
     more = ", ..." if len(outlines) > MOST_NAMED else ""
     return f"{len(outlines)} outlines on layer {layers} that begin at {places}{more} are open by up to {gap} mm, so they are left out"
+
+
+def stray_words(lines: Sequence[LeftOut]) -> str:
+    """What lines lie in blocks and divide none, as a sentence without its full stop; "" where there are none."""
+    if not lines:
+        return ""
+    do, it = ("lies within a block and does", "it") if _is_one(lines) else ("lie within blocks and do", "them")
+    return (
+        f"{_listed(lines, 'line')} {do} not divide {it}; a joint must run from edge to edge, and a layer without joints belongs in `ignore`"
+    )
+
+
+def around_words(outlines: Sequence[LeftOut]) -> str:
+    """What outlines lie around others, as a sentence without its full stop; "" where there are none."""
+    if not outlines:
+        return ""
+    are, block = ("is", "it is a block") if _is_one(outlines) else ("are", "they are blocks")
+    hint = "draw what lies within on a layer of its own, and list that layer in `ignore`"
+    return f"{_listed(outlines, 'outline')} around others {are} left out; if {block}, {hint}"
+
+
+def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LeftOut, ...]:
+    """Lines or outlines, each a layer and points (n, 2), counted by layer."""
+    found: dict[str, LeftOut] = {}
+    for layer, points in places:
+        x, z = points.mean(axis=0)
+        one = found.get(layer, LeftOut(layer, 0, float(x), float(z)))
+        found[layer] = replace(one, count=one.count + 1)
+    return tuple(found.values())
+
+
+def _is_one(some: Sequence[LeftOut]) -> bool:
+    return sum(one.count for one in some) == 1
+
+
+def _listed(some: Sequence[LeftOut], word: str) -> str:
+    """How many of a kind, on which layers, and where the first one is."""
+    on_layers = ", ".join(f"{one.count} {word}{'' if one.count == 1 else 's'} on layer {_quoted(one.layer)}" for one in some)
+    return f"{on_layers} (the first near ({some[0].x:.4g}, {some[0].z:.4g}) m)"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
 
 
 def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:
@@ -149,17 +189,3 @@ def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutl
         gap, length = float(np.hypot(*(line[-1] - line[0]))), float(np.hypot(*np.diff(line, axis=0).T).sum())
         if len(line) > 3 and gap <= ALL_BUT_CLOSED * length:
             yield OpenOutline(layer, float(line[0, 0]), float(line[0, 1]), gap)
-
-
-def _merged(points: np.ndarray, snap: float) -> np.ndarray:
-    """Points (n, 2), each group of points closer than `snap` replaced by its first one."""
-    pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
-    first = np.arange(len(points))
-    for a, b in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
-        first[b] = min(first[b], first[a])
-    return points[first]
-
-
-def _ahead(start: np.ndarray, end: np.ndarray, reach: float) -> np.ndarray:
-    length = float(np.hypot(*(end - start)))
-    return (end - start) * (reach / length) if length > 0.0 else np.zeros(2)

@@ -1,5 +1,7 @@
 """Read a drawing by the ending of its name."""
 
+from dataclasses import replace
+
 from la_core.drawing.dxf import read_dxf
 from la_core.drawing.outlines import Drawn
 from la_core.drawing.svg import read_svg
@@ -28,4 +30,5 @@ def read_outlines(suffix: str, content: bytes, unit: float | None, sagitta: floa
     ImportError
         The reader of DXF files is not installed.
     """
-    return (read_svg if suffix.lower() == ".svg" else read_dxf)(content, unit, sagitta)
+    drawn = (read_svg if suffix.lower() == ".svg" else read_dxf)(content, unit, sagitta)
+    return replace(drawn, sagitta=sagitta)

@@ -10,6 +10,8 @@ from la_core.geometry import Blocks, group_members, near_pairs, overlap_of, plan
 WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
 TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
 LEAST_OVERLAP = 1e-6  # of the face: less is an edge
+EXACT = 1e-7  # m: faces this close touch as drawn
+COVERED = 0.999  # of its area: such a face touches others all over
 
 
 @dataclass(frozen=True)
@@ -90,15 +92,40 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     gap /= np.sum(normal_b * normal_a, axis=1)[ring]
     widest = np.zeros(len(pair))
     np.maximum.at(widest, ring, np.abs(gap))
-    kept = widest <= limit[pair]
-    of_kept = kept[ring]
+    area = np.zeros(len(pair))
+    near = np.flatnonzero(widest <= limit[pair])
+    if len(near):
+        area[near] = shapely.area(overlap_of(_polygons(parts, face_a[near], face_a[near]), _polygons(parts, face_b[near], face_a[near])))
+    kept = (widest <= limit[pair]) & ~_is_needless(parts, face_a, face_b, area, widest)
+    of_kept, area = kept[ring], area[kept]
     sizes = np.bincount(ring, minlength=len(pair))[kept]
     middle = corners + 0.5 * gap[:, None] * normal_a[ring]
-    polygons = _polygons(parts, face_a[kept], face_a[kept]), _polygons(parts, face_b[kept], face_a[kept])
-    area = shapely.area(overlap_of(*polygons)) if kept.any() else np.zeros(0)
     angle = np.arccos(np.clip(cosine[kept], -1.0, 1.0))
     start = np.concatenate([[0], np.cumsum(sizes)])
     return Facing(face_a[kept], face_b[kept], angle, area, middle[of_kept], gap[of_kept], start, aligned)
+
+
+def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np.ndarray, widest: np.ndarray) -> np.ndarray:
+    """Mask of the pairs with a gap of which one face touches others all over: nothing is left to close there.
+
+    Next to its own chord, a chord of a curve faces the chords before and after it across a narrow wedge. area: of their overlap, m2.
+    """
+    touches = (widest <= EXACT) & (area > 0.0)
+    covered = np.zeros(len(parts.face_normal))
+    for face in (face_a, face_b):
+        np.add.at(covered, face[touches], area[touches])
+    is_whole = covered >= COVERED * face_areas(parts)
+    return (widest > EXACT) & (is_whole[face_a] | is_whole[face_b])
+
+
+def face_areas(parts: Blocks) -> np.ndarray:
+    """Area (F,) of every face, m2."""
+    following = np.arange(1, len(parts.face_vertex) + 1)
+    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
+    first = np.repeat(parts.face_start[:-1], np.diff(parts.face_start))
+    origin = parts.vertices[parts.face_vertex[first]]
+    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[following]] - origin
+    return 0.5 * np.linalg.norm(np.add.reduceat(np.cross(corner, after), parts.face_start[:-1]), axis=1)
 
 
 def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:

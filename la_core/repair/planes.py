@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from la_core.geometry import Blocks
-from la_core.repair.facing import Facing
+from la_core.repair.facing import Facing, face_areas
 
 OWN_CORNERS = 1e-3  # weight of the corners of the faces beside the points half way: they decide where an overlap is a mere strip
 ROUNDS = 3  # a pair refused at first may fit once its groups have grown
@@ -98,16 +98,6 @@ def common_planes(parts: Blocks, pairs: Facing, twins: np.ndarray, limit: np.nda
             signs = np.array(group.signs)
             normal[group.faces], offset[group.faces] = signs[:, None] * group.normal, signs * group.offset
     return normal, offset, closed
-
-
-def face_areas(parts: Blocks) -> np.ndarray:
-    """Area (F,) of every face, m2."""
-    following = np.arange(1, len(parts.face_vertex) + 1)
-    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
-    first = np.repeat(parts.face_start[:-1], np.diff(parts.face_start))
-    origin = parts.vertices[parts.face_vertex[first]]
-    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[following]] - origin
-    return 0.5 * np.linalg.norm(np.add.reduceat(np.cross(corner, after), parts.face_start[:-1]), axis=1)
 
 
 def _single(parts: Blocks, face: int, area: float, limit: float) -> Group:

@@ -8,8 +8,9 @@ from la_core.scene.scene import Scene
 LISTED = 10  # of the places that could not be repaired
 ROUND_OFF = 1e-7  # m: a smaller move changed nothing
 WHAT_WAS_LEFT = {
+    "openings": "openings, in which nothing is built",
     "doubles": "outlines drawn twice, dropped",
-    "specks": "outlines without area, dropped",
+    "specks": "outlines without area or thinner than the tolerance, dropped",
     "loose_lines": "lines that enclose nothing, dropped",
     "in_openings": "outlines within openings, dropped",
     "straightened": "outlines made convex within the tolerance",

@@ -3,28 +3,71 @@
 import importlib.util
 import json
 import math
+import re
+from fnmatch import fnmatchcase
 from pathlib import Path, PurePosixPath
 
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, cleaned, open_words, read_outlines
+from la_core.drawing import (
+    DRAWING_FORMATS,
+    HIDDEN,
+    UNITS,
+    Cleaned,
+    Drawn,
+    Outline,
+    around_words,
+    cleaned,
+    open_words,
+    read_outlines,
+    stray_words,
+)
 from la_core.errors import SceneError
-from la_core.scene.generators.drawings import INSTALL_DRAWING
+from la_core.scene.generators.drawings import INSTALL_DRAWING, nothing_found
 from la_core.scene.generators.mesh import mesh_blocks, read_files
 from la_core.scene.plausibility import SIZE
 from la_core.scene.schema.mesh import FORMATS, Mesh
 from la_core.scene.schema.types import LARGEST_FILE
 
 SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
-WORDS = {  # of which a layer's or a body's name may consist, for each list; the first list counts
-    "ignore": ("dim", "text", "bema", "hatch", "schraff", "axis", "achs", "frame", "rahmen", "defpoints", "note", "quote"),
-    "openings": ("opening", "window", "door", "void", "fenster", "öffnung", "oeffnung", "aperture", "finestr", "hueco"),
-    "support": ("support", "settl", "sink", "setz", "cediment", "asient", "tassement"),
-    "ground": ("ground", "fix", "earth", "foundation", "footing", "boden", "fundament", "terren", "suelo", "fondazion", "cimient"),
+WORDS = {  # patterns for one word of a layer's or a body's name, for each list; the first list counts
+    "ignore": (
+        *("dim", "dims", "dimension*", "text", "texts", "texte*", "bema*", "hatch*", "schraff*"),
+        *("axis", "axes", "achs*", "frame", "rahmen", "defpoints", "note", "notes", "quote*"),
+    ),
+    "openings": (
+        *("opening*", "window*", "door*", "void*", "*fenster*", "*öffnung*", "*oeffnung*"),
+        *("aperture*", "finestr*", "hueco*"),
+    ),
+    "support": ("support", "supports", "settl*", "sink*", "setz*", "cediment*", "asient*", "tassement*"),
+    "ground": (
+        *("ground*", "fix", "fixed", "earth", "foundation*", "footing*", "boden*", "*fundament*"),
+        *("terren*", "suelo*", "fondazion*", "cimient*"),
+    ),
 }
+OF_STONE = (  # patterns for words for stones: the jambs of a window are no opening
+    *(
+        "jamb*",
+        "surround*",
+        "voussoir*",
+        "lintel*",
+        "sill*",
+        "arch",
+        "arches",
+        "quoin*",
+        "reveal*",
+        "stone*",
+        "block*",
+        "brick*",
+        "masonry",
+    ),
+    *("*stein*", "*ziegel*", "gewände*", "*sturz*", "architrav*", "stipit*", "dintel*", "linteau*"),
+)
+MEANING = {"ignore": "not read", "openings": "nothing is built there", "support": "moves", "ground": "stays"}  # of each list
 THICKNESS = 0.4  # m, written where a drawing cannot say it
 TOLERANCE = 0.003  # m
+SHORTEST = 0.05  # m: most blocks are longer
 LARGEST_SIZE = 500.0  # m: a larger structure is drawn in mm
 WIDEST_JOINT, LEAST_JOINT = 0.03, 0.001  # m: neighbours farther apart have no joint; closer ones need no mortar
 WEDGE = 1.3  # of the width of a joint at its narrow end
@@ -60,28 +103,31 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
         raise SceneError(str(source), "DXF files are read by ezdxf, which is not installed", hint=INSTALL_DRAWING)
     try:
         unit, said = _unit(source.suffix, content)
-        drawn = read_outlines(source.suffix, content, UNITS[unit], CURVE)
+        drawn = read_outlines(source.suffix, content, UNITS.get(unit), CURVE)
         layers = sorted({layer for layer, _ in drawn.places})
         lists = {key: [layer for layer in layers if _list_of(layer) == key] for key in WORDS}
         clean = cleaned(drawn.without(lambda layer, _: layer in lists["ignore"]), TOLERANCE)
     except ValueError as error:
         raise SceneError(str(source), str(error)) from error
     if not clean.outlines:
-        raise SceneError(str(source), "holds no closed outline", hint=f"it has {clean.loose} lines that enclose nothing")
-    counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers}
+        raise SceneError(str(source), "holds no closed outline", hint=nothing_found(clean, drawn))
+    counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers if layer not in lists["ignore"]}
     counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
     joints = _joint_width(clean)
     points = np.concatenate([outline.points for outline in clean.outlines if outline.layer not in lists["openings"]] or [np.zeros((1, 2))])
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
-    rows.append(f'unit      = "{unit}"{_doubt(said, clean)}')
+    rows.append(
+        f'unit      = "{unit}"{_doubt(said, clean)}' if unit else f"# one unit of the file is {drawn.unit:g} m{_doubt(said, clean)}"
+    )
     rows.append(f"thickness = {THICKNESS}   # m, CHECK: a drawing does not say it; thickness_of = {{ LAYER = 0.6 }} for others")
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
-    rows += [f"{key:9} = {_array(names)}" for key, names in lists.items() if names]
-    rows += _left_out(drawn, clean)
+    rows += [f"{key:9} = {_array(names)}   # CHECK: {MEANING[key]}; guessed from the name" for key, names in lists.items() if names]
+    blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
+    rows += _left_out(drawn, clean, blocks)
     if lists["support"] and not lists["ground"]:
         rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")
-    built = [layer for layer in layers if counts[layer] and layer not in lists["ignore"] + lists["openings"]]
+    built = [layer for layer, count in counts.items() if count and layer not in lists["openings"]]
     if len(built) > 1:
         rows.append(f"# joints of another friction: a [[friction]] table with between = {_array([f'layer:{name}' for name in built[:2]])}")
     held = lists["ground"] + lists["support"]
@@ -95,16 +141,18 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
 
 
 def _doubt(said: bool, clean: Cleaned) -> str:
-    """A comment on the unit, where the file does not say it, or most blocks are larger than any that walls are built of."""
+    """A comment on the unit, where the file does not say it, or most blocks are larger or smaller than any that walls are built of."""
     size = float(np.median([np.ptp(outline.points, axis=0).max() for outline in clean.outlines]))
-    if said and size > SIZE[1]:
-        return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m long or more"
+    if said and not SHORTEST <= size <= SIZE[1]:
+        more = "long or more" if size > SIZE[1] else "long or less; a drawing to scale, as 1 : 50, needs the scale in its unit"
+        return f"  # CHECK: the file says it, and most blocks are then {size:.3g} m {more}"
     return "" if said else "  # CHECK: the file does not say it"
 
 
-def _left_out(drawn: Drawn, clean: Cleaned) -> list[str]:
-    """Comments on outlines that are not closed, and on what the drawing hides."""
-    rows = [f"# CHECK: {open_words(clean.open_outlines)}"] if clean.open_outlines else []
+def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
+    """Comments on what is open, divides nothing or lies around others, and on what the drawing hides."""
+    told = (open_words(clean.open_outlines), stray_words(clean.stray(blocks)), around_words(clean.around))
+    rows = [f"# CHECK: {words}" for words in told if words]
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
     return rows
@@ -122,12 +170,10 @@ def _content(source: Path) -> bytes:
 
 
 def _unit(suffix: str, content: bytes) -> tuple[str, bool]:
-    """Unit of a drawing, and whether the file says it; a structure of more than 500 m is one in mm."""
+    """Unit of a drawing, and whether the file says it, "" for one without a name; a structure of more than 500 m is one in mm."""
     try:
         metres = read_outlines(suffix, content, None, CURVE).unit
-        return min(
-            UNITS, key=lambda name: abs(math.log(UNITS[name] / metres))
-        ) if metres in UNITS.values() else "mm", metres in UNITS.values()
+        return next((name for name, size in UNITS.items() if math.isclose(size, metres, rel_tol=1e-6)), ""), True
     except ValueError:
         drawn = read_outlines(suffix, content, 1.0, CURVE)
         points = [outline.points for outline in drawn.outlines] + [line for lines in drawn.lines.values() for line in lines]
@@ -136,8 +182,14 @@ def _unit(suffix: str, content: bytes) -> tuple[str, bool]:
 
 
 def _list_of(name: str) -> str:
-    """The list of a `[[drawing]]` that a layer's name suggests; "" for none."""
-    return next((key for key, words in WORDS.items() if any(word in name.lower() for word in words)), "")
+    """The list of a `[[drawing]]` that the words of a layer's name suggest; "" for none."""
+    words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-zäöü])(?=[A-ZÄÖÜ])", " ", name))
+
+    def has(patterns: tuple[str, ...]) -> bool:
+        return any(fnmatchcase(word.lower(), pattern) for word in words for pattern in patterns)
+
+    key = next((key for key, patterns in WORDS.items() if has(patterns)), "")
+    return "" if key == "openings" and has(OF_STONE) else key
 
 
 def _joint_width(clean: Cleaned) -> float:

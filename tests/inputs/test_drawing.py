@@ -218,7 +218,8 @@ def test_an_outline_that_is_not_closed_is_warned_of(points: list[tuple[float, fl
         tmp_path, dxf([polyline(BASE, "B"), polyline(points, "BRICK", closed=False), polyline(ABOVE, "B"), crack]), shift=[2.0, 1.0]
     )
     assert len(scene.blocks) == 2
-    (warning,) = scene.warnings
+    warning, of_crack = scene.warnings
+    assert '1 line on layer "CRACK"' in of_crack
     x, z = points[0]
     place = f"({2.0 + 1e-3 * x:.4g}, {1.0 + 1e-3 * z:.4g}) m"
     assert all(words in warning for words in ('"wall.dxf"', 'layer "BRICK"', place, "open by 12 mm, so it is left out", "close"))

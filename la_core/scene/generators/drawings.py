@@ -10,7 +10,19 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import UNITS, Cleaned, OpenOutline, Outline, cleaned, open_words, read_outlines
+from la_core.drawing import (
+    UNITS,
+    Cleaned,
+    Drawn,
+    LeftOut,
+    OpenOutline,
+    Outline,
+    around_words,
+    cleaned,
+    open_words,
+    read_outlines,
+    stray_words,
+)
 from la_core.errors import SceneError, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -43,6 +55,10 @@ class DrawnBlocks:
         tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
     open_outlines : tuple of OpenOutline
         Those of the loose lines that were meant to be outlines, where the structure stands.
+    stray_lines : tuple of LeftOut
+        Those of the loose lines that lie in blocks.
+    around : tuple of LeftOut
+        Outlines around others, which are left out.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
     """
@@ -58,6 +74,8 @@ class DrawnBlocks:
     straightened: int
     in_openings: int
     open_outlines: tuple[OpenOutline, ...]
+    stray_lines: tuple[LeftOut, ...]
+    around: tuple[LeftOut, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
@@ -65,9 +83,14 @@ class DrawnBlocks:
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """A sentence on the outlines that are not closed."""
-        words = open_words(self.open_outlines)
-        return (f'drawing "{self.file}": {words}; close what is open in the drawing.',) if words else ()
+        """Sentences on outlines that are not closed, lines that divide no block, and outlines around others."""
+        open_ones = open_words(self.open_outlines)
+        told = (
+            f"{open_ones}; close what is open in the drawing" if open_ones else "",
+            stray_words(self.stray_lines),
+            around_words(self.around),
+        )
+        return tuple(f'drawing "{self.file}": {words}.' for words in told if words)
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:
@@ -110,14 +133,30 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     built = [one for one, is_outside in zip(built, outside, strict=True) if is_outside]
     if not built:
         rule = "holds no closed outline" if not clean.outlines else "holds no outline of a block"
-        raise SceneError(_at(table), rule, hint=f"it has {clean.loose} lines that enclose nothing")
+        raise SceneError(_at(table), rule, hint=nothing_found(clean, drawn))
     if len(built) > MOST_BLOCKS:
         raise SceneError(_at(table), f"holds {len(built)} outlines; at most {MOST_BLOCKS} are allowed")
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    open_ones = tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in clean.open_outlines)
-    return shapes, DrawnBlocks(table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, drawn.ignored)
+    left_out = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around)
+    open_ones, stray, around = (_shifted(some, table) for some in left_out)
+    return shapes, DrawnBlocks(
+        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, drawn.ignored
+    )
+
+
+def nothing_found(clean: Cleaned, drawn: Drawn) -> str:
+    """Why a drawing holds no outline of a block: what is open, what encloses nothing, and what was not read."""
+    if clean.open_outlines:
+        return open_words(clean.open_outlines)
+    unread = ", ".join(f"{count} {kind}" for kind, count in drawn.ignored.items())
+    return f"it has {len(clean.idle)} lines that enclose nothing" + (f"; not read: {unread}" if unread else "")
+
+
+def _shifted(left_out: tuple[Any, ...], table: Drawing) -> tuple[Any, ...]:
+    """What is left out, with its places where the structure stands."""
+    return tuple(replace(one, x=one.x + table.shift[0], z=one.z + table.shift[1]) for one in left_out)
 
 
 def _at(table: Drawing) -> str:

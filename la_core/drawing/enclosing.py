@@ -1,0 +1,212 @@
+"""Outlines that lines enclose: their ends meet, curves pass through the ends of lines on them, and lines divide outlines."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+import scipy
+import shapely
+
+SAMPLES = 8  # points of a line that tell where most of it lies
+TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
+SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
+LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
+
+
+def enclosed(
+    lines: Sequence[np.ndarray], snap: float, sagitta: float, outlines: Sequence[np.ndarray] = ()
+) -> tuple[list[np.ndarray], np.ndarray, list[np.ndarray]]:
+    """Outlines (n, 2) that lines enclose together, the mask of the lines that bound none, and the outlines around others.
+
+    Ends of lines closer to each other than `snap` (m) meet. An end that meets no other reaches on by twice as much,
+    so that a line that stops just short of another one meets it. Where a line ends on a curve, whose chords are off by up to
+    `sagitta` (m), the chords go through its end. Closed outlines (n, 2) take part: lines may divide them, or end on them. A line
+    that runs along one that stays whole does not bound it.
+    """
+    every = [*lines, *(np.concatenate([outline, outline[:1]]) for outline in outlines)]
+    ends = _merged(np.concatenate([[line[0], line[-1]] for line in every]), snap)
+    _, number, uses = np.unique(ends, axis=0, return_inverse=True, return_counts=True)
+    lone = uses[number.ravel()] == 1
+    pairs = ends.reshape(-1, 2, 2)
+    joined = [np.concatenate([[first], line[1:-1], [last]]) for line, (first, last) in zip(every, pairs, strict=True)]
+    joined = _through(joined, ends, lone, snap, sagitta)
+    drawn = np.array([_reaching(line, free, 2.0 * snap) for line, free in zip(joined, lone.reshape(-1, 2), strict=True)])
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(shapely.unary_union(drawn))))
+    is_around = shapely.get_num_interior_rings(faces) > 0
+    inner = faces[~is_around]
+    idle = _share(drawn[: len(lines)], shapely.boundary(inner[~_is_whole(inner, outlines)]), snap) < 0.5
+    return _corners(inner), idle, _corners(faces[is_around])
+
+
+def _is_whole(faces: np.ndarray, outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask of the faces that are one of the outlines (n, 2), and no part of it."""
+    mask = np.zeros(len(faces), dtype=bool)
+    if len(faces) and outlines:
+        polygons = _polygons(outlines)
+        face, outline = shapely.STRtree(polygons).query(shapely.point_on_surface(faces), predicate="within")
+        mask[face[np.isclose(shapely.area(faces[face]), shapely.area(polygons[outline]), rtol=SAME_AREA, atol=0.0)]] = True
+    return mask
+
+
+def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: float) -> np.ndarray:
+    """Mask of the outlines (n, 2) that a line touches or crosses, to within `near` (m)."""
+    mask = np.zeros(len(outlines), dtype=bool)
+    if outlines and lines:
+        rings = np.array([shapely.LinearRing(outline) for outline in outlines])
+        mask[shapely.STRtree(rings).query(_strings(lines), predicate="dwithin", distance=near)[1]] = True
+    return mask
+
+
+def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lines that may divide outlines, and the outlines: indices (m,) of both.
+
+    Such a line has its middle in the outline, and ends on it or on another line, to within `near` (m). An axis of the structure goes
+    beyond the outline, and a crack or a tool mark ends in it.
+    """
+    if not outlines or not lines:
+        return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
+    polygons, drawn = _polygons(outlines), _strings(lines)
+    line, outline = shapely.STRtree(polygons).query(shapely.line_interpolate_point(drawn, 0.5, normalized=True), predicate="within")
+    boundary = shapely.boundary(polygons)[outline]
+    for end in (0, -1):
+        tip = shapely.get_point(drawn, end)[line]
+        met, meets = shapely.STRtree(drawn).query(tip, predicate="dwithin", distance=near)
+        is_on_line = np.isin(np.arange(len(line)), met[meets != line[met]]) & shapely.dwithin(tip, polygons[outline], near)
+        kept = shapely.dwithin(tip, boundary, near) | is_on_line
+        line, outline, boundary = line[kept], outline[kept], boundary[kept]
+    return line, outline
+
+
+def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, sagitta: float) -> list[np.ndarray]:
+    """Outlines (n, 2) into which lines divide an outline (n, 2); it alone where they do not."""
+    faces, _, around = enclosed(lines, snap, sagitta, [outline])
+    return faces if len(faces) > 1 and not around else [outline]
+
+
+def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Mask of the lines (n, 2) of which most lies in outlines."""
+    return _share(_strings(lines), _polygons(outlines), 0.0) > 0.5 if lines and outlines else np.zeros(len(lines), dtype=bool)
+
+
+def conforming(outlines: Sequence[np.ndarray], snap: float, sagitta: float) -> list[np.ndarray]:
+    """Outlines (n, 2) whose curves go through the corners of their neighbours on them, so that both have the same chords.
+
+    Stones on both sides of a curve divide it at corners of their own. Chords between these would overlap and leave gaps of up to
+    `sagitta` (m).
+    """
+    curved = [k for k, outline in enumerate(outlines) if _turns(_round(outline)).any()]
+    if not curved:
+        return list(outlines)
+    start = np.cumsum([0, *(len(outline) for outline in outlines)])
+    owner = np.repeat(np.arange(len(outlines)), np.diff(start))
+    rings = np.array([shapely.LinearRing(outlines[k]) for k in curved])
+    corners = np.concatenate(outlines)
+    corner, on = shapely.STRtree(rings).query(shapely.points(corners), predicate="dwithin", distance=snap + sagitta)
+    polygons = _polygons(outlines)
+    touch = shapely.dwithin(polygons[owner[corner]], polygons[curved][on], TOUCHING)  # open joints stay as they are drawn
+    corner, on = corner[touch], on[touch]
+    shared = np.unique(corner)
+    corners[shared] = _merged(corners[shared], snap)  # of neighbours
+    conformed = [corners[first:last] for first, last in pairwise(start)]
+    for k, outline in enumerate(curved):
+        near = np.unique(corners[corner[(on == k) & (owner[corner] != outline)]], axis=0)
+        apart = scipy.spatial.cKDTree(conformed[outline]).query(near)[0] > snap
+        conformed[outline] = _with_points(_round(conformed[outline]), near[apart], snap, sagitta)[:-2]
+    return conformed
+
+
+def _round(outline: np.ndarray) -> np.ndarray:
+    """An outline (n, 2) with its first two corners again at the end, so that it turns at every corner."""
+    return np.concatenate([outline, outline[:2]])
+
+
+def _polygons(outlines: Sequence[np.ndarray]) -> np.ndarray:
+    return np.asarray(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
+
+
+def _strings(lines: Sequence[np.ndarray]) -> np.ndarray:
+    return np.array([shapely.LineString(line) for line in lines])
+
+
+def _corners(faces: np.ndarray) -> list[np.ndarray]:
+    return [shapely.get_coordinates(shapely.get_exterior_ring(face))[:-1] for face in faces]
+
+
+def _share(lines: np.ndarray, shapes: np.ndarray, near: float) -> np.ndarray:
+    """Share of each line that lies in, on or near shapes, by SAMPLES of its points."""
+    shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    points = shapely.line_interpolate_point(lines[:, None], shares, normalized=True).ravel()
+    hit = np.zeros(len(points), dtype=bool)
+    hit[shapely.STRtree(shapes).query(points, predicate="dwithin", distance=near)[0]] = True
+    return np.asarray(hit.reshape(-1, SAMPLES).mean(axis=1))
+
+
+def _merged(points: np.ndarray, snap: float) -> np.ndarray:
+    """Points (n, 2), each group of points closer than `snap` replaced by its first one."""
+    pairs = scipy.spatial.cKDTree(points).query_pairs(snap, output_type="ndarray") if snap > 0.0 else np.zeros((0, 2), dtype=int)
+    first = np.arange(len(points))
+    for a, b in pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].tolist():
+        first[b] = min(first[b], first[a])
+    return points[first]
+
+
+def _through(lines: list[np.ndarray], ends: np.ndarray, lone: np.ndarray, snap: float, sagitta: float) -> list[np.ndarray]:
+    """Lines that go through the ends (n, 2) of other lines on them; a lone end on a straight line reaches it by itself."""
+    strings, tips = _strings(lines), shapely.points(ends)
+    tip, line = shapely.STRtree(strings).query(tips, predicate="dwithin", distance=snap + sagitta)
+    for end in (0, -1):
+        apart = ~shapely.dwithin(tips[tip], shapely.get_point(strings[line], end), snap)
+        tip, line = tip[apart], line[apart]
+    through = list(lines)
+    for j in np.unique(line).tolist():
+        on_it = tip[line == j]
+        through[j] = _with_points(lines[j], ends[on_it], snap, sagitta, lone[on_it])
+    return through
+
+
+def _with_points(line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray | None = None) -> np.ndarray:
+    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them; `lone` as in `_place_on`."""
+    places: dict[tuple[float, float], tuple[int, float]] = {}
+    for k, point in enumerate(points):
+        place = _place_on(line, point, snap, sagitta, lone is None or bool(lone[k]))
+        if place is not None:
+            places[float(point[0]), float(point[1])] = place
+    order = sorted(places, key=lambda point: places[point])
+    return np.insert(line, [places[point][0] + 1 for point in order], np.array(order).reshape(-1, 2), axis=0)
+
+
+def _place_on(line: np.ndarray, point: np.ndarray, snap: float, sagitta: float, is_lone: bool) -> tuple[int, float] | None:
+    """Number of the chord of a line (n, 2) that has to go through a point, and where along it; None for no chord.
+
+    The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
+    """
+    along = np.diff(line, axis=0)
+    length = np.hypot(*along.T)
+    share = np.clip(((point - line[:-1]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
+    off = np.hypot(*(line[:-1] + share[:, None] * along - point).T)
+    chord = int(np.argmin(off))
+    turn = _turns(line)
+    beside = max((float(turn[k]) for k in (chord - 1, chord) if 0 <= k < len(turn)), default=0.0)
+    bend = min(sagitta, 0.25 * float(length[chord]) * beside)
+    is_on_it = off[chord] <= snap + bend and (bend > 0.0 or not is_lone)
+    return (chord, float(share[chord])) if is_on_it and 0.0 < share[chord] < 1.0 else None
+
+
+def _turns(line: np.ndarray) -> np.ndarray:
+    """Turn (n - 2,) from each chord of a line (n, 2) to the next one, rad; 0 where it is the corner of a stone."""
+    along = np.diff(line, axis=0)
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    turn = np.abs((np.diff(angle) + np.pi) % (2.0 * np.pi) - np.pi)
+    return np.where((turn > LEAST_TURN) & (turn <= MOST_TURN), turn, 0.0)
+
+
+def _reaching(line: np.ndarray, free: np.ndarray, reach: float) -> shapely.LineString:
+    """A line whose free ends (2,) reach on by `reach` (m)."""
+    before = [line[0] + _ahead(line[1], line[0], reach)] if free[0] else []
+    after = [line[-1] + _ahead(line[-2], line[-1], reach)] if free[1] else []
+    return shapely.LineString(np.concatenate([np.reshape(before, (-1, 2)), line, np.reshape(after, (-1, 2))]))
+
+
+def _ahead(start: np.ndarray, end: np.ndarray, reach: float) -> np.ndarray:
+    length = float(np.hypot(*(end - start)))
+    return (end - start) * (reach / length) if length > 0.0 else np.zeros(2)
