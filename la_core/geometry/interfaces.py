@@ -17,6 +17,7 @@ from la_core.geometry.polygons import group_members, overlap_of, plane_axes, pol
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 MOST_MORTAR = 0.05  # m: a wider gap is no joint
+NO_GAP = 1e-9  # m
 MOST_NAMED = 4  # overlaps that one message names
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
 
@@ -262,7 +263,10 @@ def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
     low, high = blocks.low[some][:, None], blocks.high[some][:, None]
     gap = np.linalg.norm(np.maximum(np.maximum(blocks.low[others] - high, low - blocks.high[others]), 0.0), axis=2)
     one, near = np.unravel_index(np.argmin(gap), gap.shape)
-    told = f'"{blocks.names[others[near]]}" is nearest to "{blocks.names[some[one]]}", about {gap.min():.3g} m away'
+    told = f'"{blocks.names[others[near]]}" is nearest to "{blocks.names[some[one]]}"'
+    if gap.min() <= NO_GAP:
+        return f"{told} and meets it at most in an edge or a corner, which carries nothing"
+    told += f", about {gap.min():.3g} m away"
     return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else "")
 
 

@@ -162,7 +162,7 @@ def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndar
     left = np.array([shape is not None for shape in shapes])
     gone = np.setdiff1d(owner, owner[left])
     if len(gone):
-        raise _nothing_left(parts.names[int(np.argmax(owner == gone[0]))])
+        raise _nothing_left(parts, int(np.argmax(owner == gone[0])))
     return [shape for shape in shapes if shape is not None], owner[left]
 
 
@@ -182,9 +182,10 @@ def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: fl
         return None
 
 
-def _nothing_left(name: str) -> SceneError:
-    hint = "take a smaller tolerance, or remove the block"
-    return SceneError(f'block "{name}"', "is so thin that nothing of it would be left", hint=hint, blocks=[name])
+def _nothing_left(parts: Blocks, part: int) -> SceneError:
+    name, (x, _, z) = parts.names[part], parts.centroid[part]
+    rule = f"is so thin that nothing of it, near x = {x:.4g} m and z = {z:.4g} m, would be left"
+    return SceneError(f'block "{name}"', rule, hint="take a smaller tolerance, or remove the block", blocks=[name])
 
 
 @dataclass
@@ -227,7 +228,7 @@ def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
     size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
     rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
     if rest is None:
-        raise _nothing_left(parts.names[cut])
+        raise _nothing_left(parts, cut)
     return cut, rest
 
 

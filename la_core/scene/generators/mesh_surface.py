@@ -115,7 +115,8 @@ def _refuse_unpaired_edges(faces: list[np.ndarray]) -> None:
     if np.any(uses == 1):
         raise ValueError(f"is open: {np.sum(uses == 1)} of its {len(uses)} edges lack a partner")
     if np.any(uses > 2):
-        raise ValueError(f"is not the surface of one body: {np.sum(uses > 2)} of its {len(uses)} edges belong to more than two faces")
+        several = f"{np.sum(uses > 2)} of its {len(uses)} edges belong to more than two faces"
+        raise ValueError(f"is not the surface of one body: {several}; give every body its own object, group or file")
     forward = np.bincount(edge, weights=np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0))
     if np.any(forward != 0.0):
         raise ValueError(f"has inconsistent normals: {np.sum(forward != 0.0)} of its {len(uses)} edges run the same way in both faces")
