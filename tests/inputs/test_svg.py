@@ -77,3 +77,171 @@ def test_smooth_curves_reflect_only_their_own_family(name: str) -> None:
 )
 def test_a_path_that_breaks_the_grammar_is_refused(path: str, words: str) -> None:
     assert words in refusal(f'<path d="{path}"/>')
+
+
+RECT = '<rect x="0" y="0" width="{0}" height="{1}"/>'
+
+
+@pytest.mark.parametrize(
+    ("length", "pixels"),
+    [("96px", 96.0), ("1in", 96.0), ("2.54cm", 96.0), ("25.4mm", 96.0), ("101.6Q", 96.0), ("72pt", 96.0), ("6pc", 96.0), (" 96 ", 96.0)],
+)
+def test_lengths_have_the_units_of_css(length: str, pixels: float) -> None:
+    """On a page with a view box a pixel is a user unit, here 1 mm."""
+    assert box(read(RECT.format(length, "500"))) == pytest.approx([0.0, -0.5, pixels * 1e-3, 0.0], rel=ROUND_OFF)
+    circle = box(read(f'<circle cx="{length}" cy="{length}" r="{length}"/>'))
+    assert circle == pytest.approx([0.0, -2e-3 * pixels, 2e-3 * pixels, 0.0], abs=2.0 * SAGITTA)
+
+
+@pytest.mark.parametrize("unit", [None, 1e-3])
+def test_lengths_without_a_view_box_are_those_of_the_page(unit: float | None) -> None:
+    drawn = read('<rect x="0" y="90cm" width="200cm" height="0.3m"/>', 'width="2000mm" height="1500mm"', unit)
+    assert box(drawn) == pytest.approx([0.0, -1.2, 2.0, -0.9], rel=ROUND_OFF)
+
+
+def test_percentages_are_shares_of_the_view_box() -> None:
+    """Of 1400 mm by 200 mm; the radius is of the root of half the sum of their squares, 1000 mm."""
+    page = 'width="1400mm" height="200mm" viewBox="0 0 1400 200"'
+    drawn = read('<rect x="10%" y="50%" width="50%" height="50%"/>', page)
+    assert box(drawn) == pytest.approx([0.14, -0.2, 0.84, -0.1], rel=ROUND_OFF)
+    assert box(read('<circle r="10%"/>', page)) == pytest.approx([-0.1, -0.1, 0.1, 0.1], abs=2.0 * SAGITTA)
+    assert box(read(RECT.format("50%", "50%"), 'width="2m" height="1m"')) == pytest.approx([0.0, -0.5, 1.0, 0.0], rel=ROUND_OFF)
+    inner = f'<svg x="50%" width="50%" height="100%">{RECT.format("50%", "100%")}</svg>'
+    assert box(read(inner)) == pytest.approx([1.0, -1.5, 1.5, 0.0], rel=ROUND_OFF)
+
+
+@pytest.mark.parametrize("length", ["wide", "12em", "3 4", "", "1e999", "auto", "5 %x"])
+def test_a_wrong_length_is_refused(length: str) -> None:
+    words = f'has a <rect> with width = "{length}", which is no number, alone or with a unit such as mm; write it so, as in "120mm"'
+    assert refusal(RECT.format(length, "500")) == words
+
+
+def test_a_percentage_of_nothing_is_refused() -> None:
+    words = 'has a <rect> with width = "50%", but no view box or page size that it is a share of; give the drawing a viewBox'
+    with pytest.raises(ValueError, match="has ") as error:
+        read(RECT.format("50%", "500"), "", unit=1e-3)
+    assert str(error.value) == words
+
+
+MOVED = {  # of a rectangle of 200 mm by 100 mm, to where it has its least and greatest x and z
+    "translate(100px, 300px)": [0.1, -0.4, 0.3, -0.3],
+    "translateX(100px) translateY(300px)": [0.1, -0.4, 0.3, -0.3],
+    "rotate(90deg)": [-0.1, -0.2, 0.0, 0.0],
+    "rotate(0.25turn)": [-0.1, -0.2, 0.0, 0.0],
+    "rotate(100grad)": [-0.1, -0.2, 0.0, 0.0],
+    "scale(2, 3)": [0.0, -0.3, 0.4, 0.0],
+    "scaleY(3)": [0.0, -0.3, 0.2, 0.0],
+    "skewX(45deg)": [0.0, -0.1, 0.3, 0.0],
+    "matrix(1, 0, 0, 1, 100, 300)": [0.1, -0.4, 0.3, -0.3],
+    "none": [0.0, -0.1, 0.2, 0.0],
+}
+
+
+@pytest.mark.parametrize("transform", MOVED)
+def test_transforms_of_css(transform: str) -> None:
+    drawn = read(f'<g style="transform: {transform}" transform="scale(7)">{RECT.format(200, 100)}</g>')
+    assert box(drawn) == pytest.approx(MOVED[transform], abs=ROUND_OFF)
+
+
+def test_a_rotation_has_a_centre_and_numbers_need_no_comma() -> None:
+    assert box(
+        read(f'<g transform-origin="0 0px" transform="rotate(180 100 50)translate(10-20)">{RECT.format(200, 100)}</g>')
+    ) == pytest.approx([-0.01, -0.12, 0.19, -0.02], abs=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    ("transform", "words"),
+    [
+        ("translate(50%)", 'has a transform translate with "50%"; its units may be px; write it as a plain number'),
+        ("rotate3d(1, 1, 1, 45deg)", 'has a transform with "rotate3d(1, 1, 1, 45deg)", which is not read'),
+        ("turn(45)", "has a transform turn, which is not read; apply it in the drawing program"),
+        ("scale(2", 'has a transform with "scale(2", which is not read'),
+        ("rotate(1 2)", "has a transform rotate with 2 numbers; it takes 1 or 3"),
+        ("rotate(1e999)", "has a transform rotate whose numbers are too large; apply it in the drawing program"),
+        (
+            'rotate(45)" transform-origin="5 0',
+            'has transform-origin = "5 0", which is not read; apply the transform in the drawing program',
+        ),
+        ("scale(1e200) scale(1e200)", "has a transform whose numbers are too large"),
+    ],
+)
+def test_a_transform_that_is_not_read_is_refused(transform: str, words: str) -> None:
+    assert words in refusal(f'<g transform="{transform}">{RECT.format(200, 100)}</g>')
+
+
+FITTED = {  # page and the size of 1000 by 1000 units on it, m
+    "meet": ('width="4000mm" height="1500mm" viewBox="0 0 2000 1500"', (1.0, 1.0)),
+    "slice": ('width="4000mm" height="1500mm" viewBox="0 0 2000 1500" preserveAspectRatio="xMidYMid slice"', (2.0, 2.0)),
+    "none": ('width="4000mm" height="1500mm" viewBox="0 0 2000 1500" preserveAspectRatio="none"', (2.0, 1.0)),
+    "none, flat": ('width="2000mm" height="3000mm" viewBox="0 0 2000 1500" preserveAspectRatio="none"', (1.0, 2.0)),
+    "width alone": ('width="4000mm" viewBox="0 0 2000 1500"', (2.0, 2.0)),
+    "rounded": ('width="2000mm" height="1500.4mm" viewBox="0 0 2000 1500"', (1.0, 1.0)),
+}
+
+
+@pytest.mark.parametrize("name", FITTED)
+def test_the_view_box_is_fitted_to_the_page(name: str) -> None:
+    page, (width, height) = FITTED[name]
+    drawn = read(RECT.format(1000, 1000), page)
+    assert box(drawn) == pytest.approx([0.0, -height, width, 0.0], rel=ROUND_OFF)
+    assert drawn.unit == min(width, height) * 1e-3
+
+
+NESTED = {  # a nested drawing that shows 100 by 100 units, and where these lie, m
+    "fitted": ('width="1000" height="1000" viewBox="0 0 100 100"', [0.2, -1.1, 1.2, -0.1]),
+    "in the middle": ('width="1000" height="500" viewBox="0 0 100 100"', [0.45, -0.6, 0.95, -0.1]),
+    "at the least": ('width="1000" height="500" viewBox="0 0 100 100" preserveAspectRatio="xMinYMin"', [0.2, -0.6, 0.7, -0.1]),
+    "at the most": ('width="1000" height="500" viewBox="0 0 100 100" preserveAspectRatio="xMaxYMax meet"', [0.7, -0.6, 1.2, -0.1]),
+    "slice": ('width="1000" height="500" viewBox="0 0 100 100" preserveAspectRatio="xMidYMid slice"', [0.2, -0.85, 1.2, 0.15]),
+    "stretched": ('width="1000" height="500" viewBox="0 0 100 100" preserveAspectRatio="none"', [0.2, -0.6, 1.2, -0.1]),
+    "box away from 0": ('width="1000" height="1000" viewBox="-50 50 100 100"', [0.7, -0.6, 1.7, 0.4]),
+    "no box": ("", [0.2, -0.2, 0.3, -0.1]),
+    "no size": ('viewBox="0 0 200 150"', [0.2, -1.1, 1.2, -0.1]),
+}
+
+
+@pytest.mark.parametrize("name", NESTED)
+def test_a_nested_drawing_is_fitted_to_its_place(name: str) -> None:
+    sides, place = NESTED[name]
+    assert box(read(f'<svg x="200" y="100" {sides}>{RECT.format(100, 100)}</svg>')) == pytest.approx(place, abs=ROUND_OFF)
+
+
+@pytest.mark.parametrize(
+    ("sides", "words"),
+    [
+        ('width="0" height="5" viewBox="0 0 1 1"', "has a nested <svg> whose width or height is not positive"),
+        ('viewBox="0 0 1"', 'has viewBox = "0 0 1", which is not x, y and a positive width and height'),
+        ('viewBox="0 0 1 0"', 'has viewBox = "0 0 1 0", which is not x, y and a positive width and height'),
+    ],
+)
+def test_a_nested_drawing_without_size_is_refused(sides: str, words: str) -> None:
+    assert words in refusal(f"<svg {sides}>{RECT.format(100, 100)}</svg>")
+
+
+ROUNDED = {  # attributes of a rectangle of 2000 mm by 300 mm, and the radii of its corners, mm
+    'rx="100"': (100.0, 100.0),
+    'ry="100"': (100.0, 100.0),
+    'rx="200" ry="50"': (200.0, 50.0),
+    'rx="5000" ry="100"': (1000.0, 100.0),
+    'rx="5000"': (1000.0, 150.0),
+    'rx="auto" ry="10%"': (150.0, 150.0),
+    'rx="0" ry="50"': (0.0, 0.0),
+    'rx="-5"': (0.0, 0.0),
+}
+
+
+@pytest.mark.parametrize("radii", ROUNDED)
+def test_corners_of_a_rectangle_are_rounded(radii: str) -> None:
+    """Four quarters of an ellipse lack (4 - pi) rx ry of the rectangle; their chords lack less than their length times the sagitta."""
+    first, second = ROUNDED[radii]
+    drawn = read(f'<rect x="100" y="900" width="2000" height="300" {radii}/>')
+    lost = area(drawn) - (0.6 - (4.0 - np.pi) * first * second * 1e-6)
+    assert -2.0 * np.pi * max(first, second) * 1e-3 * SAGITTA - ROUND_OFF <= lost <= ROUND_OFF
+    assert box(drawn) == pytest.approx([0.1, -1.2, 2.1, -0.9], rel=ROUND_OFF)
+    assert shapely.Polygon(drawn.outlines[0].points).is_valid
+
+
+def test_a_corner_that_is_rounded_within_the_sagitta_stays_sharp() -> None:
+    drawn = read('<rect width="200" height="100" rx="10"/>', sagitta=0.005)
+    assert len(drawn.outlines[0].points) == 4
+    assert len(read('<rect width="200" height="100" rx="20"/>', sagitta=0.005).outlines[0].points) == 4 * 3
