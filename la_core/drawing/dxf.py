@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.drawing.outlines import Drawn
+from la_core.drawing.outlines import HIDDEN, Drawn
 
 INSERT_UNITS = {1: 0.0254, 2: 0.3048, 4: 1e-3, 5: 1e-2, 6: 1.0, 14: 1e-1}  # $INSUNITS of a DXF header, in m
 COLOURS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "white"}
@@ -14,7 +14,6 @@ BY_BLOCK, BY_LAYER = 0, 256
 CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_ENTITIES = 500_000
 DEEPEST = 20  # inserts within inserts
-HIDDEN = "hidden entities"  # kind of those on layers that are frozen or switched off
 LEAST_CHORDS = 2  # of a curve
 DWG = b"AC10"  # the first bytes of a DWG file
 

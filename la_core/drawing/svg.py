@@ -1,7 +1,7 @@
-"""Outlines of an SVG file: paths and shapes, with groups, transformations and the unit of the page.
+"""Outlines of an SVG file: paths and shapes, with groups, styles, transformations and the unit of the page.
 
 A drawing hangs from the upper left corner of its page; z is up, so heights are negative. Only what draws a line is
-read: text, images, clones and styles in sheets are not.
+read: text, images and clones are not.
 """
 
 import math
@@ -10,15 +10,17 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from la_core.drawing.outlines import Drawn
+from la_core.drawing.outlines import HIDDEN, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import SHAPES, shape_lines
+from la_core.drawing.svg_styles import StyleSheet, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 CONTAINERS = {"svg", "g", "a", "switch"}
 DEEPEST = 100  # groups within groups
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
+UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
 
 
 def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
@@ -35,12 +37,14 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     scale = unit or own
     if scale is None:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
-    reader = _Reader(Drawn(scale), sagitta)
+    reader = _Reader(Drawn(scale), sheet_of(root), sagitta)
     try:
         with np.errstate(over="ignore", invalid="ignore"):  # what is too large is refused below
             reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
     except OverflowError as error:
         raise ValueError(f"holds a number that is too large: {error}") from error
+    for _ in range(reader.sheet.unread):
+        reader.drawn.ignore(UNREAD_RULES)
     return reader.drawn
 
 
@@ -56,8 +60,8 @@ class _Around:
         What its lengths refer to.
     layer, colour : str
         Layer, and colour of what has none of its own.
-    displayed : bool
-        Whether no group is switched off.
+    displayed, visible : bool
+        Whether no group is switched off, and whether the last `visibility` shows it.
     """
 
     matrix: np.ndarray
@@ -65,13 +69,15 @@ class _Around:
     layer: str = ""
     colour: str = "none"
     displayed: bool = True
+    visible: bool = True
 
 
 @dataclass(frozen=True)
 class _Reader:
-    """Adds elements to a drawing; `sagitta` is the largest distance between a curve and its chords, m."""
+    """Adds elements to a drawing; `sheet` is its style sheet, `sagitta` the largest distance between a curve and its chords, m."""
 
     drawn: Drawn
+    sheet: StyleSheet
     sagitta: float
 
     def walk(self, element: ElementTree.Element, around: _Around, depth: int) -> None:
@@ -94,7 +100,7 @@ class _Reader:
 
     def _within(self, element: ElementTree.Element, kind: str, around: _Around) -> _Around:
         """What holds for an element and for what it holds."""
-        given = _properties(element)
+        given = self.sheet.properties(element, kind)
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
         displayed, matrix = around.displayed and given.get("display") != "none", around.matrix
         if displayed and "transform" in given:
@@ -107,12 +113,14 @@ class _Reader:
             matrix=matrix,
             colour=(fill if fill not in ("", "none") else stroke) or around.colour,
             displayed=displayed,
+            visible=given.get("visibility", "visible" if around.visible else "hidden") not in ("hidden", "collapse"),
         )
         return replace(here, layer=element.get(LABEL) or element.get("id") or here.layer) if kind == "g" else here
 
     def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
-        """Add the lines of a shape, unless it is hidden."""
-        if not here.displayed:
+        """Add the lines of a shape, or count it if it is hidden."""
+        if not (here.displayed and here.visible):
+            self.drawn.ignore(HIDDEN)
             return
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
         if not np.isfinite(here.matrix).all():
@@ -123,12 +131,6 @@ class _Reader:
 
 def _tag(element: ElementTree.Element) -> str:
     return element.tag.rsplit("}", 1)[-1] if isinstance(element.tag, str) else ""
-
-
-def _properties(element: ElementTree.Element) -> dict[str, str]:
-    """Attributes of an element, and what its attribute `style` says in their place."""
-    entries = (entry.partition(":") for entry in element.get("style", "").split(";"))
-    return {**element.attrib, **{name.strip(): value.strip() for name, _, value in entries}}
 
 
 def _largest_stretch(turn: np.ndarray) -> float:

@@ -1,10 +1,13 @@
 """What SVG says and how drawing programs use it: areas, places and layers computed by hand."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
 
 from la_core.drawing import Drawn, read_outlines
+from la_core.scene import scene_from_file
 
 PAGE = 'width="2000mm" height="1500mm" viewBox="0 0 2000 1500"'
 NAMES = 'xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"'
@@ -139,8 +142,9 @@ MOVED = {  # of a rectangle of 200 mm by 100 mm, to where it has its least and g
 
 @pytest.mark.parametrize("transform", MOVED)
 def test_transforms_of_css(transform: str) -> None:
-    drawn = read(f'<g style="transform: {transform}" transform="scale(7)">{RECT.format(200, 100)}</g>')
-    assert box(drawn) == pytest.approx(MOVED[transform], abs=ROUND_OFF)
+    for style in (f'<g style="transform: {transform}">', f"<style>.a {{transform: {transform}}}</style><g class='a' transform='scale(7)'>"):
+        drawn = read(f"{style}{RECT.format(200, 100)}</g>")
+        assert box(drawn) == pytest.approx(MOVED[transform], abs=ROUND_OFF)
 
 
 def test_a_rotation_has_a_centre_and_numbers_need_no_comma() -> None:
@@ -245,3 +249,75 @@ def test_a_corner_that_is_rounded_within_the_sagitta_stays_sharp() -> None:
     drawn = read('<rect width="200" height="100" rx="10"/>', sagitta=0.005)
     assert len(drawn.outlines[0].points) == 4
     assert len(read('<rect width="200" height="100" rx="20"/>', sagitta=0.005).outlines[0].points) == 4 * 3
+
+
+ONE = RECT.format(1000, 100)
+HIDING = {  # what hides one rectangle
+    "display": f'<g display="none">{ONE}</g>',
+    "display in a style": f'<g style="fill:red; display : none">{ONE}</g>',
+    "visibility": f'<g visibility="hidden">{ONE}</g>',
+    "collapsed": f'<g style="visibility:collapse">{ONE}</g>',
+    "class": f'<style>.st0{{display:none;}} .st1{{fill:#C0C0C0}}</style><g class="st1 st0">{ONE}</g>',
+    "id": f'<style>#old, #older {{ visibility: hidden }}</style><g id="older">{ONE}</g>',
+    "element": f"<style>g{{display:none}}</style><g>{ONE}</g>",
+    "any element of a class": f"<style>*.a{{display:none}}</style><g class='a'>{ONE}</g>",
+    "element and class": f"<style>g.a{{display:none}}</style><g class='a'>{ONE}</g>",
+    "sheet over attribute": f"<style>g{{display:none}}</style><g display='inline'>{ONE}</g>",
+    "important": f"<style>g{{display:none !important}}</style><g style='display:inline'>{ONE}</g>",
+    "later rule": f"<style>.a{{display:inline}} .a{{display:none}}</style><g class='a'>{ONE}</g>",
+    "class over element": f"<style>.a{{display:none}} g{{display:inline}}</style><g class='a'>{ONE}</g>",
+    "id over class": f"<style>#b{{display:none}} g.a{{display:inline}}</style><g class='a' id='b'>{ONE}</g>",
+    "within what is shown": f'<g display="none"><g display="inline" visibility="visible">{ONE}</g></g>',
+    "comment in the sheet": f"<style>/* {{ */ .a /* }} */ {{display:none}}</style><g class='a'>{ONE}</g>",
+    "after other rules": f"<style>@import url(a.css); @media print {{.b{{fill:red}}}} .a{{display:none}}</style><g class='a'>{ONE}</g>",
+    "sheet in defs": f"<defs><style><![CDATA[.a{{display:none}}]]></style></defs><g class='a'>{ONE}</g>",
+    "with what is not read": f'<g display="none" transform="turn(1)"><svg width="0">{ONE}</svg></g>',
+    "shape itself": '<rect width="1000" height="100" display="none"/>',
+}
+SHOWING = {  # what hides nothing
+    "style over sheet": f"<style>.a{{display:none}}</style><g class='a' style='display:inline'>{ONE}</g>",
+    "another class": f"<style>.a{{display:none}}</style><g class='aa b'>{ONE}</g>",
+    "element of another class": f"<style>rect.a{{display:none}}</style><g class='a'>{ONE}</g>",
+    "visible again": f'<g visibility="hidden"><g style="visibility:visible">{ONE}</g></g>',
+    "on paper": f"<style>@media print {{.a{{display:none}}}}</style><g class='a'>{ONE}</g>",
+    "under the pointer": f"<style>.a:hover{{display:none}}</style><g class='a'>{ONE}</g>",
+    "comment": f"<style>/* .a{{display:none}} */</style><g class='a'>{ONE}</g>",
+}
+
+
+@pytest.mark.parametrize("name", HIDING)
+def test_what_is_hidden_is_counted_and_not_read(name: str) -> None:
+    drawn = read(f'{HIDING[name]}<rect y="100" width="2000" height="100"/>')
+    assert area(drawn) == pytest.approx(0.2, rel=ROUND_OFF)
+    assert drawn.ignored == {"hidden entities": 1}
+
+
+@pytest.mark.parametrize("name", SHOWING)
+def test_what_is_not_hidden_is_read(name: str) -> None:
+    drawn = read(SHOWING[name])
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
+    assert drawn.ignored == {}
+
+
+def test_a_rule_that_depends_on_other_elements_is_counted() -> None:
+    """Such a rule may hide something, which is then read."""
+    drawn = read(f"<style>g .a{{display:none}} g > .b{{fill:red}} g .c{{font-size:3px}}</style><g><g class='a'>{ONE}</g></g>")
+    assert drawn.ignored == {"rules of style sheets": 2}
+
+
+def test_colours_come_from_styles() -> None:
+    sheet = "<style>.a{fill:RED} .b{fill:none;stroke:#00F}</style>"
+    given = ('class="a"', 'class="b"', 'class="a" style="fill:green"', "")
+    shapes = "".join(f'<rect width="100" height="100" {one}/>' for one in given)
+    drawn = read(f'{sheet}<g fill="grey">{shapes}</g>')
+    assert [outline.colour for outline in drawn.outlines] == ["red", "#00f", "green", "grey"]
+
+
+def test_new_says_that_something_is_hidden(tmp_path: Path) -> None:
+    shown = '<g id="wall"><rect width="1000" height="500"/><rect x="1000" width="1000" height="500"/></g>'
+    old = f'<g id="old_survey" class="st0">{ONE}{ONE}</g>'
+    text = f"<svg {NAMES} {PAGE}><style>.st0{{display:none;}}</style>{shown}{old}</svg>"
+    (tmp_path / "wall.svg").write_text(text, encoding="utf-8")
+    written = scene_from_file(tmp_path / "wall.svg", tmp_path)
+    assert "# CHECK: 2 entities that the drawing hides are left out" in written
+    assert "old_survey" not in written
