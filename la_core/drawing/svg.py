@@ -9,18 +9,21 @@ from dataclasses import dataclass, replace
 from xml.etree import ElementTree
 
 import numpy as np
+import shapely
 
 from la_core.drawing.outlines import HIDDEN, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
-from la_core.drawing.svg_shapes import SHAPES, shape_lines
+from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
 from la_core.drawing.svg_styles import StyleSheet, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 CONTAINERS = {"svg", "g", "a", "switch"}
 DEEPEST = 100  # groups within groups
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+UNPAINTED = {"none", "transparent"}
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
+SAME_POINT = 1e-9  # of the size of a line
 
 
 def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
@@ -60,6 +63,8 @@ class _Around:
         What its lengths refer to.
     layer, colour : str
         Layer, and colour of what has none of its own.
+    fill, stroke : str
+        Fill and stroke; "" where nothing gives them.
     displayed, visible : bool
         Whether no group is switched off, and whether the last `visibility` shows it.
     """
@@ -68,6 +73,8 @@ class _Around:
     viewport: Viewport
     layer: str = ""
     colour: str = "none"
+    fill: str = ""
+    stroke: str = ""
     displayed: bool = True
     visible: bool = True
 
@@ -112,6 +119,8 @@ class _Reader:
             around,
             matrix=matrix,
             colour=(fill if fill not in ("", "none") else stroke) or around.colour,
+            fill=fill or around.fill,
+            stroke=stroke or around.stroke,
             displayed=displayed,
             visible=given.get("visibility", "visible" if around.visible else "hidden") not in ("hidden", "collapse"),
         )
@@ -125,7 +134,8 @@ class _Reader:
         turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
         if not np.isfinite(here.matrix).all():
             raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
-        for points, closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300)):
+        for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300)):
+            closed = is_closed or (kind in FILLED and _is_filled(here) and _encloses(points))
             self.drawn.add(points @ turn.T + place, closed, here.layer, here.colour)
 
 
@@ -137,3 +147,18 @@ def _largest_stretch(turn: np.ndarray) -> float:
     """By how much a matrix (2, 2) lengthens at most: its greatest singular value."""
     (a, b), (c, d) = turn.tolist()
     return 0.5 * (math.hypot(a + d, c - b) + math.hypot(a - d, c + b))
+
+
+def _is_filled(here: _Around) -> bool:
+    """Whether an open line is meant as an area: it has a fill, or nothing but the fill that SVG gives what says none."""
+    if here.fill:
+        return here.fill not in UNPAINTED
+    return here.stroke in ("", *UNPAINTED)
+
+
+def _encloses(points: np.ndarray) -> bool:
+    """Whether a line (n, 2) would enclose an area without crossing itself if it were closed."""
+    if len(points) < 3 or not np.isfinite(points).all():
+        return False
+    polygon = shapely.Polygon(points)
+    return bool(polygon.is_valid and polygon.area > SAME_POINT * float(np.ptp(points, axis=0).max()) ** 2)

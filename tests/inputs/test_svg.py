@@ -321,3 +321,39 @@ def test_new_says_that_something_is_hidden(tmp_path: Path) -> None:
     written = scene_from_file(tmp_path / "wall.svg", tmp_path)
     assert "# CHECK: 2 entities that the drawing hides are left out" in written
     assert "old_survey" not in written
+
+
+OPEN = "M0 1200H2000V900H0"  # three sides of 2000 mm by 300 mm
+FILLED = {
+    "fill": f'<path fill="#ccc" d="{OPEN}"/>',
+    "fill and stroke": f'<path fill="#ccc" stroke="black" d="{OPEN}"/>',
+    "fill of a group": f'<g fill="#ccc" stroke="black"><path d="{OPEN}"/></g>',
+    "fill of a sheet": f'<style>.a{{fill:#ccc;stroke:#000}}</style><path class="a" d="{OPEN}"/>',
+    "polyline": '<polyline style="fill:#ccc;stroke:#000" points="0,1200 2000,1200 2000,900 0,900"/>',
+    "no word of fill or stroke": f'<path d="{OPEN}"/>',
+    "no word of fill and no stroke": f'<g stroke="black"><path stroke="none" d="{OPEN}"/></g>',
+    "two parts": '<path fill="#ccc" d="M0 1200H1000V900H0M1000 1200H2000V900H1000"/>',
+}
+UNFILLED = {
+    "stroke alone": f'<path stroke="black" d="{OPEN}"/>',
+    "stroke of a group": f'<g stroke="black"><path d="{OPEN}"/></g>',
+    "no fill": f'<g fill="#ccc"><path fill="none" d="{OPEN}"/></g>',
+    "transparent": f'<path style="fill:transparent" d="{OPEN}"/>',
+    "a straight line": '<path fill="#ccc" d="M0 1200H1000H2000"/>',
+    "a line": '<line fill="#ccc" x1="0" y1="1200" x2="2000" y2="1200"/>',
+    "a crack that crosses its closing side": '<polyline fill="#ccc" stroke="#000" points="0,0 100,50 200,-50 300,50 400,0"/>',
+}
+
+
+@pytest.mark.parametrize("name", FILLED)
+def test_a_filled_line_is_closed(name: str) -> None:
+    drawn = read(FILLED[name])
+    assert area(drawn) == pytest.approx(0.6, rel=ROUND_OFF)
+    assert not drawn.lines
+
+
+@pytest.mark.parametrize("name", UNFILLED)
+def test_a_line_without_fill_stays_open(name: str) -> None:
+    drawn = read(UNFILLED[name])
+    assert not drawn.outlines
+    assert [len(lines) for lines in drawn.lines.values()] == [1]
