@@ -4,7 +4,9 @@ A drawing hangs from the upper left corner of its page; z is up, so heights are 
 read: text, images and clones are not.
 """
 
+import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from xml.etree import ElementTree
 
@@ -19,7 +21,7 @@ from la_core.drawing.svg_styles import StyleSheet, sheet_of
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 CONTAINERS = {"svg", "g", "a", "switch"}
 DEEPEST = 100  # groups within groups
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 UNPAINTED = {"none", "transparent"}
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
@@ -61,8 +63,10 @@ class _Around:
         From its coordinates to metres.
     viewport : Viewport
         What its lengths refer to.
-    layer, colour : str
-        Layer, and colour of what has none of its own.
+    layer, layer_of_lines : str or None
+        Layer of outlines and of open lines; None where no group around is one.
+    colour : str
+        Colour of what has none of its own.
     fill, stroke : str
         Fill and stroke; "" where nothing gives them.
     displayed, visible : bool
@@ -71,7 +75,8 @@ class _Around:
 
     matrix: np.ndarray
     viewport: Viewport
-    layer: str = ""
+    layer: str | None = None
+    layer_of_lines: str | None = None
     colour: str = "none"
     fill: str = ""
     stroke: str = ""
@@ -124,7 +129,7 @@ class _Reader:
             displayed=displayed,
             visible=given.get("visibility", "visible" if around.visible else "hidden") not in ("hidden", "collapse"),
         )
-        return replace(here, layer=element.get(LABEL) or element.get("id") or here.layer) if kind == "g" else here
+        return _with_layer(element, here) if kind == "g" else here
 
     def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
         """Add the lines of a shape, or count it if it is hidden."""
@@ -136,7 +141,8 @@ class _Reader:
             raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
         for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300)):
             closed = is_closed or (kind in FILLED and _is_filled(here) and _encloses(points))
-            self.drawn.add(points @ turn.T + place, closed, here.layer, here.colour)
+            layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
+            self.drawn.add(points @ turn.T + place, closed, layer or "", here.colour)
 
 
 def _tag(element: ElementTree.Element) -> str:
@@ -147,6 +153,36 @@ def _largest_stretch(turn: np.ndarray) -> float:
     """By how much a matrix (2, 2) lengthens at most: its greatest singular value."""
     (a, b), (c, d) = turn.tolist()
     return 0.5 * (math.hypot(a + d, c - b) + math.hypot(a - d, c + b))
+
+
+def _with_layer(group: ElementTree.Element, here: _Around) -> _Around:
+    """What holds within a group that may be a layer.
+
+    A group with a label, or one that Inkscape calls a layer, is one. A group that has only an id is a layer if no group
+    around it is one. If all it draws is one open line, it is none for this line: lines of several such groups enclose
+    outlines together.
+    """
+    label, name = group.get(f"{INKSCAPE}label"), group.get("id")
+    if label or (name and group.get(f"{INKSCAPE}groupmode") == "layer"):
+        return replace(here, layer=label or name, layer_of_lines=label or name)
+    if not name:
+        return here
+    holds_many = here.layer_of_lines is None and len(list(itertools.islice(_shapes(group), 2))) > 1
+    return replace(
+        here,
+        layer=name if here.layer is None else here.layer,
+        layer_of_lines=name if holds_many else here.layer_of_lines,
+    )
+
+
+def _shapes(group: ElementTree.Element) -> Iterator[ElementTree.Element]:
+    """Every shape below a group."""
+    waiting = [group]
+    while waiting:
+        element = waiting.pop()
+        if _tag(element) in SHAPES:
+            yield element
+        waiting += [child for child in element if _tag(child) not in SILENT]
 
 
 def _is_filled(here: _Around) -> bool:
@@ -162,3 +198,9 @@ def _encloses(points: np.ndarray) -> bool:
         return False
     polygon = shapely.Polygon(points)
     return bool(polygon.is_valid and polygon.area > SAME_POINT * float(np.ptp(points, axis=0).max()) ** 2)
+
+
+def _ends_meet(points: np.ndarray) -> bool:
+    if len(points) < 3:
+        return False
+    return bool(np.hypot(*(points[0] - points[-1])) <= SAME_POINT * float(np.ptp(points, axis=0).max()))

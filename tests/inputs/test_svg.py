@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
-from la_core.drawing import Drawn, read_outlines
+from la_core.drawing import Drawn, cleaned, read_outlines
 from la_core.scene import scene_from_file
 
 PAGE = 'width="2000mm" height="1500mm" viewBox="0 0 2000 1500"'
@@ -357,3 +357,55 @@ def test_a_line_without_fill_stays_open(name: str) -> None:
     drawn = read(UNFILLED[name])
     assert not drawn.outlines
     assert [len(lines) for lines in drawn.lines.values()] == [1]
+
+
+LAYER = 'inkscape:groupmode="layer"'
+LAYERS = {  # groups around two rectangles, and the layer of these
+    "id": ('<g id="BRICK">', "BRICK"),
+    "Inkscape's layer": (f'<g {LAYER} inkscape:label="Stones" id="layer2">', "Stones"),
+    "Inkscape's layer without label": (f'<g {LAYER} id="layer2">', "layer2"),
+    "group in a layer": (f'<g {LAYER} inkscape:label="Stones" id="layer2"><g id="g99">', "Stones"),
+    "group in a group": ('<g id="BRICK"><g id="g99">', "BRICK"),
+    "group with a label in a layer": (f'<g {LAYER} inkscape:label="Stones"><g id="g99" inkscape:label="Quoins">', "Quoins"),
+    "layer in a layer": (f'<g {LAYER} inkscape:label="Stones"><g {LAYER} inkscape:label="Upper"><g id="g99">', "Upper"),
+    "layer in a group": (f'<g id="g99"><g {LAYER} inkscape:label="Stones">', "Stones"),
+    "group without a name": ("<g>", ""),
+}
+
+
+@pytest.mark.parametrize("shapes", [ONE, ONE + ONE], ids=["one shape", "two shapes"])
+@pytest.mark.parametrize("name", LAYERS)
+def test_layers_are_groups_that_are_meant_as_such(name: str, shapes: str) -> None:
+    groups, layer = LAYERS[name]
+    drawn = read(groups + shapes + "</g>" * groups.count("<g"))
+    assert {outline.layer for outline in drawn.outlines} == {layer}
+
+
+def line_groups(lines: list[tuple[int, int, int, int]]) -> str:
+    """Every line in its own group, as Illustrator writes layers of single lines."""
+    return "".join(f'<g id="LINE-{k}"><line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}"/></g>' for k, (x1, y1, x2, y2) in enumerate(lines, 1))
+
+
+SIDES = [(0, 0, 1000, 0), (1000, 0, 1000, 500), (1000, 500, 0, 500), (0, 500, 0, 0), (400, 0, 400, 500)]  # two blocks with a common side
+
+
+@pytest.mark.parametrize(("around", "layer"), [("<g>", ""), ('<g id="wall">', "wall"), ('<g id="all"><g id="wall">', "all")])
+def test_lines_in_groups_of_their_own_enclose_blocks_together(around: str, layer: str) -> None:
+    drawn = read(around + line_groups(SIDES) + "</g>" * around.count("<g"))
+    assert set(drawn.lines) == {(layer, "none")}
+    clean = cleaned(drawn, 0.0)
+    assert sorted(shapely.Polygon(outline.points).area for outline in clean.outlines) == pytest.approx([0.2, 0.3], rel=ROUND_OFF)
+
+
+def test_a_group_of_one_line_with_a_label_is_a_layer() -> None:
+    drawn = read('<g id="g1" inkscape:label="CRACK"><path stroke="red" fill="none" d="M0 0H100V100"/></g>')
+    assert set(drawn.lines) == {("CRACK", "red")}
+
+
+def test_a_group_of_one_outline_is_a_layer_however_it_is_closed() -> None:
+    points = "0,0 100,0 100,100 0,100"
+    shapes = [f'<polygon points="{points}"/>', f'<polyline stroke="red" points="{points} 0,0"/>']
+    shapes.append(f'<polyline fill="red" points="{points}"/>')
+    drawn = read("".join(f'<g id="L{k}">{shape}</g>' for k, shape in enumerate(shapes)))
+    assert [outline.layer for outline in drawn.outlines] == ["L0", "L1", "L2"]
+    assert not drawn.lines
