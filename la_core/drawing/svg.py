@@ -28,6 +28,7 @@ UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not 
 SAME_POINT = 1e-9  # of the size of a line
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is too large is refused in words
 def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     """Outlines and lines of an SVG file; parameters and errors are those of `read_outlines`."""
     if b"<!ENTITY" in content:  # nested entities can fill the memory
@@ -44,8 +45,7 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
     reader = _Reader(Drawn(scale), sheet_of(root), sagitta)
     try:
-        with np.errstate(over="ignore", invalid="ignore"):  # what is too large is refused below
-            reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
+        reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
     except OverflowError as error:
         raise ValueError(f"holds a number that is too large: {error}") from error
     for _ in range(reader.sheet.unread):

@@ -12,7 +12,8 @@ COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
 TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 FLAGS = (3, 4)  # places of the flags among the seven values of an arc
 FAMILIES = {"S": "CS", "T": "QT"}  # commands whose last control point a smooth curve reflects
-MOST_CHORDS = 200  # of one curve
+MOST_CHORDS = 200  # of one Bézier curve
+CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least of a circle, and most of an arc
 
 
 def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
@@ -146,9 +147,18 @@ def _arc(start: np.ndarray, shape: np.ndarray, end: np.ndarray, sagitta: float) 
     angle = math.atan2(first[1], first[0])
     span = math.atan2(last[1], last[0]) - angle
     span += 2.0 * math.pi * ((sweep and span < 0.0) - (not sweep and span > 0.0))
-    radius = max(rx, ry)
-    each = 2.0 * math.acos(1.0 - sagitta / radius) if 0.0 < sagitta < radius else math.pi / 4.0
-    angles = angle + np.linspace(0.0, span, min(MOST_CHORDS, max(1, math.ceil(abs(span) / each))) + 1)[1:]
+    angles = angle + np.linspace(0.0, span, chords(max(rx, ry), span, sagitta) + 1)[1:]
     points = (np.column_stack([np.cos(angles), np.sin(angles)]) + centre) * (rx, ry) @ turned + (start + end) / 2.0
     points[-1] = end
     return list(points)
+
+
+def chords(radius: float, angle: float, sagitta: float) -> int:
+    """Number of equal chords that stay within `sagitta` of an arc of `angle`."""
+    least = max(1, math.ceil(CIRCLE_CHORDS * abs(angle) / (2.0 * math.pi)))
+    if not 0.0 < sagitta < radius:
+        return least
+    each = 4.0 * math.asin(math.sqrt(0.5 * sagitta / radius))
+    if abs(angle) >= MOST_ARC_CHORDS * each:
+        return MOST_ARC_CHORDS
+    return max(least, math.ceil(abs(angle) / each))

@@ -6,11 +6,10 @@ from xml.etree import ElementTree
 import numpy as np
 
 from la_core.drawing.svg_coordinates import Viewport
-from la_core.drawing.svg_paths import NUMBER, path_lines
+from la_core.drawing.svg_paths import NUMBER, chords, path_lines
 
 SHAPES = {"path", "polygon", "polyline", "rect", "line", "circle", "ellipse"}
 FILLED = {"path", "polyline"}  # what may be open and yet filled
-CIRCLE_CHORDS = 8  # at least
 
 
 def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sagitta: float) -> list[tuple[np.ndarray, bool]]:
@@ -75,12 +74,3 @@ def _rectangle(size: np.ndarray, radii: np.ndarray, sagitta: float) -> np.ndarra
     points = size / 2.0 + np.concatenate(quarters)
     repeated = (np.abs(points - np.roll(points, 1, axis=0)) <= 1e-12 * np.abs(size).max()).all(axis=1)
     return np.asarray(points[~repeated])
-
-
-def chords(radius: float, angle: float, sagitta: float) -> int:
-    """Number of equal chords that stay within `sagitta` of an arc; at least CIRCLE_CHORDS for a circle, at most 1000."""
-    least = max(1, math.ceil(CIRCLE_CHORDS * abs(angle) / (2.0 * math.pi)))
-    if not 0.0 < sagitta < radius:
-        return least
-    each = 2.0 * math.acos(1.0 - sagitta / radius)
-    return min(1000, max(least, math.ceil(abs(angle) / each)))

@@ -48,6 +48,18 @@ def test_repeated_arcs_have_their_own_flags() -> None:
     assert area(drawn) == pytest.approx(np.pi / 4.0, abs=np.pi * SAGITTA)
 
 
+@pytest.mark.parametrize("body", ['<path d="M0 0a1e20 1e20 0 0 1 1e20 1e20z"/>', '<circle r="1e20"/>'])
+def test_an_arc_far_larger_than_the_sagitta_has_few_chords(body: str) -> None:
+    (outline,) = read(body).outlines
+    assert len(outline.points) <= 1001
+
+
+@pytest.mark.parametrize("page", ['width="1e300mm" viewBox="0 0 1e-300 1"', 'width="1e-300mm" viewBox="0 0 1e300 1"'])
+def test_a_page_out_of_all_sizes_says_no_unit(page: str) -> None:
+    with pytest.raises(ValueError, match="does not say its unit"):
+        read("", page)
+
+
 BASE = "V 1000 H 0 Z"  # 1 m2 for a curve from (0, 500) to (2000, 500) that encloses nothing
 SMOOTH = {  # a curve, and the area that it adds, m2
     "T after Q is reflected": ("Q500 100 1000 500 T2000 500", 0.0),
