@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from la_core.drawing.outlines import Drawn
+from la_core.drawing.outlines import HIDDEN, Drawn
 
 INSERT_UNITS = {
     1: 0.0254,
@@ -22,7 +22,6 @@ BY_BLOCK, BY_LAYER = 0, 256
 CURVES = ("LINE", "ARC", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ELLIPSE", "SPLINE")
 MOST_ENTITIES = 500_000
 DEEPEST = 20  # inserts within inserts
-HIDDEN = "hidden entities"  # kind of those on layers that are frozen or switched off
 LEAST_CHORDS = 2  # of a curve
 DWG = b"AC10"  # the first bytes of a DWG file
 

@@ -9,6 +9,7 @@ import numpy as np
 from la_core.text_table import number_text
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
+HIDDEN = "hidden entities"  # kind of those that a drawing does not show
 ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
 MOST_NAMED = 3  # open outlines that a sentence names
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack

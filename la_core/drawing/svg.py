@@ -1,28 +1,34 @@
-"""Outlines of an SVG file: paths and shapes, with groups, transformations and the unit of the page.
+"""Outlines of an SVG file: paths and shapes, with groups, styles, transformations and the unit of the page.
 
 A drawing hangs from the upper left corner of its page; z is up, so heights are negative. Only what draws a line is
-read: text, images, clones and styles in sheets are not.
+read: text, images and clones are not.
 """
 
+import itertools
 import math
-import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from xml.etree import ElementTree
 
 import numpy as np
+import shapely
 
-from la_core.drawing.outlines import UNITS, Drawn
-from la_core.drawing.svg_paths import path_lines
+from la_core.drawing.outlines import HIDDEN, Drawn
+from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
+from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
+from la_core.drawing.svg_styles import StyleSheet, sheet_of
 
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*([a-z%]*)\s*$")
-TRANSFORM = re.compile(r"(matrix|translate|scale|rotate|skewX|skewY)\s*\(([^)]*)\)")
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
+CONTAINERS = {"svg", "g", "a", "switch"}
 DEEPEST = 100  # groups within groups
-PAGE_UNITS = {**UNITS, "pt": 0.0254 / 72.0, "pc": 0.0254 / 6.0}
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-CIRCLE_CHORDS = 8  # at least
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+UNPAINTED = {"none", "transparent"}
+AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
+UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
+SAME_POINT = 1e-9  # of the size of a line
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is too large is refused in words
 def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     """Outlines and lines of an SVG file; parameters and errors are those of `read_outlines`."""
     if b"<!ENTITY" in content:  # nested entities can fill the memory
@@ -33,125 +39,167 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
         raise ValueError(f"is not a whole SVG file: {error}") from error
     if _tag(root) != "svg":
         raise ValueError(f"is not an SVG file: its first element is <{_tag(root)[:40]}>")
-    scale = unit or _unit(root)
+    own, stretch, viewport = page_of(root)
+    scale = unit or own
     if scale is None:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
-    drawn = Drawn(scale)
+    reader = _Reader(Drawn(scale), sheet_of(root), sagitta)
     try:
-        _walk(root, drawn, np.diag([scale, -scale, 1.0]), ("", "none"), sagitta, 0)
-    except (ValueError, OverflowError) as error:
-        raise ValueError(f"{error}") from error
-    return drawn
+        reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
+    except OverflowError as error:
+        raise ValueError(f"holds a number that is too large: {error}") from error
+    for _ in range(reader.sheet.unread):
+        reader.drawn.ignore(UNREAD_RULES)
+    return reader.drawn
 
 
-def _unit(root: ElementTree.Element) -> float | None:
-    """Metres per unit of the drawing, from the width of the page and its view box; None where they do not say."""
-    width, box = LENGTH.match(root.get("width", "")), NUMBER.findall(root.get("viewBox", ""))
-    if width is None or width[2] not in PAGE_UNITS:
-        return None
-    metres = float(width[1]) * PAGE_UNITS[width[2]]
-    across = float(box[2]) if len(box) == 4 else float(width[1])
-    return metres / across if metres > 0.0 and across > 0.0 else None
+@dataclass(frozen=True)
+class _Around:
+    """What an element takes over from the groups around it.
+
+    Attributes
+    ----------
+    matrix : (3, 3) array
+        From its coordinates to metres.
+    viewport : Viewport
+        What its lengths refer to.
+    layer, layer_of_lines : str
+        Layer of outlines and of open lines; "" where no group around is one.
+    is_labelled : bool
+        Whether a group around is a layer by its label.
+    colour : str
+        Colour of what has none of its own.
+    fill, stroke : str
+        Fill and stroke; "" where nothing gives them.
+    displayed, visible : bool
+        Whether no group is switched off, and whether the last `visibility` shows it.
+    """
+
+    matrix: np.ndarray
+    viewport: Viewport
+    layer: str = ""
+    layer_of_lines: str = ""
+    is_labelled: bool = False
+    colour: str = "none"
+    fill: str = ""
+    stroke: str = ""
+    displayed: bool = True
+    visible: bool = True
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """Adds elements to a drawing; `sheet` is its style sheet, `sagitta` the largest distance between a curve and its chords, m."""
+
+    drawn: Drawn
+    sheet: StyleSheet
+    sagitta: float
+
+    def walk(self, element: ElementTree.Element, around: _Around, depth: int) -> None:
+        """Add an element and all below it."""
+        if depth > DEEPEST:
+            raise ValueError(f"has groups more than {DEEPEST} deep")
+        kind = _tag(element)
+        if kind in SILENT:
+            return
+        here = self._within(element, kind, around)
+        if kind == "svg" and depth > 0 and here.displayed:
+            matrix, viewport = nested(element, around.viewport)
+            here = replace(here, matrix=here.matrix @ matrix, viewport=viewport)
+        if kind in SHAPES:
+            self._add(element, kind, here)
+        elif kind not in CONTAINERS and here.displayed:
+            self.drawn.ignore(kind)
+        for child in element:
+            self.walk(child, here, depth + 1)
+
+    def _within(self, element: ElementTree.Element, kind: str, around: _Around) -> _Around:
+        """What holds for an element and for what it holds."""
+        given = self.sheet.properties(element, kind)
+        fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
+        displayed, matrix = around.displayed and given.get("display") != "none", around.matrix
+        if displayed and "transform" in given:
+            if not set(origin) <= AT_ZERO:
+                shown = " ".join(origin)[:40]
+                raise ValueError(f'has transform-origin = "{shown}", which is not read; apply the transform in the drawing program')
+            matrix = matrix @ transformation(given["transform"])
+        here = replace(
+            around,
+            matrix=matrix,
+            colour=(fill if fill not in ("", "none") else stroke) or around.colour,
+            fill=fill or around.fill,
+            stroke=stroke or around.stroke,
+            displayed=displayed,
+            visible=given.get("visibility", "visible" if around.visible else "hidden") not in ("hidden", "collapse"),
+        )
+        return _with_layer(element, here) if kind == "g" else here
+
+    def _add(self, element: ElementTree.Element, kind: str, here: _Around) -> None:
+        """Add the lines of a shape, or count it if it is hidden."""
+        if not (here.displayed and here.visible):
+            self.drawn.ignore(HIDDEN)
+            return
+        turn, place = here.matrix[:2, :2], here.matrix[:2, 2]
+        if not np.isfinite(here.matrix).all():
+            raise ValueError("has a transform whose numbers are too large; apply it in the drawing program")
+        for points, is_closed in shape_lines(element, kind, here.viewport, self.sagitta / max(_largest_stretch(turn), 1e-300)):
+            closed = is_closed or (kind in FILLED and _is_filled(here) and _encloses(points))
+            layer = here.layer if closed or _ends_meet(points) else here.layer_of_lines
+            self.drawn.add(points @ turn.T + place, closed, layer, here.colour)
 
 
 def _tag(element: ElementTree.Element) -> str:
     return element.tag.rsplit("}", 1)[-1] if isinstance(element.tag, str) else ""
 
 
-def _walk(element: ElementTree.Element, drawn: Drawn, matrix: np.ndarray, style: tuple[str, str], sagitta: float, depth: int) -> None:
-    """Add an element and all below it; `style` is the layer and the colour of the group around it."""
-    if depth > DEEPEST:
-        raise ValueError(f"has groups more than {DEEPEST} deep")
-    kind = _tag(element)
-    if kind in SILENT or _property(element, "display") == "none":
-        return
-    matrix = matrix @ _matrix(element.get("transform", ""))
-    layer, colour = style
-    if kind == "g":
-        layer = element.get(LABEL) or element.get("id") or layer
-    colour = _colour(element) or colour
-    lines = _lines(element, kind, sagitta / max(math.sqrt(abs(np.linalg.det(matrix[:2, :2]))), 1e-300))
-    if lines is None and kind not in ("svg", "g", "a", "switch"):
-        drawn.ignore(kind)
-    for points, closed in lines or ():
-        drawn.add(points @ matrix[:2, :2].T + matrix[:2, 2], closed, layer, colour)
-    for child in element:
-        _walk(child, drawn, matrix, (layer, colour), sagitta, depth + 1)
+def _largest_stretch(turn: np.ndarray) -> float:
+    """By how much a matrix (2, 2) lengthens at most: its greatest singular value."""
+    (a, b), (c, d) = turn.tolist()
+    return 0.5 * (math.hypot(a + d, c - b) + math.hypot(a - d, c + b))
 
 
-def _property(element: ElementTree.Element, name: str) -> str:
-    """A property of the style attribute, or an attribute of this name; "" for neither."""
-    for entry in element.get("style", "").split(";"):
-        key, _, value = entry.partition(":")
-        if key.strip() == name:
-            return value.strip()
-    return element.get(name, "").strip()
+def _with_layer(group: ElementTree.Element, here: _Around) -> _Around:
+    """What holds within a group that may be a layer.
+
+    A group with a label, or one that Inkscape calls a layer, is one. A group that has only an id is a layer if no group around it
+    has a label: drawing programs give such ids to all groups. If all it draws is one open line, it is none for this line: lines of
+    several such groups enclose outlines together.
+    """
+    label, name = group.get(f"{INKSCAPE}label"), group.get("id", "")
+    if label or (name and group.get(f"{INKSCAPE}groupmode") == "layer"):
+        return replace(here, layer=label or name, layer_of_lines=label or name, is_labelled=True)
+    if not name or here.is_labelled:
+        return here
+    holds_many = len(list(itertools.islice(_shapes(group), 2))) > 1
+    return replace(here, layer=name, layer_of_lines=name if holds_many else here.layer_of_lines)
 
 
-def _colour(element: ElementTree.Element) -> str:
-    fill = _property(element, "fill").lower()
-    return fill if fill and fill != "none" else _property(element, "stroke").lower()
+def _shapes(group: ElementTree.Element) -> Iterator[ElementTree.Element]:
+    """Every shape below a group."""
+    waiting = [group]
+    while waiting:
+        element = waiting.pop()
+        if _tag(element) in SHAPES:
+            yield element
+        waiting += [child for child in element if _tag(child) not in SILENT]
 
 
-def _matrix(text: str) -> np.ndarray:
-    """Matrix (3, 3) of a transform attribute."""
-    whole = np.eye(3)
-    for name, arguments in TRANSFORM.findall(text):
-        numbers = [float(number) for number in NUMBER.findall(arguments)]
-        whole = whole @ _single(name, numbers)
-    return whole
+def _is_filled(here: _Around) -> bool:
+    """Whether an open line is meant as an area: it has a fill, or nothing but the fill that SVG gives what says none."""
+    if here.fill:
+        return here.fill not in UNPAINTED
+    return here.stroke in ("", *UNPAINTED)
 
 
-def _single(name: str, numbers: list[float]) -> np.ndarray:
-    counts = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,), "skewY": (1,)}[name]
-    if len(numbers) not in counts:
-        raise ValueError(f"has a transform {name} with {len(numbers)} numbers")
-    if name == "matrix":
-        a, b, c, d, e, f = numbers
-        return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
-    if name == "translate":
-        return np.array([[1.0, 0.0, numbers[0]], [0.0, 1.0, (*numbers, 0.0)[1]], [0.0, 0.0, 1.0]])
-    if name == "scale":
-        return np.diag([numbers[0], numbers[-1], 1.0])
-    angle = math.radians(numbers[0])
-    if name == "rotate":
-        turn = np.array([[math.cos(angle), -math.sin(angle), 0.0], [math.sin(angle), math.cos(angle), 0.0], [0.0, 0.0, 1.0]])
-        there = _single("translate", numbers[1:] or [0.0, 0.0])
-        return there @ turn @ _single("translate", [-number for number in numbers[1:]] or [0.0, 0.0])
-    shear = np.eye(3)
-    shear[(0, 1) if name == "skewX" else (1, 0)] = math.tan(angle)
-    return shear
+def _encloses(points: np.ndarray) -> bool:
+    """Whether a line (n, 2) would enclose an area without crossing itself if it were closed."""
+    if len(points) < 3 or not np.isfinite(points).all():
+        return False
+    polygon = shapely.Polygon(points)
+    return bool(polygon.is_valid and polygon.area > SAME_POINT * float(np.ptp(points, axis=0).max()) ** 2)
 
 
-def _lines(element: ElementTree.Element, kind: str, sagitta: float) -> list[tuple[np.ndarray, bool]] | None:
-    """Lines (n, 2) that an element draws, in its own units, and whether each is closed; None for an element that draws none."""
-
-    def number(name: str) -> float:
-        found = NUMBER.match(element.get(name, "0").strip())
-        if found is None:
-            raise ValueError(f'has a <{kind}> with {name} = "{element.get(name, "")[:40]}", which is no number')
-        return float(found[0])
-
-    if kind == "path":
-        return path_lines(element.get("d", ""), sagitta)
-    if kind in ("polygon", "polyline"):
-        numbers = [float(text) for text in NUMBER.findall(element.get("points", ""))]
-        return [(np.array(numbers[: len(numbers) // 2 * 2]).reshape(-1, 2), kind == "polygon")]
-    if kind == "rect":
-        x, y, width, height = (number(name) for name in ("x", "y", "width", "height"))
-        return [(np.array([(x, y), (x + width, y), (x + width, y + height), (x, y + height)]), True)]
-    if kind == "line":
-        return [(np.array([(number("x1"), number("y1")), (number("x2"), number("y2"))]), False)]
-    if kind in ("circle", "ellipse"):
-        radii = (number("r"),) * 2 if kind == "circle" else (number("rx"), number("ry"))
-        turn = 2.0 * np.pi * np.arange(chords(max(radii), 2.0 * np.pi, sagitta)) / chords(max(radii), 2.0 * np.pi, sagitta)
-        return [(np.column_stack([number("cx") + radii[0] * np.cos(turn), number("cy") + radii[1] * np.sin(turn)]), True)]
-    return None
-
-
-def chords(radius: float, angle: float, sagitta: float) -> int:
-    """Number of equal chords that stay within `sagitta` of an arc; at least CIRCLE_CHORDS for a circle, at most 1000."""
-    if not 0.0 < sagitta < radius:
-        return CIRCLE_CHORDS
-    each = 2.0 * math.acos(1.0 - sagitta / radius)
-    return min(1000, max(1, math.ceil(abs(angle) / each), math.ceil(CIRCLE_CHORDS * abs(angle) / (2.0 * math.pi))))
+def _ends_meet(points: np.ndarray) -> bool:
+    if len(points) < 3:
+        return False
+    return bool(np.hypot(*(points[0] - points[-1])) <= SAME_POINT * float(np.ptp(points, axis=0).max()))

@@ -5,9 +5,15 @@ import re
 
 import numpy as np
 
-TOKEN = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])|([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+NEXT_NUMBER = re.compile(rf"[\s,]*({NUMBER.pattern})")
+NEXT_FLAG = re.compile(r"[\s,]*([01])")  # one digit, which needs no separator after it
+COMMAND = re.compile(r"([MmZzLlHhVvCcSsQqTtAa])")
 TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
-MOST_CHORDS = 200  # of one curve
+FLAGS = (3, 4)  # places of the flags among the seven values of an arc
+FAMILIES = {"S": "CS", "T": "QT"}  # commands whose last control point a smooth curve reflects
+MOST_CHORDS = 200  # of one Bézier curve
+CIRCLE_CHORDS, MOST_ARC_CHORDS = 8, 1000  # least of a circle, and most of an arc
 
 
 def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
@@ -28,6 +34,7 @@ def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
     lines: list[tuple[np.ndarray, bool]] = []
     points: list[np.ndarray] = []
     handle = at = start = np.zeros(2)
+    previous = ""
     for command, numbers in _commands(text):
         kind = command.upper()
         base = at if command.islower() else np.zeros(2)
@@ -39,11 +46,10 @@ def path_lines(text: str, sagitta: float) -> list[tuple[np.ndarray, bool]]:
             _finish(lines, points, closed=True)
             at, points = start, [start]
         else:
-            before, control = at, handle
-            at, handle, new = _drawn(kind, numbers, base, before, control, sagitta)
+            control = handle if previous in FAMILIES.get(kind, "") else at
+            at, handle, new = _drawn(kind, numbers, base, at, control, sagitta)
             points += new
-            continue
-        handle = at
+        previous = kind
     _finish(lines, points, closed=False)
     return lines
 
@@ -55,34 +61,40 @@ def _finish(lines: list[tuple[np.ndarray, bool]], points: list[np.ndarray], clos
 
 def _commands(text: str) -> list[tuple[str, np.ndarray]]:
     """Commands with their numbers, repeated ones written out."""
+    before, *parts = COMMAND.split(text)
+    if start := " ".join(before.split()):
+        raise ValueError(f'has a path that begins with "{start[:20]}"; a path begins with the command M')
     found: list[tuple[str, np.ndarray]] = []
-    command, numbers = "", list[float]()
-
-    def flush() -> None:
-        if not command:
-            if numbers:
-                raise ValueError("has a path that begins with a number")
-            return
-        takes = TAKES[command.upper()]
-        if takes == 0 or len(numbers) % takes or not numbers:
-            if takes == 0 and not numbers:
-                found.append((command, np.zeros(0)))
-                return
-            raise ValueError(f"has a path whose command {command} has {len(numbers)} numbers")
-        for k in range(0, len(numbers), takes):
+    for command, values in zip(parts[::2], parts[1::2], strict=True):
+        numbers, takes = _numbers(command, values), TAKES[command.upper()]
+        if bool(numbers) != bool(takes) or len(numbers) % (takes or 1):
+            raise ValueError(f"has a path whose command {command} has {len(numbers)} numbers; it takes {takes} each time")
+        if not takes:
+            found.append((command, np.zeros(0)))
+        for k in range(0, len(numbers), takes or 1):
             repeated = {"M": "L", "m": "l"}.get(command, command) if k else command
             found.append((repeated, np.array(numbers[k : k + takes])))
-
-    for letter, number in TOKEN.findall(text):
-        if letter:
-            flush()
-            command, numbers = letter, []
-        else:
-            numbers.append(float(number))
-    flush()
     if found and found[0][0].upper() != "M":
         raise ValueError("has a path that does not begin with M")
     return found
+
+
+def _numbers(command: str, text: str) -> list[float]:
+    """Numbers after a command; flags of an arc are single digits."""
+    numbers: list[float] = []
+    place = 0
+    while match := _pattern(command, len(numbers)).match(text, place):
+        numbers.append(float(match[1]))
+        place = match.end()
+    if rest := " ".join(text[place:].split()).strip(" ,"):
+        is_flag = _pattern(command, len(numbers)) is NEXT_FLAG
+        rule = "a flag of an arc, which is 0 or 1," if is_flag else "a number"
+        raise ValueError(f'has a path with "{rest[:20]}" after the command {command}, where {rule} is expected; correct the path')
+    return numbers
+
+
+def _pattern(command: str, place: int) -> re.Pattern[str]:
+    return NEXT_FLAG if command in "Aa" and place % TAKES["A"] in FLAGS else NEXT_NUMBER
 
 
 def _drawn(
@@ -135,9 +147,18 @@ def _arc(start: np.ndarray, shape: np.ndarray, end: np.ndarray, sagitta: float) 
     angle = math.atan2(first[1], first[0])
     span = math.atan2(last[1], last[0]) - angle
     span += 2.0 * math.pi * ((sweep and span < 0.0) - (not sweep and span > 0.0))
-    radius = max(rx, ry)
-    each = 2.0 * math.acos(1.0 - sagitta / radius) if 0.0 < sagitta < radius else math.pi / 4.0
-    angles = angle + np.linspace(0.0, span, min(MOST_CHORDS, max(1, math.ceil(abs(span) / each))) + 1)[1:]
+    angles = angle + np.linspace(0.0, span, chords(max(rx, ry), span, sagitta) + 1)[1:]
     points = (np.column_stack([np.cos(angles), np.sin(angles)]) + centre) * (rx, ry) @ turned + (start + end) / 2.0
     points[-1] = end
     return list(points)
+
+
+def chords(radius: float, angle: float, sagitta: float) -> int:
+    """Number of equal chords that stay within `sagitta` of an arc of `angle`."""
+    least = max(1, math.ceil(CIRCLE_CHORDS * abs(angle) / (2.0 * math.pi)))
+    if not 0.0 < sagitta < radius:
+        return least
+    each = 4.0 * math.asin(math.sqrt(0.5 * sagitta / radius))
+    if abs(angle) >= MOST_ARC_CHORDS * each:
+        return MOST_ARC_CHORDS
+    return max(least, math.ceil(abs(angle) / each))

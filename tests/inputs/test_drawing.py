@@ -227,7 +227,7 @@ def test_an_outline_that_is_not_closed_is_warned_of(points: list[tuple[float, fl
 
 def test_many_open_outlines_are_one_warning_and_a_layer_may_have_any_name(tmp_path: Path) -> None:
     squares = [[(x, z) for x, z in ((k, 0), (k + 90, 0), (k + 90, 50), (k, 50), (k, 10 + k // 100))] for k in range(0, 500, 100)]
-    shapes = "".join(f'<polyline points="{" ".join(f"{x},{-z}" for x, z in points)}"/>' for points in squares)
+    shapes = "".join(f'<polyline points="{" ".join(f"{x},{-z}" for x, z in points)}" stroke="black"/>' for points in squares)
     layer = '<g xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:groupmode="layer" inkscape:label="a&#10;b = [">'
     text = f'<svg xmlns="http://www.w3.org/2000/svg" width="600mm" height="600mm" viewBox="0 0 600 600">{layer}{shapes}</g>'
     (tmp_path / "wall.svg").write_text(f'{text}<rect x="0" y="100" width="500" height="50"/></svg>')

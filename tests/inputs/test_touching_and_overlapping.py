@@ -43,7 +43,7 @@ def test_tilt_within_and_beyond_tolerance(angle, touches) -> None:
 @pytest.mark.parametrize("shift", [(1.0, 1.0, 0.0), (1.0, 0.0, 1.0), (1.0, 1.0, 1.0)], ids=["edge", "other edge", "corner"])
 def test_edges_and_corners_are_no_interface(shift) -> None:
     low = np.array(shift)
-    with pytest.raises(SceneError, match="touches nothing.*at most in an edge or a corner, which carries nothing"):
+    with pytest.raises(SceneError, match=r"touches nothing.*at most in an edge or a corner, which carries nothing"):
         find_interfaces(gathered(box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), box(low, low + 1.0)))
 
 

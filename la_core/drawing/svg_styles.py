@@ -1,0 +1,95 @@
+"""Properties of SVG elements from attributes, from style sheets and from the attribute `style`."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+PROPERTIES = ("display", "visibility", "fill", "stroke", "transform", "transform-origin")
+PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
+BRACES = re.compile(r"[{}]|[^{}]+")
+IMPORTANT = re.compile(r"\s*!\s*important\s*$")
+UNSET = ("", "inherit", "unset")  # values that leave a property to the group around
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule of a style sheet for one selector.
+
+    Attributes
+    ----------
+    parts : frozenset of str
+        What an element must be: its kind, `.class`, `#id`, or `*` for any.
+    weight : tuple of int
+        Number of ids, classes and kinds in the selector, and the place of the rule: a rule of more weight wins.
+    values : dict
+        Value of every property, and whether it is marked as important.
+    """
+
+    parts: frozenset[str]
+    weight: tuple[int, int, int, int]
+    values: dict[str, tuple[str, bool]]
+
+
+class StyleSheet:
+    """Rules of all <style> elements of a drawing; selectors that depend on other elements, and rules within @media, are not read."""
+
+    def __init__(self, text: str) -> None:
+        self._rules: dict[str, list[Rule]] = {}
+        self.unread = 0  # rules for our properties whose selectors are not read
+        for place, (selectors, body) in enumerate(_blocks(text)):
+            if not (values := _values(body)):
+                continue
+            for selector in selectors.split(","):
+                parts = PART.findall(selector)
+                if not parts or "".join(parts) != selector.strip():
+                    if ":" not in selector:  # states such as :hover hold for nothing in a drawing
+                        self.unread += 1
+                    continue
+                ids, classes, any_kind = (sum(part[0] == sign for part in parts) for sign in "#.*")
+                weight = (ids, classes, len(parts) - ids - classes - any_kind, place)
+                self._rules.setdefault(parts[-1], []).append(Rule(frozenset(parts), weight, values))
+
+    def properties(self, element: ElementTree.Element, kind: str) -> dict[str, str]:
+        """Properties that are given to an element itself: `style` wins over the sheet, the sheet over attributes."""
+        names = {"*", kind, f"#{element.get('id', '')}", *(f".{name}" for name in element.get("class", "").split())}
+        rules = sorted((rule for name in names for rule in self._rules.get(name, ()) if rule.parts <= names), key=lambda rule: rule.weight)
+        sources = [rule.values for rule in rules] + [_values(element.get("style", ""))]
+        found = {name: element.get(name, "").strip().lower() for name in PROPERTIES}
+        for is_important in (False, True):
+            for values in sources:
+                found |= {name: value for name, (value, important) in values.items() if important == is_important}
+        return {name: value for name, value in found.items() if value not in UNSET}
+
+
+def sheet_of(root: ElementTree.Element) -> StyleSheet:
+    """The style sheet of a drawing, from all its <style> elements."""
+    styles = (element for element in root.iter() if isinstance(element.tag, str) and element.tag.rsplit("}", 1)[-1] == "style")
+    return StyleSheet("\n".join("".join(element.itertext()) for element in styles))
+
+
+def _blocks(text: str) -> Iterator[tuple[str, str]]:
+    """Selectors and body of every rule that lies in no other block."""
+    first, *others = text.split("/*")
+    plain = first + " ".join(other.partition("*/")[2] for other in others)
+    around: list[str] = []
+    before = ""
+    for token in BRACES.findall(plain):
+        if token == "{":
+            around.append(before.rpartition(";")[2].strip())
+        elif token == "}":
+            if len(around) == 1 and not around[0].startswith("@"):
+                yield around[0], before
+            around = around[:-1]
+        before = "" if token in "{}" else token
+
+
+def _values(text: str) -> dict[str, tuple[str, bool]]:
+    """Values of our PROPERTIES in a list of declarations, and whether each is marked as important."""
+    found: dict[str, tuple[str, bool]] = {}
+    for entry in text.split(";"):
+        name, _, value = entry.partition(":")
+        if (key := name.strip().lower()) in PROPERTIES:
+            plain = IMPORTANT.sub("", value.strip().lower())
+            found[key] = (plain.strip(), plain != value.strip().lower())
+    return found
