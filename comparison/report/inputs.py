@@ -11,6 +11,7 @@ from comparison.numbers import Units, class_words, exists, format_number, plural
 from la_core.scene import given_keys
 
 Rows = list[tuple[str, str]]
+ROUND_OFF = 1e-9  # of a stiffness
 
 
 def input_rows(comparison: dict[str, Any], units: Units) -> Rows:
@@ -107,12 +108,26 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
         imposed = f"{'rotation' if unit == 'rad' else 'settlement'} imposed in YADE"
         yield "mean displacement along the load in YADE" if facts.get("live") else imposed, units.text(yade["settlement"], unit, 4)
     if joints:
-        for name in ("normal", "shear"):
-            yield f"{name} stiffness of a contact point, both methods", units.text(joints.get(name), "N/m", 4)
+        yield from _stiffness(joints, comparison.get("settings") or {}, units)
         moved = "mean displacement along the load" if facts.get("live") else "motion of the support"
         yield f"largest {moved} (travel)", units.text(joints.get("travel"), unit, 4)
     if exists(facts.get("accuracy")):
         yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
+
+
+def _stiffness(joints: dict[str, Any], settings: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
+    """Yield the stiffness of a contact point in limit analysis and in YADE: `joints` of the case, and the settings of YADE's run."""
+    for name in ("normal", "shear"):
+        own, of_yade, row = joints.get(name), settings.get(f"{name}_stiffness"), f"{name} stiffness of a contact point"
+        text = units.text(own, "N/m", 4)
+        if not exists(of_yade):
+            yield f"{row}, limit analysis", text
+        elif exists(own) and math.isclose(own, of_yade, rel_tol=ROUND_OFF):
+            yield f"{row}, both methods", text
+        else:
+            times = f", {format_number(of_yade / own, 3)} times that of limit analysis" if exists(own) and own else ""
+            yield f"{row}, limit analysis", text
+            yield f"{row}, YADE", f"{units.text(of_yade, 'N/m', 4)}{times}"
 
 
 def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from made_up_comparisons import comparison_of, page_and_markdown
 
 from comparison.judge.summary import limit_analysis_summary
@@ -116,3 +117,20 @@ def test_a_turning_support_is_said_to_turn_about_its_axis() -> None:
     rows = dict(input_rows(turning, Units(1000.0)))
     assert rows["rotation of the support, right-handed"] == "about the axis (0, −1, 0) through the point (1.2, 0, −0.3) m"
     assert not any("unit vector" in name for name in rows)
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ({}, {"limit analysis": "2000 kN/mm"}),
+        ({"normal_stiffness": 2e9 * (1.0 + 1e-12), "shear_stiffness": 2e9}, {"both methods": "2000 kN/mm"}),
+        (
+            {"normal_stiffness": 6.4e10, "shear_stiffness": 6.4e10},
+            {"limit analysis": "2000 kN/mm", "YADE": "64000 kN/mm, 32 times that of limit analysis"},
+        ),
+    ],
+)
+def test_each_method_s_joints_have_their_own_stiffness(settings: dict[str, float], expected: dict[str, str]) -> None:
+    comparison = {"joints": {"normal": 2e9, "shear": 2e9, "travel": 8e-4}, "settings": settings}
+    rows = {name: text for name, text in input_rows(comparison, Units(1000.0)) if "stiffness" in name}
+    assert rows == {f"{way} stiffness of a contact point, {who}": text for way in ("normal", "shear") for who, text in expected.items()}
