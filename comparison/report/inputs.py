@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import Units, class_words, exists, format_number, plural
+from comparison.report.plain_words import PLACES
 from la_core.scene import given_keys
 
 Rows = list[tuple[str, str]]
@@ -102,7 +103,9 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
             yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
         support = facts.get("support") or {}
         if support:
-            places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))
+            places = (
+                f"{axis} {_coordinate(a)} to {_coordinate(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
+            )
             yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
     if exists(yade.get("settlement")):
         imposed = f"{'rotation' if unit == 'rad' else 'settlement'} imposed in YADE"
@@ -141,6 +144,11 @@ def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
 def _given(value: float) -> str:
     """Return a number that was given, without the digits that calculations add."""
     return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
+
+
+def _coordinate(value: float) -> str:
+    """Return a coordinate, m, without the round-off that reading a drawing or closing its joints leaves."""
+    return _given(round(value, PLACES))
 
 
 def _vector(parts: Iterable[float]) -> str:
