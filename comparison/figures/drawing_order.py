@@ -139,6 +139,22 @@ class OuterFaces:
             elif self._is_drawn[face]:
                 yield int(face), self._loop(face, flat)
 
+    def edges(self) -> np.ndarray:
+        """Return the outer edges (E, 2) of all blocks as pairs of vertices, each once."""
+        blocks = self._blocks
+        following = np.arange(1, len(blocks.face_vertex) + 1)
+        following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
+        is_convex = np.repeat(~blocks.is_compound[blocks.face_block], np.diff(blocks.face_start))
+        pairs = [np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)[is_convex]]
+        for face, (alike, facing) in self._joined.items():
+            across = np.delete(np.arange(3), np.abs(blocks.face_normal[face]).argmax())  # the plane's shadow that is largest
+            vertices = np.concatenate([self._loop(one, blocks.face_vertex) for one in (*alike, *facing)])
+            for polygon in self._outline(alike, facing, blocks.vertices[blocks.face_vertex][:, across]):
+                away = np.linalg.norm(polygon[:, None] - blocks.vertices[vertices][:, across], axis=2)
+                corners = vertices[away.argmin(axis=1)]  # joined faces have no corner that none of them has
+                pairs.append(np.stack([corners, np.roll(corners, -1)], axis=1))
+        return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+
     def _loop(self, face: int, corners: np.ndarray) -> np.ndarray:
         return corners[self._blocks.face_start[face] : self._blocks.face_start[face + 1]]
 
