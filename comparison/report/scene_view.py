@@ -243,9 +243,7 @@ def _level_words(comparison: dict[str, Any]) -> str:
     times = stiffening_of(comparison)
     if times != 1.0 and len(curve) > 1:
         number = format_number(times, 3)
-        words += (
-            f" YADE's joints are {number} times as stiff as those of limit analysis: its curve is drawn at the settlement over {number}."
-        )
+        words += f" The curve's settlement is divided by {number}: YADE's joints are {number} times as stiff as those of limit analysis."
     return words
 
 
