@@ -3,6 +3,7 @@
 from comparison.figures import canvas
 from comparison.figures.animation import Story, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
+from comparison.figures.drawing_order import OuterFaces
 from comparison.figures.motion import Motion, Motions, motions
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.run_figures import report_figures, scene_figures
@@ -18,6 +19,7 @@ __all__ = [
     "YADE",
     "Motion",
     "Motions",
+    "OuterFaces",
     "Story",
     "assembly_figure",
     "canvas",

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import MaxNLocator
 
-from comparison.figures.drawing_order import back_to_front
+from comparison.figures.drawing_order import OuterFaces, back_to_front, unit_normals
 from la_core.exchange import FIXED, FREE, SUPPORT
 from la_core.geometry import Blocks
 from la_core.model import Assembly
@@ -85,6 +85,7 @@ class Canvas:
         self.few = len(assembly.blocks) <= FEW
         self.right, self.up, self.toward = view_axes(self.plane)
         self.order = np.arange(len(self.blocks)) if self.plane else back_to_front(assembly, self.toward)
+        self.outer = OuterFaces(self.blocks, self.toward)
         low, high = window(assembly)
         self.scale = width / (high - low)[0]  # pt per m
         self.dot = float(np.clip(np.median(np.cbrt(self.blocks.volume)) * self.scale / 10.0, 0.8, 3.5))  # pt, contact points
@@ -107,18 +108,18 @@ class Canvas:
         """Draw the faces towards the viewer of blocks with vertices (V, 3), by each block's face colour and hatch."""
         blocks = self.blocks
         corners = vertices[blocks.face_vertex]
-        normal = _normals(corners, blocks.face_start)
-        polygons = loops(self.flat(corners), blocks.face_start)
+        normal = unit_normals(corners, blocks.face_start)
         rank = np.argsort(self.order)
-        seen = np.flatnonzero(normal @ self.toward > 1e-6)
-        seen = seen[np.argsort(rank[blocks.face_block[seen]], kind="stable")]
+        facing = np.flatnonzero(normal @ self.toward > 1e-6)
+        facing = facing[np.lexsort((self.outer.order[facing], rank[blocks.face_block[facing]]))]
+        seen, polygons = zip(*self.outer.polygons(facing, self.flat(corners)), strict=True)
         shade = np.ones(len(normal)) if self.plane else 0.78 + 0.22 * np.clip(normal @ LIGHT / np.linalg.norm(LIGHT), 0.0, 1.0)
         colours = [shade[f] * np.array(to_rgb(face[blocks.face_block[f]])) for f in seen]
         # A collection has one hatch: one for every run of faces of the same hatch keeps the order.
         hatches = [hatch[blocks.face_block[f]] for f in seen]
         ends = [k for k in range(1, len(seen)) if hatches[k] != hatches[k - 1]]
         for first, last in zip([0, *ends], [*ends, len(seen)], strict=True):
-            run = PolyCollection([polygons[f] for f in seen[first:last]], facecolors=colours[first:last], edgecolors=INK, linewidths=LINE)
+            run = PolyCollection(polygons[first:last], facecolors=colours[first:last], edgecolors=INK, linewidths=LINE)
             run.set(hatch=hatches[first] or None, hatch_linewidth=0.4, joinstyle="round")
             self.axes.add_collection(run)
 
@@ -136,7 +137,11 @@ class Canvas:
         below : bool
             Whether the lines are drawn below the blocks.
         """
-        closed = [self.flat(np.concatenate([polygon, polygon[:1]])) for polygon in polygons]
+        self._outlines_in_view([self.flat(polygon) for polygon in polygons], colour, width, style, below)
+
+    def _outlines_in_view(self, polygons: Sequence[np.ndarray], colour: str, width: float, style: str, below: bool = False) -> None:
+        """Draw closed polygons of the view, each (n, 2) in m, as `outlines` does."""
+        closed = [np.concatenate([polygon, polygon[:1]]) for polygon in polygons]
         lines = LineCollection(closed, colors=colour, linewidths=width, linestyles=style, capstyle="round", zorder=0.5 if below else 2)
         self.axes.add_collection(lines)
 
@@ -145,25 +150,25 @@ class Canvas:
 
         In space, the outlines of large structures are behind the blocks.
         """
-        facing = self._polygons(self._facing(moved))
-        self.outlines(facing, colour, 0.6, "-" if self.plane else "--", below=not (self.plane or self.few))
+        style = "-" if self.plane else "--"
+        self._outlines_in_view(self._outer_at_rest(self._facing(moved)), colour, 0.6, style, below=not (self.plane or self.few))
 
     def hidden_edges(self, some: np.ndarray) -> None:
         """Draw the edges of those blocks of the mask `some` (B,) that others hide altogether, as dashed lines over them."""
         facing = self._facing(some)
         owner = self.blocks.face_block[facing]
-        middles = np.array([face.mean(axis=0) for face in self._polygons(facing)]).reshape(-1, 3)
+        every = loops(self.blocks.vertices[self.blocks.face_vertex], self.blocks.face_start)
+        middles = np.array([every[face].mean(axis=0) for face in facing]).reshape(-1, 3)
         is_in_sight = np.isin(owner, owner[~self._is_hidden(middles)])
-        self.outlines(self._polygons(facing[~is_in_sight]), INK, 0.8, "--")
+        self._outlines_in_view(self._outer_at_rest(facing[~is_in_sight]), INK, 0.8, "--")
 
     def _facing(self, some: np.ndarray) -> np.ndarray:
         """Return the faces towards the viewer of the blocks of a mask (B,)."""
         return np.flatnonzero((self.blocks.face_normal @ self.toward > 1e-6) & some[self.blocks.face_block])
 
-    def _polygons(self, faces: np.ndarray) -> list[np.ndarray]:
-        """Return the corners (n, 3) of faces, m."""
-        every = loops(self.blocks.vertices[self.blocks.face_vertex], self.blocks.face_start)
-        return [every[face] for face in faces]
+    def _outer_at_rest(self, faces: np.ndarray) -> list[np.ndarray]:
+        """Return the polygons (n, 2) of the view in which faces are seen at rest, m."""
+        return [polygon for _, polygon in self.outer.polygons(faces, self.flat(self.blocks.vertices[self.blocks.face_vertex]))]
 
     def seen(self, position: np.ndarray) -> np.ndarray:
         """Return the mask (N,) of the visible positions: all in a plane or small scene, else those that no block hides."""
@@ -171,7 +176,7 @@ class Canvas:
 
     def _is_hidden(self, position: np.ndarray) -> np.ndarray:
         """Return the mask (N,) of the positions that lie behind stone."""
-        blocks = self.blocks
+        blocks = self.blocks.parts
         owner_start = np.searchsorted(blocks.face_block, np.arange(len(blocks)))
         along = blocks.face_normal @ self.toward
         hidden = []
@@ -288,12 +293,3 @@ def view_axes(plane: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     right = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
     toward = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
     return right, np.cross(toward, right), toward
-
-
-def _normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Return unit normals (F, 3) of polygons, by Newell's sum of cross products of successive corners."""
-    following = np.arange(1, len(corners) + 1)
-    following[start[1:] - 1] = start[:-1]
-    first = np.repeat(corners[start[:-1]], np.diff(start), axis=0)
-    normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start[:-1])
-    return normal / np.linalg.norm(normal, axis=1).clip(np.finfo(float).tiny)[:, None]

@@ -25,10 +25,11 @@ TITLE_WIDTH = 90  # characters
 POWER = LinearSegmentedColormap.from_list("power", ["#f7b267", "#e4572e", "#a4133c", "#3d0814"])
 MOVES = "#d8e2ef"  # face of the blocks that move
 STYLES: dict[ContactState, tuple[str, float, dict[str, Any]]] = {  # name, size over the canvas' dot, marker; the last on top
+    # The circle is wider than the cross is along its diagonal: where a point opens and another one slides in its place, both are seen.
     ContactState.IDLE: ("closed without force", 0.8, {"marker": "s", "markerfacecolor": "white", "markeredgecolor": FAINT}),
     ContactState.STICKING: ("sticks", 0.7, {"marker": "s", "markerfacecolor": INK, "markeredgecolor": INK}),
-    ContactState.OPENING: ("opens", 1.8, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}),
-    ContactState.SLIDING: ("slides", 2.2, {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}),
+    ContactState.OPENING: ("opens", 2.8, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": INK}),
+    ContactState.SLIDING: ("slides", 1.8, {"marker": "X", "markerfacecolor": INK, "markeredgecolor": "white"}),
 }
 
 

@@ -1,17 +1,25 @@
-"""The order in which the blocks of a scene in space are drawn.
+"""Which faces of the blocks are drawn, and in which order.
+
+A block that is not convex has no edges where its convex parts meet: its faces that lie in one plane and face the same way are one face,
+and what faces them in that plane lies inside the block.
 
 Convex blocks that touch each other hide each other in a known order; they are drawn back to front in that order. Mplot3d sorts
 single faces by their mean depth instead, and draws a long foundation over the short blocks on it.
 """
 
 import heapq
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+import shapely
 
 from la_core.geometry import Blocks
 from la_core.model import Assembly
 
 NEAR = 1e-4  # of the largest extent of a block: boxes that are nearer than this touch
+IN_PLANE = 1e-6  # of a block's size, and of a normal: faces this close to one plane lie in it
+GRID = 1e-7  # of the structure's size: joined faces have their corners on a grid this fine
+SLIVER = 10.0  # times the grid: what is narrower than about this is round-off
 AT_A_TIME = 500  # blocks that are held against all others in one array
 
 
@@ -65,3 +73,113 @@ def _touching(blocks: Blocks, aside: np.ndarray, toward: np.ndarray) -> tuple[np
             before.append(np.where(after, other, some[one]))
     pairs = np.unique(np.stack([np.concatenate(behind), np.concatenate(before)], axis=1), axis=0)  # each pair once
     return pairs[:, 0], pairs[:, 1]
+
+
+class OuterFaces:
+    """The outer faces of the blocks of a structure, seen from one side.
+
+    Attributes
+    ----------
+    order : ndarray
+        Place (F,) of each face in the order in which those of its block are drawn, back to front. It is 0 in a convex block: of its
+        faces that are seen none hides another.
+    """
+
+    def __init__(self, blocks: Blocks, toward: np.ndarray) -> None:
+        """Find the faces of the blocks' convex parts that lie in one plane; `toward` is a unit vector (3,) to the viewer."""
+        self.order = np.zeros(len(blocks.face_block), dtype=int)
+        self._blocks = blocks
+        self._is_drawn = np.ones(len(blocks.face_block), dtype=bool)  # alone, or for all faces that it is joined with
+        self._joined: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the face that is drawn: those joined with it, those facing it
+        self._grid = GRID * float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
+        for block in np.flatnonzero(blocks.is_compound).tolist():
+            faces = np.arange(*np.searchsorted(blocks.face_block, [block, block + 1]))
+            self._join(block, faces)
+            self._put_in_order(faces[blocks.face_normal[faces] @ toward > 0.0])
+
+    def _join(self, block: int, faces: np.ndarray) -> None:
+        """Find which faces of a block lie in one plane, and which of them face the same way."""
+        blocks = self._blocks
+        normal = blocks.face_normal[faces]
+        offset = blocks.face_offset[faces] - normal @ blocks.centroid[block]
+        near = IN_PLANE * float((blocks.high[block] - blocks.low[block]).max())
+
+        def in_plane(k: int, way: float) -> np.ndarray:
+            turned = np.abs(normal - way * normal[k]).max(axis=1)
+            return faces[(turned < IN_PLANE) & (np.abs(offset - way * offset[k]) < near)]
+
+        for k, face in enumerate(faces):
+            if self._is_drawn[face]:
+                alike = in_plane(k, 1.0)
+                self._is_drawn[alike[alike != face]] = False
+                self._joined[int(face)] = (alike, in_plane(k, -1.0))
+
+    def _put_in_order(self, faces: np.ndarray) -> None:
+        """Put faces of one block in the order in which they are drawn: the more of the others a face may hide, the later it comes.
+
+        A face may hide another one where a part of it is before the plane of that one, and a part of that one behind its own.
+        """
+        blocks = self._blocks
+        faces = faces[self._is_drawn[faces]]
+        corners = blocks.vertices[blocks.face_vertex]
+        whole = [np.concatenate([self._loop(one, corners) for one in self._joined[int(face)][0]]) for face in faces]
+        before = np.array([[(of @ blocks.face_normal[face]).max() - blocks.face_offset[face] for face in faces] for of in whole])
+        behind = np.array([[(of @ blocks.face_normal[face]).min() - blocks.face_offset[face] for face in faces] for of in whole])
+        hides = (before > self._grid) & (behind < -self._grid).T
+        self.order[faces] = np.argsort(np.argsort(hides.sum(axis=1) - hides.sum(axis=0), kind="stable"), kind="stable")
+
+    def polygons(self, faces: Sequence[int] | np.ndarray, flat: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+        """Yield the polygons (n, 2) in which faces are seen, each with its face; faces that others are drawn for have none.
+
+        flat: corners (L, 2) of all faces in the view.
+        """
+        for face in faces:
+            if int(face) in self._joined:
+                yield from ((int(face), polygon) for polygon in self._outline(*self._joined[int(face)], flat))
+            elif self._is_drawn[face]:
+                yield int(face), self._loop(face, flat)
+
+    def edges(self) -> np.ndarray:
+        """Return the outer edges (E, 2) of all blocks as pairs of vertices, each once."""
+        blocks = self._blocks
+        following = np.arange(1, len(blocks.face_vertex) + 1)
+        following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
+        is_convex = np.repeat(~blocks.is_compound[blocks.face_block], np.diff(blocks.face_start))
+        pairs = [np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)[is_convex]]
+        for face, (alike, facing) in self._joined.items():
+            across = np.delete(np.arange(3), np.abs(blocks.face_normal[face]).argmax())  # the plane's shadow that is largest
+            vertices = np.concatenate([self._loop(one, blocks.face_vertex) for one in (*alike, *facing)])
+            for polygon in self._outline(alike, facing, blocks.vertices[blocks.face_vertex][:, across]):
+                away = np.linalg.norm(polygon[:, None] - blocks.vertices[vertices][:, across], axis=2)
+                corners = vertices[away.argmin(axis=1)]  # joined faces have no corner that none of them has
+                pairs.append(np.stack([corners, np.roll(corners, -1)], axis=1))
+        return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+
+    def _loop(self, face: int, corners: np.ndarray) -> np.ndarray:
+        return corners[self._blocks.face_start[face] : self._blocks.face_start[face + 1]]
+
+    def _outline(self, alike: np.ndarray, facing: np.ndarray, flat: np.ndarray) -> list[np.ndarray]:
+        """Return what is seen of the faces `alike`, without what the faces `facing` them cover."""
+        if len(alike) == 1 and not len(facing):
+            return [self._loop(alike[0], flat)]
+        whole, inside = (
+            shapely.union_all([shapely.Polygon(self._loop(face, flat)) for face in some], grid_size=self._grid) for some in (alike, facing)
+        )
+        pieces = shapely.get_parts(shapely.difference(whole, inside, grid_size=self._grid))
+        pieces = [piece for piece in pieces if isinstance(piece, shapely.Polygon) and self._is_wide(piece)]
+        if any(self._is_wide(shapely.Polygon(hole)) for piece in pieces for hole in piece.interiors):  # matplotlib's polygons have none
+            return [self._loop(face, flat) for face in alike]
+        return [np.array(piece.exterior.coords)[:-1] for piece in pieces]
+
+    def _is_wide(self, piece: shapely.Polygon) -> bool:
+        """Return whether a polygon is more than what the grid leaves between two edges in one line."""
+        return bool(piece.area > SLIVER * self._grid * piece.length)
+
+
+def unit_normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return unit normals (F, 3) of polygons, by Newell's sum of cross products of successive corners."""
+    following = np.arange(1, len(corners) + 1)
+    following[start[1:] - 1] = start[:-1]
+    first = np.repeat(corners[start[:-1]], np.diff(start), axis=0)
+    normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start[:-1])
+    return normal / np.linalg.norm(normal, axis=1).clip(np.finfo(float).tiny)[:, None]

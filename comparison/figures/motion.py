@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from comparison.figures.canvas import structure_size
+from comparison.numbers import Units
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
@@ -126,6 +127,11 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
     return max(min(wanted, most), 1.0)
 
 
+def end_words(run: Run, weight: float) -> str:
+    """Return how and why a run ended, in the units of a report of a structure of this weight, N."""
+    return Units(weight).words(f"{run.status}: {run.result['message']}")
+
+
 def _of_limit_analysis(analysis: LimitAnalysis, label: str, twists: np.ndarray, forces: np.ndarray, end: float) -> Motion:
     """Return limit analysis' motion with these twists (B, 6) and forces (C, 3) up to the settlement `end`; displacements grow linearly."""
     main = analysis.bounds[analysis.main]
@@ -143,6 +149,6 @@ def _of_run(assembly: Assembly, run: Run) -> Motion:
     moved = np.concatenate([run.poses.displacement, run.poses.rotation], axis=2)
     kept = [0, 0] if len(moved) == 1 else slice(None)
     joints = shown_joints(assembly, twists, run.plateau_forces())
-    reason = "" if run.status == "plateau" else f"{run.status}: {run.result['message']}"
+    reason = "" if run.status == "plateau" else end_words(run, assembly.weight)
     settlement = run.poses.settlement
     return Motion("YADE", settlement[kept], (moved - moved[0])[kept], run.poses.forces[kept], twists, joints, reason=reason)

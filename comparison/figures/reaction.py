@@ -17,6 +17,7 @@ from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, YADE
 from comparison.figures.line_labels import Word, write_words
 from comparison.figures.reaction_levels import (
     Scales,
+    at_joints_of_yade,
     curve_of,
     has_plateau,
     has_sharp,
@@ -24,6 +25,7 @@ from comparison.figures.reaction_levels import (
     is_joint,
     largest_settlement,
     levels,
+    obstacle_of,
     plateau_limits,
     scales_of,
     whole_limits,
@@ -32,7 +34,7 @@ from comparison.judge import compare_curves
 from comparison.numbers import format_number, several_plateaus, with_uncertainty
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
-from la_core.limit import Drive, Status
+from la_core.limit import Drive
 from la_core.scene import Scene
 
 BAND = 0.16  # opacity
@@ -44,6 +46,7 @@ ASSOCIATED = "limit analysis, associated"
 COULOMB = "limit analysis, Coulomb prediction"
 HISTORY = "interval: value depends on friction's history"
 CURVE = "limit analysis, curve of the prediction"
+PATH = "limit analysis, path from rest"
 APART = "largest difference of the curves"
 FITTED = "YADE, fitted plateau"
 
@@ -57,7 +60,7 @@ def reaction_figure(results: Results) -> Figure:
     scene, analysis, run = results.scene, results.analysis, results.run
     figure = Figure(figsize=(11.0, 4.6), layout="constrained")
     FigureCanvasAgg(figure)
-    obstacle = _obstacle(analysis)
+    obstacle = obstacle_of(analysis)
     if obstacle and run is None:
         figure.text(0.5, 0.5, obstacle, ha="center", va="center", fontsize=11)
         return figure
@@ -98,15 +101,6 @@ def draw_levels(axes: Any, results: Results, row: float) -> tuple[Scales, set[st
     _finish(axes, scene, scales, end, limits)
     low, high = (limit / scales.reaction for limit in limits)
     return scales, write_words(axes, _words(Results(analysis), scales, end), (low, high), _kept_clear(results, scales, end), row)
-
-
-def _obstacle(analysis: LimitAnalysis) -> str:
-    """Return why limit analysis has no reaction to draw, or ""."""
-    scene = analysis.scene
-    status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
-    if status is Status.INFEASIBLE:
-        return f"Limit analysis: the structure cannot stand; no {scene.quantity} exists."
-    return "" if np.isfinite(value) else f"Limit analysis ended with the status {status}; no {scene.quantity} is known."
 
 
 def _status_words(results: Results, obstacle: str) -> str:
@@ -156,7 +150,7 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     if has_sharp(analysis):
         names["sharp"] = (_sharp_name(analysis), (_sharp_name(analysis),))
     labels = [
-        Word(lines[key], lines[key], f"{words}: {_value_words(analysis, scales, key, lines[key])}", LIMIT_ANALYSIS, keys)
+        Word(lines[key], lines[key], f"{words}: {_value_words(analysis, scales, key)}", LIMIT_ANALYSIS, keys)
         for key, (words, keys) in names.items()
         if key in lines
     ]
@@ -167,10 +161,12 @@ def _words(results: Results, scales: Scales, end: float) -> list[Word]:
     return labels + list(_band_words(analysis, scales, unit))
 
 
-def _value_words(analysis: LimitAnalysis, scales: Scales, key: str, value: float) -> str:
-    """Return a level with its unit; the prediction also with its uncertainty and all its plateaus."""
+def _value_words(analysis: LimitAnalysis, scales: Scales, key: str) -> str:
+    """Return a level with its unit; the prediction, or the bound that equals it, also with its uncertainty and all its plateaus."""
     unit = f" {scales.reaction_unit}".rstrip()
-    if key != "coulomb" or analysis.coulomb is None:
+    shown = "coulomb" if key == "least" and is_joint(analysis) else key
+    value = levels(analysis)[shown] / scales.reaction
+    if shown != "coulomb" or analysis.coulomb is None:
         return f"{format_number(value, 5)}{unit}"
     several = several_plateaus((analysis.coulomb.plateaus / scales.reaction).tolist(), scales.reaction_unit)
     return f"{with_uncertainty(value, analysis.coulomb.uncertainty / scales.reaction)}{unit}" + (f"\n{several}" if several else "")
@@ -221,15 +217,15 @@ def _draw_prediction(axes: Any, results: Results, scales: Scales, limits: tuple[
     settlement, value = curve_of(results, end)
     if len(settlement):
         # Short dashes above YADE's solid record, so that both are visible where they coincide, in grey, too.
-        style: dict[str, Any] = {"linewidth": 1.6, "linestyle": (0, (2.2, 2.4)), "zorder": 4.05, "label": CURVE}
-        axes.plot(settlement / scales.settlement, value / scales.reaction, color=LIMIT_ANALYSIS, **style)
+        style: dict[str, Any] = {"linewidth": 1.6, "linestyle": (0, (2.2, 2.4)), "zorder": 4.05, "color": LIMIT_ANALYSIS}
+        axes.plot(settlement / scales.settlement, value / scales.reaction, label=CURVE + at_joints_of_yade(results), **style)
     if path is not None:
         # The thin line is below YADE's record and the marks are above it, so that both are visible where they coincide.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
         at, values = path.settlement / results.stiffening / scales.settlement, path.value / scales.reaction
         if not len(settlement):  # its chords would cut the corners of the curve
             axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
-        axes.plot(at, values, color=LIMIT_ANALYSIS, label="limit analysis, path from rest (same stiffness)", **marks)
+        axes.plot(at, values, color=LIMIT_ANALYSIS, label=PATH + at_joints_of_yade(results), **marks)
 
 
 def _draw_run(axes: Any, run: Run, scales: Scales, end: float) -> None:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comparison.numbers import POINT, force_unit
+from comparison.numbers import POINT, force_unit, format_number
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
-from la_core.limit import Drive, Solution
+from la_core.limit import Drive, Solution, Status
 from la_core.text_table import without_round_off
 
 NEAR = 2.5  # times the range of all other values: a greatest reaction or an interval's end beyond is written, not drawn
+ROUND_OFF = 1e-9  # of a stiffness
 PLATEAU = ("reaction", "uncertainty", "slope", "plateau_start")
 
 
@@ -41,6 +42,15 @@ class Scales:
 def has_plateau(run: Run | None) -> bool:
     """Return whether there is a run that ended on a plateau."""
     return run is not None and run.status == "plateau" and bool(np.isfinite([run.result[name] for name in PLATEAU]).all())
+
+
+def obstacle_of(analysis: LimitAnalysis) -> str:
+    """Return why limit analysis has no reaction to draw, or ""."""
+    scene = analysis.scene
+    status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
+    if status is Status.INFEASIBLE:
+        return f"Limit analysis: the structure cannot stand; no {scene.quantity} exists."
+    return "" if np.isfinite(value) else f"Limit analysis ended with the status {status}; no {scene.quantity} is known."
 
 
 def levels(analysis: LimitAnalysis) -> dict[str, float]:
@@ -89,6 +99,14 @@ def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
     inside = (settlement >= 0.0) & (settlement < end)
     last = min(end, float(settlement[-1]))
     return np.append(settlement[inside], last), np.append(value[inside], np.interp(last, settlement, value))
+
+
+def at_joints_of_yade(results: Results) -> str:
+    """Return the end of the name of a curve that is drawn at the settlement of YADE's joints; "" where they are as stiff or unknown."""
+    times = results.stiffening
+    if math.isnan(times) or math.isclose(times, 1.0, rel_tol=ROUND_OFF):
+        return ""
+    return f"\nat the settlement of YADE's joints ({format_number(times, 3)} times as stiff)"
 
 
 def scales_of(results: Results) -> Scales:

@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.forces import forces_figure
-from comparison.figures.motion import shown_answer, shown_joints
+from comparison.figures.motion import end_words, shown_answer, shown_joints
 from comparison.figures.reaction import reaction_figure
 from comparison.figures.structure import assembly_figure, mechanism_figure, push_name
 from comparison.yade import Results
@@ -41,7 +41,7 @@ def _drawings(results: Results, title: str) -> dict[str, Callable[[], Any]]:
     reasons = {} if main.status is Status.INFEASIBLE else {method: f"limit analysis: {main.status}"}
     if run is not None:
         mechanisms["YADE"], forces["YADE"] = run.mechanism(), run.plateau_forces()
-        reasons["YADE"] = f"{run.status}: {run.result['message']}"
+        reasons["YADE"] = end_words(run, scene.weight)
     measures = measure(assembly, best.twists, best.forces)
 
     def mechanism_drawing() -> Any:

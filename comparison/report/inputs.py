@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from comparison.numbers import Units, class_words, exists, format_number, plural
+from comparison.report.plain_words import PLACES
 from la_core.scene import given_keys
 
 Rows = list[tuple[str, str]]
+ROUND_OFF = 1e-9  # of a stiffness
 
 
 def input_rows(comparison: dict[str, Any], units: Units) -> Rows:
@@ -101,18 +103,34 @@ def _motion(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> 
             yield f"of it, motion of {', '.join(own['names'])}", f"{_vector(own['velocity'])}{turn}"
         support = facts.get("support") or {}
         if support:
-            places = (f"{axis} {_given(a)} to {_given(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True))
+            places = (
+                f"{axis} {_coordinate(a)} to {_coordinate(b)} m" for axis, a, b in zip("xyz", support["low"], support["high"], strict=True)
+            )
             yield "support", f"{', '.join(support['names'])}: {', '.join(places)}"
     if exists(yade.get("settlement")):
         imposed = f"{'rotation' if unit == 'rad' else 'settlement'} imposed in YADE"
         yield "mean displacement along the load in YADE" if facts.get("live") else imposed, units.text(yade["settlement"], unit, 4)
     if joints:
-        for name in ("normal", "shear"):
-            yield f"{name} stiffness of a contact point, both methods", units.text(joints.get(name), "N/m", 4)
+        yield from _stiffness(joints, comparison.get("settings") or {}, units)
         moved = "mean displacement along the load" if facts.get("live") else "motion of the support"
         yield f"largest {moved} (travel)", units.text(joints.get("travel"), unit, 4)
     if exists(facts.get("accuracy")):
         yield "requested accuracy", f"{format_number(100.0 * facts['accuracy'], 3)} %"
+
+
+def _stiffness(joints: dict[str, Any], settings: dict[str, Any], units: Units) -> Iterator[tuple[str, str]]:
+    """Yield the stiffness of a contact point in limit analysis and in YADE: `joints` of the case, and the settings of YADE's run."""
+    for name in ("normal", "shear"):
+        own, of_yade, row = joints.get(name), settings.get(f"{name}_stiffness"), f"{name} stiffness of a contact point"
+        text = units.text(own, "N/m", 4)
+        if not exists(of_yade):
+            yield f"{row}, limit analysis", text
+        elif exists(own) and math.isclose(own, of_yade, rel_tol=ROUND_OFF):
+            yield f"{row}, both methods", text
+        else:
+            times = f", {format_number(of_yade / own, 3)} times that of limit analysis" if exists(own) and own else ""
+            yield f"{row}, limit analysis", text
+            yield f"{row}, YADE", f"{units.text(of_yade, 'N/m', 4)}{times}"
 
 
 def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -126,6 +144,11 @@ def _methods(comparison: dict[str, Any]) -> Iterator[tuple[str, str]]:
 def _given(value: float) -> str:
     """Return a number that was given, without the digits that calculations add."""
     return f"{round(value, 9) + 0.0:.6g}".replace("-", "−")
+
+
+def _coordinate(value: float) -> str:
+    """Return a coordinate, m, without the round-off that reading a drawing or closing its joints leaves."""
+    return _given(round(value, PLACES))
 
 
 def _vector(parts: Iterable[float]) -> str:

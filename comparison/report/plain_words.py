@@ -9,6 +9,10 @@ import numpy as np
 from comparison.numbers import Units, exists, format_number, plain_number, with_uncertainty
 from comparison.verdict import Verdict
 
+BOUND = "associated"  # the answer that is a bound where no Coulomb prediction is known
+LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"
+UPPER = "this is the upper bound of limit analysis, because no Coulomb prediction is known"
+PLACES = 5  # decimal places of a coordinate, m: no drawing and no survey is more exact than 0.01 mm
 STEEP = 0.9  # cosine of the angle to the vertical: motions steeper than this are called up or down
 
 
@@ -44,6 +48,7 @@ def _falls(names: list[str]) -> str:
 def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units) -> Iterator[str]:
     """Yield what a moving support sets in motion and what it still carries."""
     predicted, yade = predicted_value(comparison), comparison.get("yade") or {}
+    is_bound = _is_bound(comparison, "reaction")
     moves = _motion_words(facts)
     if moves:
         yield f"When {_support_words(facts)} {moves}, {_moving_words(comparison, facts)}."
@@ -55,7 +60,8 @@ def _on_support(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
         if facts.get("motions"):
             of_force = "The forces on the supports, each times its share of the settlement, are then together"
         carries = of_force if unit == "N" else "The moment on the support is then"
-        yield f"{carries} {units.text(predicted, unit, 4)}{share}, by limit analysis."
+        value = f"{units.text(predicted, unit, 4)}{share}"
+        yield f"{carries} at least {value}: {LOWER}." if is_bound else f"{carries} {value}, by limit analysis."
     given = units.text(yade["reaction"], unit, 4) if exists(yade.get("reaction")) else ""
     yield from _of_yade(comparison, given)
 
@@ -77,9 +83,10 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
     if facts.get("tilt"):
         yield angle_words(comparison)
     elif exists(predicted):
+        most, bound = ("no more than ", f": {UPPER}") if _is_bound(comparison, "multiplier") else ("", "")
         yield (
-            f"Pushed{direction} by a share of every block's weight, the structure fails at {format_number(predicted, 4)} times its weight, "
-            f"W = {units.text(comparison.get('weight'), 'N', 4)}."
+            f"Pushed{direction} by a share of every block's weight, the structure fails at {most}{format_number(predicted, 4)} times its "
+            f"weight, W = {units.text(comparison.get('weight'), 'N', 4)}{bound}."
         )
     if exists(predicted):
         yield f"Then {_moving_words(comparison, facts)}."
@@ -91,12 +98,13 @@ def _under_load(comparison: dict[str, Any], facts: dict[str, Any], units: Units)
 
 def angle_words(comparison: dict[str, Any]) -> str:
     """Return the angle at which the ground of a tilted structure fails it, by both methods, as a sentence; "" without a tilt."""
-    answers = comparison.get("limit_analysis") or {}
-    answer = answers.get("coulomb") or answers.get("associated") or {}
-    answer, yade = answer.get("shared_inset") or answer, comparison.get("yade") or {}
-    if not exists(answer.get("angle")):
+    name, answer = _best_answer(comparison, "angle")
+    yade = comparison.get("yade") or {}
+    if not name:
         return ""
     found = f"{with_uncertainty(answer['angle'], answer.get('angle_uncertainty'))} degrees by limit analysis"
+    if name == BOUND:
+        found = f"at most {found} ({UPPER})"
     if exists(yade.get("angle")) and yade.get("status") == "plateau":
         found += f" and by {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
     axis = (comparison.get("structure") or {}).get("tilt")
@@ -106,14 +114,25 @@ def angle_words(comparison: dict[str, Any]) -> str:
 
 def predicted_value(comparison: dict[str, Any]) -> float:
     """Return the value that limit analysis predicts at the inset of both methods: Coulomb's, else the associated one; NaN without one."""
+    associated = (comparison.get("limit_analysis") or {}).get("associated") or {}
+    quantity = "multiplier" if "multiplier" in associated else "reaction"
+    return float(_best_answer(comparison, quantity)[1].get(quantity, math.nan))
+
+
+def _best_answer(comparison: dict[str, Any], quantity: str) -> tuple[str, dict[str, Any]]:
+    """Return the name and the numbers of the best answer that has a quantity, at the inset of both methods; "" and {} without one."""
     answers = comparison.get("limit_analysis") or {}
-    for name in ("coulomb", "associated"):
+    for name in ("coulomb", BOUND):
         answer = answers.get(name) or {}
         shared = answer.get("shared_inset") or answer
-        value = shared.get("multiplier" if "multiplier" in answer else "reaction")
-        if exists(value):
-            return value
-    return math.nan
+        if exists(shared.get(quantity)):
+            return name, shared
+    return "", {}
+
+
+def _is_bound(comparison: dict[str, Any], quantity: str) -> bool:
+    """Return whether the best answer is the associated one: a bound, for where no joint slides Coulomb's is known, too."""
+    return _best_answer(comparison, quantity)[0] == BOUND
 
 
 def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
@@ -135,7 +154,8 @@ def _support_words(facts: dict[str, Any]) -> str:
         return "the support"
     (low, *_), (high, *_) = support["low"], support["high"]
     named = f'"{names[0]}"' if len(names) == 1 else f"{len(names)} blocks or more" if len(names) >= 12 else f"{len(names)} blocks"
-    return f"the support ({named}, x = {plain_number(low, 3)} to {plain_number(high, 3)} m)"
+    start, end = (plain_number(round(x, PLACES) + 0.0, 3) for x in (low, high))
+    return f"the support ({named}, x = {start} to {end} m)"
 
 
 def _motion_words(facts: dict[str, Any]) -> str:

@@ -24,9 +24,10 @@ LIMITATIONS = (
     "quasi-static path from rest. Another history, such as repeated settlement, may select another value.",
     "The uncertainty of the Coulomb prediction is what paths of different viscosity and the rest of their curves leave open. It is an "
     "estimate and no proof. A structure may have several plateaus; then no single value is the answer.",
-    "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path use the "
-    "stiffness of YADE's joints. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
-    "settlement; only the tolerances cover the remaining influence of stiffness and speed.",
+    "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path have "
+    "elastic joints. YADE's joints may be stiffer, as the inputs of a scene say: they strain alike at a smaller settlement, in "
+    "proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero settlement; only the "
+    "tolerances cover the remaining influence of stiffness and speed.",
     "Contact points lie inside the arrises by the inset, the same in both methods. This shortens every lever arm. "
     "Agreement at that inset does not prove the answer for sharp arrises. The report therefore gives the bounds for sharp arrises, too; "
     "where joints slide, sharp arrises would be another history of friction, and the prediction is for the scene's own.",

@@ -6,23 +6,29 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from comparison.numbers import DASH, Units, exists, format_number, plain_number, range_words, small_number
+from comparison.numbers import (
+    A_POINT,
+    DASH,
+    Units,
+    exists,
+    format_number,
+    interval_words,
+    plain_number,
+    range_words,
+    small_number,
+)
 from comparison.report.details import accuracy_rows, costs, energies, measures
 from comparison.report.inputs import input_rows, key_rows, scene_file
 from comparison.report.plain_words import plain_words
 from comparison.report.templating import flat
-from comparison.report.values import associated_of, expected_rows, rounding_words, value_rows, values_of
+from comparison.report.values import associated_of, expected_rows, rounding_words, stiffening_of, value_rows, values_of
 from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
 FIGURES = {  # in the order of the page: what happens first, then how much and why
     "mechanisms": ("Mechanism", "What moves when {drive}, by both methods; marks show joints that open or slide. {motion}"),
-    "reaction": (
-        "Reaction",
-        "{reaction} YADE: the record, and its plateau extrapolated to the undeformed geometry. Limit analysis: the bounds, and the "
-        "prediction with its uncertainty, its curve from rest, and the interval of values that its mechanism allows.",
-    ),
+    "reaction": ("Reaction", "{reaction}{record}{levels}"),
     "forces": ("Forces", "Resultant force of each joint at its centre of pressure; its length shows its size.{thrust}"),
     "assembly": ("Structure", "Blocks by role, interfaces with their contact points, and the motion or load that drives the structure."),
     "dissipation": ("Friction", "Where friction dissipates in limit analysis' mechanism: joints by power, contact points by state."),
@@ -179,6 +185,8 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
         "motion": "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free.",
         "drive": _drive(live, tilts),
         "reaction": _curve(comparison, tilts),
+        "record": _record_words(comparison.get("yade") or {}),
+        "levels": _level_words(comparison),
         "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
     }
     for name, (heading, caption) in FIGURES.items():
@@ -205,6 +213,38 @@ def _curve(comparison: dict[str, Any], tilts: bool) -> str:
         return "Moment on the support against its rotation, from rest."
     live = "multiplier" in associated_of(comparison)
     return "Load multiplier against displacement." if live else "Force on the support against its motion, from rest."
+
+
+def _record_words(yade: dict[str, Any]) -> str:
+    """Return what the figure of the reaction shows of YADE; "" without a run."""
+    status = yade.get("status", "plateau")
+    if not yade:
+        return ""
+    if status == "plateau":
+        return " YADE: the record, and its plateau extrapolated to the undeformed geometry."
+    if exists(yade.get("settlement")) and yade["settlement"] > 0.0:
+        return f" YADE: the record, which has no plateau ({status})."
+    return f" YADE has no record of a settlement ({status})."
+
+
+def _level_words(comparison: dict[str, Any]) -> str:
+    """Return what the figure of the reaction shows of limit analysis."""
+    associated, coulomb = associated_of(comparison), (comparison.get("limit_analysis") or {}).get("coulomb") or {}
+    quantity = "multiplier" if "multiplier" in associated else "reaction"
+    if not exists(associated.get(quantity)):
+        return ""
+    parts = ["the bounds" if quantity == "reaction" else "the upper bound"]
+    curve = (coulomb.get("curve") or {}).get("settlement") or []
+    if exists(coulomb.get(quantity)):
+        low, high = coulomb.get(f"{quantity}_interval") or (None, None)
+        parts += ["the prediction with its uncertainty"] + ["its curve from rest"] * (len(curve) > 1)
+        parts += ["the interval of values that its mechanism allows"] * (interval_words(low, high, "") not in (DASH, A_POINT))
+    words = f" Limit analysis: {', '.join(parts[:-1])}{', and ' if len(parts) > 1 else ''}{parts[-1]}."
+    times = stiffening_of(comparison)
+    if times != 1.0 and len(curve) > 1:
+        number = format_number(times, 3)
+        words += f" The curve's settlement is divided by {number}: YADE's joints are {number} times as stiff as those of limit analysis."
+    return words
 
 
 def _is_arch(comparison: dict[str, Any]) -> bool:

@@ -1,5 +1,6 @@
 """Values of one scene for the report: bounds, prediction, YADE's reaction, expected values, influence of the inset."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,12 +28,21 @@ MEANINGS = {  # what the values are, by their unit
     "associated one; the Coulomb prediction is limit analysis' answer with the friction of stone.",
 }
 NOT_STATED = "not stated: thresholds of slip, or paths, give different ones"  # why `la_core.coulomb.stated_interval` withholds one
+ROUND_OFF = 1e-9  # of a stiffness
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 
 
 def associated_of(comparison: dict[str, Any]) -> dict[str, Any]:
     """Return the associated answer in the content of `comparison.json`; empty where it is missing."""
     return (comparison.get("limit_analysis") or {}).get("associated") or {}
+
+
+def stiffening_of(comparison: dict[str, Any]) -> float:
+    """Return the stiffness of YADE's joints over that of limit analysis; 1 where they are equal or one is unknown."""
+    own, of_yade = (comparison.get("joints") or {}).get("normal"), (comparison.get("settings") or {}).get("normal_stiffness")
+    if not (exists(own) and own and exists(of_yade)) or math.isclose(own, of_yade, rel_tol=ROUND_OFF):
+        return 1.0
+    return of_yade / own
 
 
 def _interval_text(low: Any, high: Any, unit: str, status: Any) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, canvas, motions, push_arrow, push_name
+from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, OuterFaces, canvas, motions, push_arrow, push_name
 from comparison.numbers import force_unit, format_number
 from comparison.yade import Results
 from la_core.geometry import Blocks
@@ -43,7 +43,7 @@ def viewer_text(results: Results) -> str:
         "toward": toward.tolist(),
         "see_through": assembly.effects.plane or len(assembly.blocks) <= canvas.FEW,
         **_travel(scene, moving),
-        **_geometry(assembly),
+        **_geometry(assembly, toward),
         "palette": [{"name": name, "colour": ROLE_FACE[role]} for role, name in ROLE_NAME.items()]
         + [_key(method) for method in moving.methods],
         "methods": [part for part, _ in parts],
@@ -103,8 +103,8 @@ def _travel(scene: Scene, moving: Motions) -> dict[str, Any]:
     }
 
 
-def _geometry(assembly: Assembly) -> dict[str, Any]:
-    """Return the blocks as triangles and edges, and the joints with their blocks a and b."""
+def _geometry(assembly: Assembly, toward: np.ndarray) -> dict[str, Any]:
+    """Return the blocks as triangles and outer edges, and the joints with their blocks a and b."""
     blocks = assembly.blocks
     middle = _middle(blocks)
     first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
@@ -112,14 +112,13 @@ def _geometry(assembly: Assembly) -> dict[str, Any]:
     following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
     fan = np.stack([first, np.arange(len(first)), following], axis=1)
     fan = fan[(fan[:, 0] != fan[:, 1]) & (fan[:, 0] != fan[:, 2])]
-    edges = np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)
     return {
         "size": canvas.structure_size(blocks),
         "vertices": _array(blocks.vertices - middle, "<f4"),
         "owner": _array(np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start)), "<u4"),
         "centroids": _array(blocks.centroid - middle, "<f4"),
         "triangles": _array(blocks.face_vertex[fan], "<u4"),
-        "edges": _array(np.unique(np.sort(edges, axis=1), axis=0), "<u4"),
+        "edges": _array(OuterFaces(blocks, toward).edges(), "<u4"),
         "points": _array(joint_centres(assembly) - middle, "<f4"),
         "sides": _array(np.stack([assembly.interfaces.block_a, assembly.interfaces.block_b], axis=1), "<u4"),
         "normals": _array(assembly.interfaces.normal, "<f4"),

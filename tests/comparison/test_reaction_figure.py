@@ -169,3 +169,21 @@ def test_an_interval_that_dwarfs_the_plateau_does_not_set_its_scale(tmp_path: Pa
     analysis = frictional(analyse(scene), (1.0, 5.0))
     close = reaction_figure(Results(analysis, synthetic_run(analysis))).axes[1]
     assert close.get_ylim()[1] < 1.5 * analysis.bounds[Drive.YIELDING].value
+
+
+def test_a_bound_that_is_the_prediction_has_its_uncertainty(tmp_path: Path) -> None:
+    analysis = frictional(analyse(scene_of(tmp_path, SCENES["plane"])), (1.0, 1.0), value=1.0)
+    assert analysis.coulomb is not None
+    analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=replace(analysis.coulomb, uncertainty=3.0)))
+    words = [text.get_text() for axes in reaction_figure(Results(analysis)).axes for text in axes.texts]
+    assert "$R_{\\min}$, associated, and Coulomb prediction: 0.330 ± 0.003 kN" in words
+
+
+@pytest.mark.parametrize(("times", "told"), [(1.0, ""), (32.0, "\nat the settlement of YADE's joints (32 times as stiff)")])
+def test_curves_say_where_they_are_drawn_at_the_settlement_of_stiffer_joints(times: float, told: str, tmp_path: Path) -> None:
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    analysis = replace(analysis, path=frictional(analysis, (1.0, 1.3)).path)
+    run = replace(synthetic_run(analysis), settings={"normal_stiffness": times * analysis.stiffness.normal})
+    figure = reaction_figure(Results(analysis, run))
+    keys = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {plot_reaction.CURVE + told, plot_reaction.PATH + told} <= set(keys)

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from made_up_comparisons import comparison_of, page_and_markdown
 
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units
-from comparison.report import report, structure_facts
+from comparison.report import predicted_value, report, structure_facts
 from comparison.report.inputs import input_rows
 from comparison.report.plain_words import plain_words
 from comparison.yade import Results
@@ -116,3 +117,57 @@ def test_a_turning_support_is_said_to_turn_about_its_axis() -> None:
     rows = dict(input_rows(turning, Units(1000.0)))
     assert rows["rotation of the support, right-handed"] == "about the axis (0, −1, 0) through the point (1.2, 0, −0.3) m"
     assert not any("unit vector" in name for name in rows)
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ({}, {"limit analysis": "2000 kN/mm"}),
+        ({"normal_stiffness": 2e9 * (1.0 + 1e-12), "shear_stiffness": 2e9}, {"both methods": "2000 kN/mm"}),
+        (
+            {"normal_stiffness": 6.4e10, "shear_stiffness": 6.4e10},
+            {"limit analysis": "2000 kN/mm", "YADE": "64000 kN/mm, 32 times that of limit analysis"},
+        ),
+    ],
+)
+def test_each_method_s_joints_have_their_own_stiffness(settings: dict[str, float], expected: dict[str, str]) -> None:
+    comparison = {"joints": {"normal": 2e9, "shear": 2e9, "travel": 8e-4}, "settings": settings}
+    rows = {name: text for name, text in input_rows(comparison, Units(1000.0)) if "stiffness" in name}
+    assert rows == {f"{way} stiffness of a contact point, {who}": text for way in ("normal", "shear") for who, text in expected.items()}
+
+
+FACTS = {"friction": [0.6], "motion": [0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "gravity": [0.0, 0.0, -9.81], "live": [1.0, 0.0, 0.0]}
+
+
+@pytest.mark.parametrize("known", [False, True])
+@pytest.mark.parametrize(
+    ("quantity", "tilts", "bound", "value"),
+    [
+        ("reaction", False, "still carries at least 500 N, 50 % of the weight W = 1000 N: this is the lower bound", "carries 500 N"),
+        (
+            "multiplier",
+            False,
+            "fails at no more than 0.5000 times its weight, W = 1000 N: this is the upper bound",
+            "fails at 0.5000 times",
+        ),
+        ("multiplier", True, "about y by at most 26.565 degrees by limit analysis (this is the upper bound", "by 26.565 degrees"),
+    ],
+)
+def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: str, value: str, known: bool) -> None:
+    """Without a Coulomb prediction the conclusion has the associated answer, which is a bound."""
+    answer = {"status": "solved", quantity: 500.0 if quantity == "reaction" else 0.5, "angle": 26.565 if tilts else None}
+    answers = {"associated": answer, "coulomb": answer if known else {"status": "failed", quantity: None, "angle": None}}
+    structure = FACTS | ({"tilt": [0.0, 1.0, 0.0]} if tilts else {})
+    comparison = {"limit_analysis": answers, "structure": structure, "weight": 1000.0, "unit": "N" if quantity == "reaction" else ""}
+    told = " ".join(plain_words(comparison, Units(50.0)))
+    assert (bound in told) != known and (value in told) == known, told
+    assert predicted_value(comparison) == answer[quantity]
+
+
+def test_the_place_of_a_support_has_no_round_off() -> None:
+    support = {"names": ["pad"], "low": [-4.04e-27, -2.6e-18, -0.3], "high": [0.55, 0.4, -1.0473639561444162e-06]}
+    comparison = {"structure": FACTS | {"support": support}, "weight": 1000.0, "unit": "N"}
+    facts = comparison["structure"] | {"densities": [], "inset": 0.0, "size": [1.0] * 3, "block_size": [[1.0] * 3] * 2}
+    rows = dict(input_rows(comparison | {"structure": facts}, Units(1000.0)))
+    assert rows["support"] == "pad: x 0 to 0.55 m, y 0 to 0.4 m, z −0.3 to 0 m"
+    assert 'the support ("pad", x = 0 to 0.55 m)' in " ".join(plain_words(comparison, Units(1000.0)))

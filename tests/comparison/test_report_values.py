@@ -9,6 +9,7 @@ from made_up_comparisons import comparison_of, frictional_comparison, page_and_m
 from comparison.judge.summary import limit_analysis_summary
 from comparison.numbers import Units
 from comparison.report import report, values
+from comparison.report.scene_view import view_of_scene
 from comparison.verdict.verdict_table import verdict_cells, verdict_title
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import load_scene
@@ -192,3 +193,31 @@ def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
     ):
         assert words in page
     assert "orce on the support" not in page and "force of the support" not in page
+
+
+@pytest.mark.parametrize(
+    ("changes", "shown", "hidden"),
+    [
+        ({"yade": None}, (), ("YADE",)),
+        ({"yade": {"status": "collapsed", "settlement": 0.0}}, ("YADE has no record of a settlement (collapsed).",), ("plateau",)),
+        ({"yade": {"status": "timeout", "settlement": 1e-4}}, ("YADE: the record, which has no plateau (timeout).",), ("extrapolated",)),
+        ({"limit_analysis": {"coulomb": {"status": "failed", "reaction": None}}}, ("Limit analysis: the bounds.",), ("prediction",)),
+        ({"limit_analysis": {"associated": {"status": "infeasible", "reaction": None}, "coulomb": None}}, (), ("Limit analysis",)),
+        (
+            {"joints": {"normal": 2e9}, "settings": {"normal_stiffness": 8e9}},
+            ("plateau extrapolated", "its curve from rest, and the interval of values", "4 times as stiff as those of limit analysis"),
+            (),
+        ),
+    ],
+)
+def test_the_caption_says_what_the_figure_shows(
+    changes: dict[str, Any], shown: tuple[str, ...], hidden: tuple[str, ...], tmp_path: Path
+) -> None:
+    comparison = frictional_comparison()
+    comparison["limit_analysis"]["coulomb"] |= {"curve": {"settlement": [0.0, 1e-4], "reaction": [800.0, 366.0]}}
+    comparison |= changes | {"limit_analysis": comparison["limit_analysis"] | changes.get("limit_analysis", {})}
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "reaction.png").write_bytes(b"a picture")
+    (figure,) = view_of_scene(tmp_path, 1, comparison, Units(1000.0))["figures"]
+    assert all(words in figure["caption"] for words in shown), figure["caption"]
+    assert not any(words in figure["caption"] for words in hidden), figure["caption"]

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from conftest import CrossChecked
 from runs import TRAVEL, perfect_run, with_answers
-from scenes import box, build, load, shipped, table
+from scenes import base, block, box, build, load, shipped, table
 
 from comparison.figures.canvas import structure_size
 from comparison.figures.motion import DRAWN, motions
@@ -204,3 +205,14 @@ def test_the_page_of_a_small_scene_stays_small(cross_checked: Callable[[str], Cr
     page = page_of(tmp_path, viewer.viewer_text(Results(found.analysis, found.run)))
     assert len(page) < 0.7e6  # the library is 0.57 MB of it
     assert "The view needs scripts and WebGL; the figures below show the same without." in page
+
+
+def test_the_edges_of_a_stone_of_several_parts_are_those_of_its_outside() -> None:
+    channel = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]
+    analysis = analyse(build(*base(1.5, 3.0), block("channel", prism=(channel, [0.1, 0.8]))))
+    data, blocks = json.loads(viewer.viewer_text(Results(analysis))), analysis.assembly.blocks
+    ends = blocks.vertices[array(data["edges"], "<u4", -1, 2)]
+    front = [shapely.LineString(edge[:, [0, 2]]) for edge in ends if np.all(edge[:, 1] == 0.1)]
+    assert shapely.union_all(front).symmetric_difference(shapely.Polygon(channel).exterior).length < SINGLE
+    back = {tuple(edge[0, [0, 2]].tolist()) for edge in ends if sorted(edge[:, 1]) == [0.1, 0.8]}
+    assert back == {tuple(corner) for corner in channel}

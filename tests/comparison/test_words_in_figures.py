@@ -1,22 +1,23 @@
 """Words in figures name what pushes, and keep off lines, frames and each other."""
 
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
-from figure_scenes import LIVE, SCENES, scene_of
+from figure_scenes import LIVE, SCENES, scene_of, synthetic_run
 from matplotlib.text import Text
 from scenes import shipped
 
-from comparison.figures import scene_figures, structure
+from comparison.figures import motions, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.line_labels import ROW, Word, write_words
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
-from la_core.measures import measure
+from la_core.measures import ContactState, measure
 from la_core.scene.variants import variant
 
 
@@ -90,3 +91,24 @@ def test_labels_of_an_animation_cover_neither_each_other_nor_the_frame() -> None
     boxes = [text.get_window_extent(renderer) for text in below.texts if text.get_text()]
     assert boxes and all(frame.y0 <= box.y0 and box.y1 <= frame.y1 for box in boxes)
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
+def test_figures_give_the_lengths_of_a_run_in_mm(tmp_path: Path) -> None:
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    run = synthetic_run(analysis, status="collapsed", message="a block has moved 0.000801 m under gravity alone")
+    forces = np.zeros((len(run.poses.settlement), len(analysis.assembly.points), 3))
+    run = replace(run, poses=replace(run.poses, displacement=np.nan * run.poses.displacement, forces=forces))
+    words = " ".join(text.get_text() for text in scene_figures(Results(analysis, run))["mechanisms"]().findobj(Text))
+    assert "collapsed: a block has moved 0.801 mm under" in words
+    assert motions(Results(analysis, run)).methods[1].reason == "collapsed: a block has moved 0.801 mm under gravity alone"
+
+
+def test_a_point_that_opens_is_seen_around_one_that_slides(tmp_path: Path) -> None:
+    """Two joints that meet in a corner have contact points in one place; the cross of the one lies within the circle of the other."""
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    solution = analysis.bounds[Drive.YIELDING]
+    measures = measure(analysis.assembly, solution.twists, solution.forces)
+    states = np.resize([ContactState.OPENING, ContactState.SLIDING], len(measures.states))
+    figure = dissipation_figure(analysis.assembly, solution.twists, replace(measures, states=states))
+    (circle,), (cross,) = ([line for line in figure.axes[0].lines if line.get_marker() == marker] for marker in ("o", "X"))
+    assert circle.get_markersize() > np.sqrt(2.0) * cross.get_markersize()
