@@ -24,9 +24,16 @@ CHECK_SOURCE = "Compare the scene with its source, and [expected] with the frict
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
-OTHER_DIRECTION = "Look at the direction of the settlement or of the live load: no mechanism follows it, so nothing limits the answer."
+OTHER_DIRECTION = (
+    "Look at the direction of the settlement or of the live load: no mechanism with dilatant friction follows it, so no bound exists. "
+    "If it is right, the blocks lock as they dilate. Limit analysis makes no prediction then, although friction without dilatancy may "
+    "have a value."
+)
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
-OTHER_THRUST = "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source."
+OTHER_THRUST = (
+    "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source: with little "
+    "friction no thrust may hold them once the support yields."
+)
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
@@ -101,7 +108,7 @@ def _thrust(scene: Scene) -> str:
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
     """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
     if math.isinf(coulomb.uncertainty):
-        return ": the blocks slide and fall on the way to a plateau, although an equilibrium exists"
+        return ": the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"
     if coulomb.status is not Status.INACCURATE:
         return ", so it has no value"
     value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()
@@ -160,7 +167,8 @@ def _check_standing(results: Results) -> Check:
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
     limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
-    reason = f"{limit}, but {outcome} ({run.result.message}). Blocks laid without thrust may slide although a thrust could hold them."
+    slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
+    reason = f"{limit}, but {outcome} ({run.result.message}).{slides}"
     return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=_thrust(results.scene))
 
 

@@ -86,7 +86,9 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
     scene, main = analysis.scene, analysis.bounds[analysis.main]
     falling = main.falling if main.status is Status.INFEASIBLE else None
     is_loaded = len(scene.loads) > 0 or scene.ties is not None
-    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded)
+    stands_sharp = analysis.sharp.bounds[analysis.main].status is Status.SOLVED
+    rounded = analysis.assembly.inset if falling is not None and stands_sharp else 0.0
+    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded)
 
 
 def comparison_summary(

@@ -20,6 +20,10 @@ CHECK_LOADS = (
     "Look at the loads and ties on these blocks (`crosscheck show` draws them), and whether the structure stands without them. Then look "
     "for a gap, a missing support or a joint without contact where they rest."
 )
+SMALLER_INSET = (
+    "The structure stands on the edge of some joint: any worn arris makes it fall. The values for sharp arrises hold for perfect "
+    "blocks alone. A smaller [joint] inset tells how much rounding it bears."
+)
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
@@ -51,6 +55,7 @@ def conclusion(
     falling: Sequence[str] | None = None,
     is_finest: bool = False,
     is_loaded: bool = False,
+    rounded: float = 0.0,
 ) -> Conclusion:
     """Return the conclusion from every check.
 
@@ -66,11 +71,14 @@ def conclusion(
         Whether the scene has the finer settings of a second attempt: the next step is then no further attempt with the same ones.
     is_loaded : bool
         Whether dead loads or ties act on the structure, besides its weight.
+    rounded : float
+        Inset of the structure that falls, m, where it stands with sharp arrises; else 0.
     """
     verdict, reason = overall(checks)
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict is not Verdict.DISAGREE:
-        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded), CHECK_LOADS if is_loaded else SUPPORT_IT, remarks)
+        step = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
+        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded), step, remarks)
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]
@@ -88,14 +96,16 @@ def _after_second_attempt(step: str) -> str:
     return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
 
 
-def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool) -> str:
+def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool, rounded: float) -> str:
     named = ", ".join(f'"{name}"' for name in falling[:MOST_NAMES])
     more = f" and {len(falling) - MOST_NAMES} more blocks" if len(falling) > MOST_NAMES else ""
     status = "" if yade is None else str(yade.get("status"))
     other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, f"YADE's run ended as {status}.")
     under = "weight, loads and ties" if is_loaded else "own weight"
-    proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}"
-    return f"{proof}: {named}{more} would fall. {other}" if falling else f"{proof}. {other}"
+    arrises = f" where arrises are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
+    proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{arrises}"
+    sharp = " With sharp arrises it stands." if rounded else ""
+    return f"{proof}: {named}{more} would fall.{sharp} {other}" if falling else f"{proof}.{sharp} {other}"
 
 
 def _alone(met: bool) -> str:

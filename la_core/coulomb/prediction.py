@@ -68,7 +68,7 @@ def predict(
     tangent = Tangent(joints)
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
-        return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
+        return _of_falling_blocks(assembly, start, iterations)
     followed = _paths(joints, tangent, rest, settings, report) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
     if not followed or followed[-1].plateau.travel < first_travel(joints):
@@ -78,9 +78,14 @@ def predict(
     if not followed:
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
-    if solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value)):  # the blocks fell on one path
-        return replace(without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations), uncertainty=math.inf)
+    if solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value)):  # on one path
+        return _of_falling_blocks(assembly, start, iterations)
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
+
+
+def _of_falling_blocks(assembly: Assembly, start: float, iterations: int) -> CoulombSolution:
+    """Return a prediction without a value, and with an infinite uncertainty. start: reading of the clock at its start, s."""
+    return replace(without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations), uncertainty=math.inf)
 
 
 def reaction_at_rest(assembly: Assembly, stiffness: JointStiffness, wedging: float = 0.0) -> float:

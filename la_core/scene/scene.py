@@ -289,7 +289,7 @@ def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted
         warnings=(
             *(words for one in tables.drawn for words in one.warnings()),
             *implausible(blocks, stones, file.joint.friction, gravity, support_twists(file.settlement, blocks)),
-            *implausible_loads(loads, names_of_loads, ties, file.friction, blocks, gravity),
+            *implausible_loads(file, loads, names_of_loads, ties, blocks, gravity),
         ),
         places=tuple(tables.places),
         loads=loads,

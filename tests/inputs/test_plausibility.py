@@ -29,6 +29,25 @@ AS_SEEN = {  # what is changed in the example of two pads, and what the warning 
         'load "load" acts',
         'm outside its block "block"',
     ),
+    "a line that leaves its block": (
+        (
+            "[settlement]",
+            '[[load]]\nblocks = ["block"]\nmass = 100.0\nper = "m"\nfrom = [0.5, 0.1]\nto = [1.5, 0.1]\n[settlement]',
+        ),
+        "only 0.5 of 1 m of its line lie over top faces of its blocks",
+    ),
+    "a tie to the support": (
+        (
+            "[settlement]",
+            '[[tie]]\nblocks = ["block", "settling pad"]\nfrom = [0.8, 0.1, 0.4]\nto = [0.8, 0.1, 0.0]\nforce = 200.0\n[settlement]',
+        ),
+        'tie "tie" ends at a support: the reaction is the force of its joints alone',
+    ),
+    "a profile that bends over a support": (
+        ("direction = [0.0, 0.0, -1.0]", "direction = [0.0, 0.0, -1.0]\nprofile = [[0.5, 1.0], [0.7, 0.9], [1.0, 1.0]]"),
+        "settlement.profile bends at x = 0.7 m, within the support",
+        "only the ratios at both its ends count",
+    ),
     "a rough class of joints": (("[settlement]", '[[friction]]\njoints = "footing"\nfriction = 35.0\n[settlement]'), "is above 1.2"),
     "gravity of the moon": (("-9.81", "-1.62"), "gravity is 1.62 m/s2"),
 }

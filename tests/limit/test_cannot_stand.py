@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import scenes
 
+from comparison.judge import conclusion_of
+from comparison.verdict import Verdict
 from la_core.analysis.stage import analyse
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
@@ -169,3 +171,15 @@ def test_live_load_that_only_presses_is_borne_without_end(plane) -> None:
     scene = scenes.build(PADS[0], scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), live=scenes.DOWN, plane=plane)
     solution = solve_associated(assemble(scene), Drive.LIVE)
     assert solution.status is Status.UNBOUNDED and without_value(solution)
+
+
+def test_a_structure_that_stands_with_sharp_arrises_alone_says_so() -> None:
+    """Its weight acts half a millimetre within the edge of its support: rounded by 1 mm it falls, and the words say by how much."""
+    shelf = scenes.box("shelf", (0.0, 0.0, -0.2), (0.5005, 0.4, 0.0), "fixed")
+    scene = scenes.build(shelf, scenes.box("stone", (0.0, 0.0, 0.0), (1.0, 0.4, 0.2)), live=(1.0, 0.0, 0.0), settlement=None, inset=1e-3)
+    analysis = analyse(scene)
+    assert analysis.sharp.bounds[Drive.LIVE].status is Status.SOLVED
+    concluded = conclusion_of(analysis, [], None)
+    assert concluded.verdict is Verdict.CANNOT_STAND
+    assert "where arrises are rounded by 1 mm" in concluded.reason and "With sharp arrises it stands." in concluded.reason
+    assert "edge of some joint" in concluded.next_step

@@ -1,5 +1,6 @@
 """Forces of the [[load]] and [[tie]] tables on the blocks of a scene."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -7,7 +8,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from la_core.errors import SceneError, nearest
-from la_core.geometry import Blocks
+from la_core.geometry import ROLES, Blocks
 from la_core.scene.loads.point_forces import PointForces
 from la_core.scene.loads.top_faces import carried
 from la_core.scene.schema.loads import JointFriction, Load, Tie
@@ -15,6 +16,7 @@ from la_core.scene.schema.scene_file import SceneFile
 
 Fault = tuple[tuple[str | int, ...], str]  # place in the file, and what is wrong there
 OF_GROUPS = ("layer:", "colour:")  # words before the name of a group of blocks, here those of a drawing
+BESIDE = 1e-3  # of the length of a line: round-off of typed coordinates
 GROUND = -1  # in place of a block, where the ground holds an end of a tie
 
 
@@ -34,6 +36,8 @@ class Ties:
         Tension, N.
     forces : PointForces
         Their forces on blocks.
+    at_support : (T,) array of bool
+        Whether an end is at a support.
     """
 
     names: tuple[str, ...]
@@ -41,6 +45,7 @@ class Ties:
     ends: np.ndarray
     tension: np.ndarray
     forces: PointForces
+    at_support: np.ndarray
 
     def __len__(self) -> int:
         return len(self.names)
@@ -170,16 +175,29 @@ def _line(load: Load) -> tuple[tuple[float, float], tuple[float, float]] | None:
     return None if load.from_ is None or load.to is None else (load.from_, load.to)
 
 
+def lines_beside_blocks(loads: tuple[Load, ...], blocks: Blocks) -> Iterator[str]:
+    """Yield a warning for each load along a line of which a part lies over none of its blocks."""
+    for load in loads:
+        line = _line(load)
+        if line is None:
+            continue
+        length, found = math.dist(*line), carried(blocks, chosen_blocks(load, blocks), line)
+        if found.share.sum() < (1.0 - BESIDE) * length:
+            part = f"{found.share.sum():.3g} of {length:.3g} m"
+            yield f'load "{load.name}": only {part} of its line lie over top faces of its blocks; the rest is left out.'
+
+
 def ties_of(ties: tuple[Tie, ...], blocks: Blocks) -> Ties:
     """The ties of a scene, which must be without faults; an end at a held block is in the ground."""
     ends = np.array([(tie.from_, tie.to) for tie in ties]).reshape(-1, 2, 3)
     tension = np.array([tie.force for tie in ties])
     named = [[blocks.names.index(name) for name in tie.blocks] for tie in ties]
     block = np.array([[*found, GROUND][:2] for found in named], dtype=int).reshape(-1, 2)
+    at_support = np.any((blocks.role[block] == ROLES["support"]) & (block != GROUND), axis=1)
     block = np.where(blocks.free[block] & (block != GROUND), block, GROUND)
     along = ends[:, 1] - ends[:, 0]
     pull = tension[:, None] * along / np.linalg.norm(along, axis=1)[:, None]
     tie, side = np.nonzero(block != GROUND)
     force = np.where(side == 0, 1.0, -1.0)[:, None] * pull[tie]
     forces = PointForces(block[tie, side], ends[tie, side], force, np.zeros(len(tie)), tie)
-    return Ties(tuple(one.name for one in ties), block, ends, tension, forces)
+    return Ties(tuple(one.name for one in ties), block, ends, tension, forces, at_support)

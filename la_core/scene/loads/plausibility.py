@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from la_core.geometry import Blocks
-from la_core.scene.loads.dead_loads import GROUND, Ties
+from la_core.scene.loads.dead_loads import GROUND, Ties, lines_beside_blocks
 from la_core.scene.loads.point_forces import PointForces
-from la_core.scene.schema.loads import JointFriction
+from la_core.scene.loads.support_motion import bent_over_supports
+from la_core.scene.schema.scene_file import SceneFile
 
 FRICTION = 1.2  # above this, no dry joint of stone is known; it is 50 degrees
 SMALL, LARGE = 1e-4, 10.0  # of the weight of the blocks: a load below changes nothing, one above is many floors on one wall
@@ -15,20 +16,20 @@ BESIDE = 1e-3  # of the size of a block: round-off of typed coordinates
 
 
 def implausible_loads(
-    loads: PointForces, names: tuple[str, ...], ties: Ties | None, classes: tuple[JointFriction, ...], blocks: Blocks, gravity: np.ndarray
+    file: SceneFile, loads: PointForces, names: tuple[str, ...], ties: Ties | None, blocks: Blocks, gravity: np.ndarray
 ) -> Iterator[str]:
-    """Yield one sentence for each load, tie or class of joints that is probably a slip.
+    """Yield one sentence for each load, tie, class of joints or profile of a settlement that is probably a slip.
 
     Parameters
     ----------
+    file : SceneFile
+        Tables of the scene.
     loads : PointForces
         Dead loads of the scene.
     names : tuple of str
         Name of each [[load]].
     ties : Ties or None
         Ties of the scene.
-    classes : tuple of JointFriction
-        Classes of joints.
     blocks : Blocks
         Blocks of the scene.
     gravity : ndarray, shape (3,)
@@ -47,7 +48,11 @@ def implausible_loads(
         yield from _of_size(f'tie "{name}"', float(ties.tension[number]), weight)
         held = ties.block[number] != GROUND
         yield from _beside(f'tie "{name}" ends', ties.ends[number][held], ties.block[number][held], blocks)
-    for number, one in enumerate(classes):
+        if ties.at_support[number]:
+            yield f'tie "{name}" ends at a support: the reaction is the force of its joints alone, without the pull of the tie.'
+    yield from lines_beside_blocks(file.load, blocks)
+    yield from bent_over_supports(file, blocks)
+    for number, one in enumerate(file.friction):
         if one.friction > FRICTION:
             yield f"friction[{number}].friction = {one.friction:g} is above {FRICTION:g}, but dry stone has 0.5 to 0.75."
 

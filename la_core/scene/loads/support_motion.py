@@ -58,6 +58,24 @@ def _along_profile(settlement: Settlement, direction: np.ndarray, blocks: Blocks
     return np.concatenate([at_origin * direction + slope * top * along, slope * np.cross(along, direction)], axis=1)
 
 
+def bent_over_supports(file: SceneFile, blocks: Blocks) -> Iterator[str]:
+    """Yield a warning for a profile that bends between the ends of a support, which stays rigid."""
+    settlement = file.settlement
+    if settlement is None or settlement.profile is None:
+        return
+    axis, (place, ratio) = "xy".index(settlement.along), np.array(settlement.profile).T
+    for block in np.flatnonzero(blocks.role == ROLES["support"]):
+        low, high = blocks.low[block, axis], blocks.high[block, axis]
+        straight = np.interp(place, [low, high], np.interp([low, high], place, ratio))
+        bent = np.where((place > low) & (place < high), np.abs(ratio - straight), 0.0)
+        if bent.max() > NO_TURN:
+            at = f"{settlement.along} = {place[bent.argmax()]:g} m"
+            yield (
+                f'settlement.profile bends at {at}, within the support "{blocks.names[block]}", which moves as a rigid body: only the '
+                "ratios at both its ends count. Divide the support there if the ground bends."
+            )
+
+
 def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
     """Yield each zone that names no support, and a settlement that moves no support."""
     if file.settlement is None:
@@ -74,4 +92,5 @@ def faults_of_settlement(file: SceneFile, blocks: Blocks) -> Iterator[Fault]:
                 return
     if support.any() and not np.any(support_twists(file.settlement, blocks)):
         rule = "no support moves: every ratio is 0"
-        yield ("settlement",), str(SceneError("settlement", rule, hint="give one `zone`, or one point of the `profile`, another ratio"))
+        hint = "give one `zone` another ratio, or the `profile` at one end of a support"
+        yield ("settlement",), str(SceneError("settlement", rule, hint=hint))
