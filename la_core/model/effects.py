@@ -7,6 +7,7 @@ import numpy as np
 from la_core.errors import SceneError
 from la_core.scene import Scene
 
+MICROMETRE = 6  # places behind the point of a number of metres
 FLAT = 1e-6  # of the depth, or of a unit vector: deviations below this are in the plane
 
 
@@ -99,7 +100,7 @@ def _decide_plane(scene: Scene) -> tuple[bool, str]:
     if request is True and obstacle:
         raise SceneError("effects.plane", obstacle, value=True, hint='leave it out or say "auto"')
     plane = not obstacle if request == "auto" else bool(request)
-    low, high = scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()
+    low, high = (round(float(y), MICROMETRE) + 0.0 for y in (scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()))
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
     return plane, obstacle or (fits if plane else f"requested in the scene, although {fits}")
 

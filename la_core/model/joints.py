@@ -1,4 +1,4 @@
-"""Elastic joints: stiffness of a contact point and travel of the support, the same for limit analysis and YADE.
+"""Elastic joints: stiffness of a contact point and travel of the support, from which both methods start; a run in YADE may stiffen them.
 
 Both scale with size, weight and inset, so that structures of any size and weight behave alike.
 """

@@ -58,7 +58,7 @@ class Tie(Table):
 
     name: Name = described("reports and messages use it", default="tie")
     blocks: Annotated[tuple[Name, ...], Field(min_length=1, max_length=2)] = described(
-        "block at `from` and block at `to`; with one name the end `to` is held by the ground"
+        "block at `from` and block at `to`; with one name the end `to` is held by the ground; pulls on a support are not in the reaction"
     )
     from_: Vector = described("end of the rod at the first block", "m", alias="from")
     to: Vector = described("end of the rod at the second block, or in the ground", "m")

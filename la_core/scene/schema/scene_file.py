@@ -124,7 +124,9 @@ class Settlement(Table):
     point: Vector | None = described("a point on that axis", "m", default=None)
     zone: tuple[Zone, ...] = described("supports with another share of the motion; all others have 1, and the last zone counts", default=())
     profile: Annotated[tuple[Pair, ...], Field(min_length=2)] | None = described(
-        "share of a translation by place, as points [place, ratio], straight between them and level beyond", "m, -", default=None
+        "share of a translation by place, as points [place, ratio], straight between them, level beyond; supports take those at their ends",
+        "m, -",
+        default=None,
     )
     along: Literal["x", "y"] = described("axis of the places of a `profile`, at right angles to `direction`", default="x")
 
