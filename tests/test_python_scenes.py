@@ -88,6 +88,9 @@ def test_a_variant_keeps_what_its_changes_leave_true() -> None:
     assert la_core.variant(pads, {"joint.friction": 0.4}).expected is None
     kept = la_core.variant(pads, {"joint.friction": 0.4, "expected.reaction_over_weight": 1 / 6})
     assert kept.expected is not None and kept.expected.reaction_over_weight == 1 / 6
+    named = {"expected.reaction_over_weight": pads.expected.reaction_over_weight, "source": pads.source}
+    equal = la_core.variant(pads, {"joint.friction": 0.4} | named)  # what the changes name stays, also where it equals the scene's own
+    assert (equal.expected, equal.source) == (pads.expected, pads.source)
     assert pads.friction == 0.6
     assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
 

@@ -135,7 +135,7 @@ def full_model(scene: Scene) -> Scene:
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    Source and expected value speak of one structure: each is removed where the structure changes, unless it changes too.
+    Source and expected value speak of one structure: each is removed where the structure changes, unless `changes` names it.
 
     Parameters
     ----------
@@ -151,8 +151,9 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
         key_paths.put(tables, key, copy.deepcopy(value))
     whole = _whole(tables, where)
     is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    named = {key_paths.steps(key)[0] for key in changes}
     for key, none in (("expected", None), ("source", "")):
-        if is_another and whole[key] == before[key] != none:
+        if is_another and key not in named and whole[key] != none:
             del tables[key]
             whole[key] = none
     return whole

@@ -114,6 +114,12 @@ def test_equal_cases_of_two_sweeps_share_a_run_and_each_row_has_every_value_that
     assert axes(definition, found) == {"joint.friction": [0.3, 0.6], "joint.inset": [0.001, 0.002]}
 
 
+def test_an_expected_value_that_a_campaign_sets_stays_where_it_equals_the_scene_s_own(tmp_path: Path) -> None:
+    text = sweep('[sweep.vary]\n"expected.reaction_over_weight" = [0.1666666667, 0.2]\n"joint.friction" = [0.1, 0.3]')
+    expected = [case.run.scene().expected for case in expand(load_campaign(written(tmp_path, text)))]
+    assert [one and one.reaction_over_weight for one in expected] == [0.1666666667, 0.1666666667, 0.2, 0.2]
+
+
 def test_an_expected_value_holds_for_the_scene_as_it_is_alone(tmp_path: Path) -> None:
     settings = ['"yade.time_limit" = 60.0', '"joint.friction" = 0.5', '"joint.friction" = 0.5\n"expected.tolerance" = 0.1']
     kept = []
