@@ -51,11 +51,14 @@ class CampaignResult(Tabled):
     rows : list of dict
         One row a case that ended, with the columns of results.csv, and "folder", the folder of its report; None is undefined.
         Reactions are in N or N m.
+    unfinished : str
+        How many cases of an interrupted campaign have ended, as a sentence; "" where all have.
     """
 
     folder: Path
     title: str
     rows: list[dict[str, Any]]
+    unfinished: str = ""
 
     def to_dataframe(self) -> Any:
         """Return the rows as a table of pandas.
@@ -77,6 +80,7 @@ class CampaignResult(Tabled):
         words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "none has ended"
         more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
         title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}; {title_of_values(self.rows)}"
+        title += f"; {self.unfinished.rstrip('.')}" if self.unfinished else ""
         return title, ("case", "least", "Coulomb", "greatest", "YADE", "verdict"), [_cells(row) for row in self.rows[:MOST_ROWS]]
 
 
@@ -240,7 +244,7 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
 
 
 def _result_of(table: CampaignTable) -> CampaignResult:
-    return CampaignResult(table.folder, table.title, table.rows)
+    return CampaignResult(table.folder, table.title, table.rows, table.unfinished)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:

@@ -114,6 +114,8 @@ class Comparison:
         Seconds of each method.
     case_costs : list of tuple
         Case, method, and seconds after / before; the largest change first.
+    unfinished : tuple of str
+        How many cases of each campaign have ended, where it was interrupted; else "".
     """
 
     titles: tuple[str, str]
@@ -126,6 +128,7 @@ class Comparison:
     within: list[Change]
     costs: list[Cost]
     case_costs: list[tuple[str, str, float]]
+    unfinished: tuple[str, str] = ("", "")
 
     @property
     def yade_in_one(self) -> bool:
@@ -160,6 +163,7 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
         sorted((change for change in moved if change.share <= 1.0), key=lambda change: (-change.share, change.case, change.what)),
         list(_costs(costs)),
         sorted(ratios, key=lambda ratio: (-abs(math.log(ratio[2])), ratio[:2])),
+        (before.unfinished, after.unfinished),
     )
 
 
