@@ -191,6 +191,8 @@ def run(
 def read(folder: Path | str) -> Result:
     """Read the stored results of one scene; judge and draw them again where the program has changed.
 
+    A folder that cannot be written is read as it is, and nothing is stored there.
+
     Parameters
     ----------
     folder : Path or str

@@ -1,6 +1,7 @@
 """Files of a run's folder: results, and copies of the scene and its meshes; one process at a time works there."""
 
 import fcntl
+import os
 import re
 from collections.abc import Container, Iterable, Iterator
 from contextlib import contextmanager
@@ -42,6 +43,11 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
+
+
+def is_writable(folder: Path) -> bool:
+    """Return whether this process may write in the folder; results on a disk that is only read need no lock."""
+    return os.access(folder, os.W_OK)
 
 
 @contextmanager

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import os
 import tomllib
 from pathlib import Path
 
@@ -18,6 +19,21 @@ from comparison.yade import Results
 from la_core.exchange.checksummed_file import ExchangeError
 
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
+
+
+@pytest.mark.parametrize("judged_before", [True, False])
+def test_results_in_a_folder_that_cannot_be_written_are_read(
+    judged_before: bool, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = comparison.run("two_pads", tmp_path, yade=False, quiet=True)
+    (result.folder / ".lock").unlink()
+    if not judged_before:  # as by another version of the program
+        (result.folder / "comparison.json").write_text("{}")
+    before = {path.name: path.read_bytes() for path in result.folder.iterdir()}
+    monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
+    again = comparison.read(result.folder)
+    assert (again.verdict, again.predicted) == (result.verdict, result.predicted)
+    assert {path.name: path.read_bytes() for path in result.folder.iterdir()} == before
 
 
 @pytest.mark.yade
