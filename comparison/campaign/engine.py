@@ -196,7 +196,7 @@ def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, beg
         classic = outcome["classic"].get(case.name, {})
         row = (
             blank
-            | {"case": case.name, "sweep": case.sweep, "scene": case.run.scene_name}
+            | {"case": case.name, "sweep": case.sweep, "scene": case.run.path.stem}
             | case.values
             | {"state": outcome["state"]}
             | outcome["answers"]

@@ -1,5 +1,6 @@
 """A campaign file says which cases there are: wrong files are refused, and every case has a name of its own."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,8 @@ from campaigns import run, sweep, written
 
 from comparison.campaign.cases import LONGEST, axes, expand
 from comparison.campaign.definition import MOST_CASES, load_campaign
+from comparison.campaign.report.compare import compare_tables
+from comparison.campaign.report.report import write_campaign_report
 from comparison.cli.commands import main
 from comparison.cli.study_verbs.campaign import find_campaign
 from la_core.errors import SceneError
@@ -91,6 +94,20 @@ def test_cases_are_the_product_in_the_order_of_the_file_the_last_key_fastest(tmp
     scene = found[1].run.scene()
     assert scene.friction == 0.3 and scene.title.endswith(": mu = 0.3, to0 = 0.45")
     assert scene.blocks.vertices[: scene.blocks.vertex_start[1], 0].max() == 0.45
+
+
+def test_the_tables_hold_the_names_of_scenes_and_sweeps_as_they_are_written(tmp_path: Path, plain_figures: None) -> None:
+    (tmp_path / "my scene #1%.toml").write_text(find("two_pads").read_text())
+    text = sweep("", "my scene #1%") + '[[sweep]]\nscene = "my scene #1%"\nname = "bogen é $x$"\nset = { "joint.friction" = 0.3 }\n'
+    found = run(text, tmp_path / "out")
+    assert [(row["scene"], row["sweep"]) for row in found.rows] == [("my scene #1%", "my scene #1%"), ("my scene #1%", "bogen é $x$")]
+    assert [(row["case"], row["folder"]) for row in found.rows] == [("myscene1", "cases/myscene1"), ("bogenx", "cases/bogenx")]
+    page = write_campaign_report(found).read_text(encoding="utf-8")
+    assert "bogen é $x$" in page
+    older = replace(
+        found, rows=[row | {"scene": "myscene1", "sweep": safe} for row, safe in zip(found.rows, ("myscene1", "bogenx"), strict=True)]
+    )
+    assert not compare_tables(older, found).changed
 
 
 def test_names_are_unique_short_and_lead_nowhere(tmp_path: Path) -> None:
