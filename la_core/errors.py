@@ -60,6 +60,10 @@ class SceneError(Exception):
         return type(self).told, self.args, self.__dict__
 
 
+class CannotStandError(SceneError):
+    """Error of a command for a structure that cannot stand under its weight and dead loads, so that it has nothing to show."""
+
+
 def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> int:
     """The value of an argument that must be a whole number from `least` to `most`; raises SceneError for any other."""
     if not isinstance(value, numbers.Integral) or isinstance(value, bool) or not least <= int(value) <= most:
