@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from comparison.figures import assembly_figure, rendered, save, scene_figures
-from comparison.run_folder import FIGURE_FORMATS
+from comparison.run_folder import FIGURE_FORMATS, require_folder_of
 from comparison.yade import Results, Run
 from la_core.analysis import Answer, decided_model
 from la_core.errors import SceneError, nearest
@@ -40,10 +40,11 @@ class Picture:
         Raises
         ------
         SceneError
-            The path has another ending.
+            The path has another ending, or its folder does not exist.
         """
         if Path(path).suffix not in FIGURE_FORMATS:
             raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
+        require_folder_of(Path(path))
         save(self.figure, Path(path))
         return self
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from comparison.figures import Story, write_animation
+from comparison.figures import Story, require_place, write_animation
 from comparison.picture import Picture, draw
 from comparison.progress import narration
 from comparison.provenance import describe
@@ -262,13 +262,14 @@ def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool 
     Raises
     ------
     SceneError
-        Nothing moves, or an argument is invalid.
+        Nothing moves, an argument is invalid, or the folder of the file does not exist.
     FileNotFoundError
         The file is an MP4, and ffmpeg is not installed.
     """
     results, frames = _results_of(what), whole_number("fps", fps, 1, MOST_FRAMES)
     if Path(path).suffix not in MOVING_FORMATS:
         raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
+    require_place(Path(path))
     story, name = Story(results), results.scene.name
     with narration(quiet) as told:
         write_animation(story, Path(path), frames, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))

@@ -29,7 +29,7 @@ _UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished f
 
 def refuse_name(scene: Scene) -> None:
     """Raise SceneError for a scene whose name cannot name a folder of results."""
-    if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
+    if scene.name in ("", ".", "..", *REPORTS) or "/" in scene.name:
         raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
     if len(scene.name.encode()) > LONGEST_NAME:
         raise SceneError(str(scene.path), f"its name is longer than the {LONGEST_NAME} bytes of a folder's name", hint="rename it")
@@ -43,6 +43,12 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
+
+
+def require_folder_of(path: Path) -> None:
+    """Raise SceneError for a file to write whose folder does not exist."""
+    if not path.parent.is_dir():
+        raise SceneError(str(path), f"its folder {path.parent} does not exist", hint="make that folder first, or name another file")
 
 
 def is_writable(folder: Path) -> bool:

@@ -21,6 +21,14 @@ from la_core.exchange.checksummed_file import ExchangeError
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
 
 
+@pytest.mark.parametrize("name", ["", ".", "..", "a/b"])
+def test_a_scene_whose_name_cannot_name_a_folder_is_not_run(name: str, tmp_path: Path) -> None:
+    nameless = la_core.build(tomllib.loads(la_core.load("two_pads").text), name)
+    with pytest.raises(la_core.SceneError, match="cannot name a folder of results"):
+        comparison.run(nameless, tmp_path / "out", yade=False, quiet=True)
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("judged_before", [True, False])
 def test_results_in_a_folder_that_cannot_be_written_are_read(
     judged_before: bool, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
