@@ -76,6 +76,11 @@ def test_a_key_that_leads_nowhere_is_named(key: str, rule: str) -> None:
     assert key in str(told.value)
 
 
+def test_an_entry_of_an_array_cannot_be_deleted() -> None:
+    with pytest.raises(la_core.SceneError, match=r'"block\[2\]": an entry of an array cannot be deleted; set block as a whole'):
+        la_core.variant("two_pads", {"block[2]": None})
+
+
 def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
         la_core.build({"joint": {"friction": None}})

@@ -95,9 +95,10 @@ def expand(definition: Definition) -> list[Case]:
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
             scene_parts = [part for key, part in parts.items() if not key.startswith(CLASSIC)]
+            given = {**sweep.set, **values}
             try:
-                data, whole = _overridden(path, original, {**sweep.set, **values})
-                parameters = _classic({**sweep.set, **values})
+                data, whole = _overridden(path, original, given)
+                parameters = _classic(given)
                 identity = (path.resolve(), json.dumps(whole))
                 if identity not in runs:
                     text = _titled(data, path.stem, scene_parts) if data != tomllib.loads(original) else original
@@ -107,7 +108,8 @@ def expand(definition: Definition) -> list[Case]:
                     of_keys = _values(whole, parameters, definition.keys)
                     cases[title, run, parameters] = Case(names.unique(name), title, run, of_keys, parameters)
             except SceneError as error:
-                raise SceneError(f"{definition.path}: case {name}", str(error)) from error
+                told = str(error).removeprefix(f"{path}: ") if given else str(error)  # the scene's own file is right; a given value is not
+                raise SceneError(f"{definition.path}: case {name}", told) from error
     return list(cases.values())
 
 
