@@ -28,8 +28,9 @@ from comparison.campaign import (
 )
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
+from comparison.run_folder import folder_of_results
 from comparison.verdict import mark_of
-from la_core.errors import seconds_or_none, whole_number
+from la_core.errors import path_of, seconds_or_none, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -176,9 +177,9 @@ def run_campaign(
     """
     count = cores() if workers is None else whole_number("workers", workers, 1)
     limit = seconds_or_none("time_limit", time_limit)
-    path = find_campaign(Path(campaign))
+    path = find_campaign(path_of("campaign", campaign))
     defined = definition.load_campaign(path)
-    place = Path(folder) if folder is not None else default_folder(path)
+    place = folder_of_results(default_folder(path) if folder is None else folder)
     runs_yade = defined.file.yade and yade
     whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=limit)
     console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
@@ -204,7 +205,7 @@ def read_campaign(folder: Path | str) -> CampaignResult:
     la_core.exchange.ExchangeError
         The folder holds no campaign, or its table is damaged.
     """
-    return _result_of(read_table(Path(folder)))
+    return _result_of(read_table(path_of("folder", folder)))
 
 
 def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | str) -> CampaignChanges:
@@ -227,7 +228,8 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
     la_core.exchange.ExchangeError
         A folder holds no campaign, or its table is damaged.
     """
-    first, second = (one.folder if isinstance(one, CampaignResult) else Path(one) for one in (before, after))
+    given = {"before": before, "after": after}
+    first, second = (one.folder if isinstance(one, CampaignResult) else path_of(name, one) for name, one in given.items())
     found = compare_tables(with_versions(read_table(first)), with_versions(read_table(second)))
     changes = [
         {

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from comparison.errors import FolderInUseError
-from la_core.errors import SceneError
+from la_core.errors import SceneError, path_of
 from la_core.exchange import write_whole
 from la_core.scene import FOLDER_FORMATS, Scene
 
@@ -43,6 +43,14 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
+
+
+def folder_of_results(folder: Path | str) -> Path:
+    """Return the folder that an argument gives for results; raises SceneError where it is no path, or a file stands in its way."""
+    path = path_of("folder", folder)
+    if files := [place for place in (path, *path.parents) if place.exists() and not place.is_dir()]:
+        raise SceneError("folder", f"a file, {files[0]}, stands where a folder is needed", value=str(path), hint="choose another folder")
+    return path
 
 
 def require_folder_of(path: Path) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 import pydantic
 import tomli_w
 
-from la_core.errors import SceneError
+from la_core.errors import SceneError, path_of
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
@@ -65,7 +65,8 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
         raise SceneError("tables", "must be a table", value=tables)
     if not isinstance(name, str):
         raise SceneError("name", "must be a text", value=name)
-    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
+    place = path_of("folder", folder)
+    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), place / f"{name}.toml", name)
 
 
 def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "") -> Scene:
