@@ -28,8 +28,9 @@ from comparison.campaign import (
 )
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
+from comparison.run_folder import folder_of_results
 from comparison.verdict import mark_of
-from la_core.errors import seconds_or_none, whole_number
+from la_core.errors import path_of, seconds_or_none, whole_number
 from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
@@ -51,11 +52,14 @@ class CampaignResult(Tabled):
     rows : list of dict
         One row a case that ended, with the columns of results.csv, and "folder", the folder of its report; None is undefined.
         Reactions are in N or N m.
+    unfinished : str
+        How many cases of an interrupted campaign have ended, as a sentence; "" where all have.
     """
 
     folder: Path
     title: str
     rows: list[dict[str, Any]]
+    unfinished: str = ""
 
     def to_dataframe(self) -> Any:
         """Return the rows as a table of pandas.
@@ -77,6 +81,7 @@ class CampaignResult(Tabled):
         words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "none has ended"
         more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
         title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}; {title_of_values(self.rows)}"
+        title += f"; {self.unfinished.rstrip('.')}" if self.unfinished else ""
         return title, ("case", "least", "Coulomb", "greatest", "YADE", "verdict"), [_cells(row) for row in self.rows[:MOST_ROWS]]
 
 
@@ -172,9 +177,9 @@ def run_campaign(
     """
     count = cores() if workers is None else whole_number("workers", workers, 1)
     limit = seconds_or_none("time_limit", time_limit)
-    path = find_campaign(Path(campaign))
+    path = find_campaign(path_of("campaign", campaign))
     defined = definition.load_campaign(path)
-    place = Path(folder) if folder is not None else default_folder(path)
+    place = folder_of_results(default_folder(path) if folder is None else folder)
     runs_yade = defined.file.yade and yade
     whole = Campaign(defined, expand(defined), place.resolve(), runs_yade, time_limit=limit)
     console = Console(stderr=True, quiet=quiet, highlight=False, emoji=False, soft_wrap=True)
@@ -200,7 +205,7 @@ def read_campaign(folder: Path | str) -> CampaignResult:
     la_core.exchange.ExchangeError
         The folder holds no campaign, or its table is damaged.
     """
-    return _result_of(read_table(Path(folder)))
+    return _result_of(read_table(path_of("folder", folder)))
 
 
 def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | str) -> CampaignChanges:
@@ -223,7 +228,8 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
     la_core.exchange.ExchangeError
         A folder holds no campaign, or its table is damaged.
     """
-    first, second = (one.folder if isinstance(one, CampaignResult) else Path(one) for one in (before, after))
+    given = {"before": before, "after": after}
+    first, second = (one.folder if isinstance(one, CampaignResult) else path_of(name, one) for name, one in given.items())
     found = compare_tables(with_versions(read_table(first)), with_versions(read_table(second)))
     changes = [
         {
@@ -240,7 +246,7 @@ def compare(before: CampaignResult | Path | str, after: CampaignResult | Path | 
 
 
 def _result_of(table: CampaignTable) -> CampaignResult:
-    return CampaignResult(table.folder, table.title, table.rows)
+    return CampaignResult(table.folder, table.title, table.rows, table.unfinished)
 
 
 def _cells(row: dict[str, Any]) -> list[str]:

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from comparison.figures import assembly_figure, rendered, save, scene_figures
-from comparison.run_folder import FIGURE_FORMATS
+from comparison.run_folder import FIGURE_FORMATS, require_folder_of
 from comparison.yade import Results, Run
 from la_core.analysis import Answer, decided_model
-from la_core.errors import SceneError, nearest
+from la_core.errors import SceneError, nearest, path_of
 from la_core.scene import Scene, load
 
 
@@ -40,11 +40,13 @@ class Picture:
         Raises
         ------
         SceneError
-            The path has another ending.
+            The path has another ending, or its folder does not exist.
         """
-        if Path(path).suffix not in FIGURE_FORMATS:
+        place = path_of("path", path)
+        if place.suffix not in FIGURE_FORMATS:
             raise SceneError(str(path), f"the file name of a figure must end in {', '.join(FIGURE_FORMATS[:-1])} or {FIGURE_FORMATS[-1]}")
-        save(self.figure, Path(path))
+        require_folder_of(place)
+        save(self.figure, place)
         return self
 
     def _repr_png_(self) -> bytes:

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from comparison.figures import Story, write_animation
+from comparison.figures import Story, require_place, write_animation
 from comparison.picture import Picture, draw
 from comparison.progress import narration
 from comparison.provenance import describe
 from comparison.report import export_results, predicted_value, write_report
-from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, refuse_name
+from comparison.run_folder import MOST_FRAMES, MOVING_FORMATS, folder_of_results, refuse_name
 from comparison.verdict import VERDICT_HEADINGS, Check, Checks, Verdict, mark_of, stored_check, verdict_cells, verdict_title
 from comparison.workflow import report_again, run_scene
 from comparison.yade import Results, Run, read_results
 from la_core.analysis import Answer, structural_model
-from la_core.errors import SceneError, seconds_or_none, whole_number
+from la_core.errors import SceneError, path_of, seconds_or_none, whole_number
 from la_core.geometry import Interfaces
 from la_core.scene import Scene, load
 from la_core.text_table import Tabled
@@ -113,7 +113,11 @@ class Result(Tabled):
         ------
         ValueError
             The results lie in different folders.
+        SceneError
+            An argument is no result.
         """
+        if strange := [type(other).__name__ for other in others if not isinstance(other, Result)]:
+            raise SceneError("others", "must be results of comparison.run", value=strange[0])
         if {other.folder.parent for other in others} - {self.folder.parent}:
             raise ValueError("all results of a report must lie in one folder; run them with the same `folder`")
         return write_report(self.folder.parent, [result.summary for result in (self, *others)], describe())
@@ -181,7 +185,7 @@ def run(
     """
     limit, chosen = seconds_or_none("time_limit", time_limit), load(scene)
     refuse_name(chosen)
-    scene_folder = Path(folder) / chosen.name
+    scene_folder = folder_of_results(folder) / chosen.name
     with narration(quiet) as told:
         model = structural_model(chosen)
         summary = run_scene(model, scene_folder, told, yade, limit)
@@ -190,6 +194,8 @@ def run(
 
 def read(folder: Path | str) -> Result:
     """Read the stored results of one scene; judge and draw them again where the program has changed.
+
+    A folder that cannot be written is read as it is, and nothing is stored there.
 
     Parameters
     ----------
@@ -215,9 +221,10 @@ def read(folder: Path | str) -> Result:
     >>> comparison.read("results/two_pads").verdict == result.verdict
     True
     """
+    place = path_of("folder", folder)
     with narration(True) as told:
-        summary = report_again(Path(folder), told)
-    return _result(Path(folder), summary)
+        summary = report_again(place, told)
+    return _result(place, summary)
 
 
 def export(what: Answer | Result, folder: Path | str) -> list[Path]:
@@ -234,8 +241,13 @@ def export(what: Answer | Result, folder: Path | str) -> list[Path]:
     -------
     list of Path
         Files to open in ParaView.
+
+    Raises
+    ------
+    SceneError
+        An argument is invalid, or a file stands in the place of the folder.
     """
-    return export_results(_results_of(what), Path(folder))
+    return export_results(_results_of(what), folder_of_results(folder))
 
 
 def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool = False) -> Path:
@@ -260,17 +272,18 @@ def animate(what: Answer | Result, path: Path | str, fps: int = 10, quiet: bool 
     Raises
     ------
     SceneError
-        Nothing moves, or an argument is invalid.
+        Nothing moves, an argument is invalid, or the folder of the file does not exist.
     FileNotFoundError
         The file is an MP4, and ffmpeg is not installed.
     """
-    results, frames = _results_of(what), whole_number("fps", fps, 1, MOST_FRAMES)
-    if Path(path).suffix not in MOVING_FORMATS:
+    results, frames, place = _results_of(what), whole_number("fps", fps, 1, MOST_FRAMES), path_of("path", path)
+    if place.suffix not in MOVING_FORMATS:
         raise SceneError(str(path), f"the file name of an animation must end in {' or '.join(MOVING_FORMATS)}")
+    require_place(place)
     story, name = Story(results), results.scene.name
     with narration(quiet) as told:
-        write_animation(story, Path(path), frames, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
-    return Path(path)
+        write_animation(story, place, frames, lambda k, of: told.fraction(name, k / of, f"frame {k} of {of}"))
+    return place
 
 
 def _results_of(what: Answer | Result) -> Results:

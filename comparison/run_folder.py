@@ -1,13 +1,14 @@
 """Files of a run's folder: results, and copies of the scene and its meshes; one process at a time works there."""
 
 import fcntl
+import os
 import re
 from collections.abc import Container, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from comparison.errors import FolderInUseError
-from la_core.errors import SceneError
+from la_core.errors import SceneError, path_of
 from la_core.exchange import write_whole
 from la_core.scene import FOLDER_FORMATS, Scene
 
@@ -28,7 +29,7 @@ _UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished f
 
 def refuse_name(scene: Scene) -> None:
     """Raise SceneError for a scene whose name cannot name a folder of results."""
-    if scene.name in (".", "..", *REPORTS) or "/" in scene.name:
+    if scene.name in ("", ".", "..", *REPORTS) or "/" in scene.name:
         raise SceneError(str(scene.path), f'"{scene.name}" cannot name a folder of results', hint="rename the file")
     if len(scene.name.encode()) > LONGEST_NAME:
         raise SceneError(str(scene.path), f"its name is longer than the {LONGEST_NAME} bytes of a folder's name", hint="rename it")
@@ -42,6 +43,25 @@ def refuse_names(scenes: Iterable[Scene]) -> None:
         if scene.name in seen:
             raise SceneError(str(scene.path), f'has the same name as {seen[scene.name].path}, "{scene.name}"', hint="rename one file")
         seen[scene.name] = scene
+
+
+def folder_of_results(folder: Path | str) -> Path:
+    """Return the folder that an argument gives for results; raises SceneError where it is no path, or a file stands in its way."""
+    path = path_of("folder", folder)
+    if files := [place for place in (path, *path.parents) if place.exists() and not place.is_dir()]:
+        raise SceneError("folder", f"a file, {files[0]}, stands where a folder is needed", value=str(path), hint="choose another folder")
+    return path
+
+
+def require_folder_of(path: Path) -> None:
+    """Raise SceneError for a file to write whose folder does not exist."""
+    if not path.parent.is_dir():
+        raise SceneError(str(path), f"its folder {path.parent} does not exist", hint="make that folder first, or name another file")
+
+
+def is_writable(folder: Path) -> bool:
+    """Return whether this process may write in the folder; results on a disk that is only read need no lock."""
+    return os.access(folder, os.W_OK)
 
 
 @contextmanager

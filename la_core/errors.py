@@ -3,8 +3,10 @@
 import difflib
 import math
 import numbers
+import os
 import re
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any, Self
 
 CONTROL = re.compile(
@@ -60,12 +62,23 @@ class SceneError(Exception):
         return type(self).told, self.args, self.__dict__
 
 
+class CannotStandError(SceneError):
+    """Error of a command for a structure that cannot stand under its weight and dead loads, so that it has nothing to show."""
+
+
 def whole_number(where: str, value: Any, least: int, most: float = math.inf) -> int:
     """The value of an argument that must be a whole number from `least` to `most`; raises SceneError for any other."""
     if not isinstance(value, numbers.Integral) or isinstance(value, bool) or not least <= int(value) <= most:
         rule = f"must be a whole number from {least} to {most}" if most < math.inf else f"must be a whole number of at least {least}"
         raise SceneError(where, rule, value=value)
     return int(value)
+
+
+def path_of(where: str, value: Any) -> Path:
+    """The path that an argument gives; raises SceneError for a value that is no path."""
+    if not isinstance(value, str | os.PathLike):
+        raise SceneError(where, "must be a path, as a text or as a Path", value=value)
+    return Path(value)
 
 
 def seconds_or_none(where: str, value: Any) -> float | None:

@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+import os
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,6 +20,63 @@ from comparison.yade import Results
 from la_core.exchange.checksummed_file import ExchangeError
 
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
+
+
+WRONG_ARGUMENTS = {
+    "a campaign": (lambda result: comparison.run_campaign({"sweep": []}), "campaign = .*: must be a path"),
+    "a campaign's folder": (lambda result: comparison.run_campaign("seed_paper", 5), "folder = 5: must be a path"),
+    "a folder to read": (lambda result: comparison.read_campaign(5), "folder = 5: must be a path"),
+    "a campaign to compare": (lambda result: comparison.compare("one", 5), "after = 5: must be a path"),
+    "a folder of meshes": (lambda result: la_core.build({}, folder=None), "folder: must be a path"),
+    "a folder of results": (lambda result: comparison.run("two_pads", None), "folder: must be a path"),
+    "a file for results": (lambda result: comparison.run("two_pads", "file"), "folder = 'file': a file, file, stands where"),
+    "a file within a path": (lambda result: comparison.run("two_pads", "file/in"), "folder = 'file/in': a file, file, stands where"),
+    "results to read": (lambda result: comparison.read(None), "folder: must be a path"),
+    "a file for an export": (lambda result: comparison.export(result, "file"), "folder = 'file': a file, file, stands where"),
+    "a path of an animation": (lambda result: comparison.animate(result, None), "path: must be a path"),
+    "no folder of an animation": (lambda result: comparison.animate(result, "nodir/x.gif"), "nodir/x.gif: its folder nodir does not"),
+    "no folder of a figure": (lambda result: result.plot().save("nodir/x.png"), "nodir/x.png: its folder nodir does not exist"),
+    "another result": (lambda result: result.report(5), "others = 'int': must be results"),
+}
+
+
+@pytest.fixture(scope="module")
+def any_result(tmp_path_factory: pytest.TempPathFactory) -> comparison.Result:
+    return comparison.run("two_pads", tmp_path_factory.mktemp("results"), yade=False, quiet=True)
+
+
+@pytest.mark.parametrize(("call", "said"), WRONG_ARGUMENTS.values(), ids=WRONG_ARGUMENTS)
+def test_a_wrong_argument_is_named_with_its_rule(
+    call: Callable[[comparison.Result], object], said: str, any_result: comparison.Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    with pytest.raises(la_core.SceneError, match=f"^{said}"):
+        call(any_result)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"] and Path("file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "a/b"])
+def test_a_scene_whose_name_cannot_name_a_folder_is_not_run(name: str, tmp_path: Path) -> None:
+    nameless = la_core.build(tomllib.loads(la_core.load("two_pads").text), name)
+    with pytest.raises(la_core.SceneError, match="cannot name a folder of results"):
+        comparison.run(nameless, tmp_path / "out", yade=False, quiet=True)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("judged_before", [True, False])
+def test_results_in_a_folder_that_cannot_be_written_are_read(
+    judged_before: bool, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = comparison.run("two_pads", tmp_path, yade=False, quiet=True)
+    (result.folder / ".lock").unlink()
+    if not judged_before:  # as by another version of the program
+        (result.folder / "comparison.json").write_text("{}")
+    before = {path.name: path.read_bytes() for path in result.folder.iterdir()}
+    monkeypatch.setattr("os.access", lambda path, mode: mode != os.W_OK)
+    again = comparison.read(result.folder)
+    assert (again.verdict, again.predicted) == (result.verdict, result.predicted)
+    assert {path.name: path.read_bytes() for path in result.folder.iterdir()} == before
 
 
 @pytest.mark.yade

@@ -76,6 +76,11 @@ def test_a_key_that_leads_nowhere_is_named(key: str, rule: str) -> None:
     assert key in str(told.value)
 
 
+def test_an_entry_of_an_array_cannot_be_deleted() -> None:
+    with pytest.raises(la_core.SceneError, match=r'"block\[2\]": an entry of an array cannot be deleted; set block as a whole'):
+        la_core.variant("two_pads", {"block[2]": None})
+
+
 def test_what_toml_cannot_say_is_refused_by_its_key() -> None:
     with pytest.raises(la_core.SceneError, match=r"joint\.friction: a NoneType has no place"):
         la_core.build({"joint": {"friction": None}})
@@ -88,6 +93,9 @@ def test_a_variant_keeps_what_its_changes_leave_true() -> None:
     assert la_core.variant(pads, {"joint.friction": 0.4}).expected is None
     kept = la_core.variant(pads, {"joint.friction": 0.4, "expected.reaction_over_weight": 1 / 6})
     assert kept.expected is not None and kept.expected.reaction_over_weight == 1 / 6
+    named = {"expected.reaction_over_weight": pads.expected.reaction_over_weight, "source": pads.source}
+    equal = la_core.variant(pads, {"joint.friction": 0.4} | named)  # what the changes name stays, also where it equals the scene's own
+    assert (equal.expected, equal.source) == (pads.expected, pads.source)
     assert pads.friction == 0.6
     assert la_core.variant(la_core.load("rubble_wall"), {"title": "same"}).meshes
 

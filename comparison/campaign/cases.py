@@ -62,7 +62,7 @@ class Case:
     name : str
         Name of the case, unique in the campaign.
     sweep : str
-        Name of its sweep.
+        Name of its sweep, as the campaign file has it.
     run : CaseRun
         Run of its scene.
     values : dict
@@ -86,18 +86,19 @@ def expand(definition: Definition) -> list[Case]:
     labels = _labels(definition)
     runs: dict[tuple[Path, str], CaseRun] = {}
     cases: dict[tuple[str, CaseRun, ClassicParameters | None], Case] = {}
-    names, folders, sweeps = _Names(), _Names(), _Names()
+    names, folders, sweeps = _Names(LONGEST), _Names(LONGEST), _Names()
     for sweep in definition.file.sweep:
         path, original = _scene_of(definition, sweep)
-        stem = _stem(sweep.name or path.stem)
-        title = sweeps.unique(stem)
+        stem = folder_name(sweep.name or path.stem)
+        title = sweeps.unique(sweep.name or path.stem)
         for values in sweep.combinations():
             parts = _parts(sweep, values, labels)
             name = "_".join([stem, *parts.values()])
             scene_parts = [part for key, part in parts.items() if not key.startswith(CLASSIC)]
+            given = {**sweep.set, **values}
             try:
-                data, whole = _overridden(path, original, {**sweep.set, **values})
-                parameters = _classic({**sweep.set, **values})
+                data, whole = _overridden(path, original, given)
+                parameters = _classic(given)
                 identity = (path.resolve(), json.dumps(whole))
                 if identity not in runs:
                     text = _titled(data, path.stem, scene_parts) if data != tomllib.loads(original) else original
@@ -107,7 +108,8 @@ def expand(definition: Definition) -> list[Case]:
                     of_keys = _values(whole, parameters, definition.keys)
                     cases[title, run, parameters] = Case(names.unique(name), title, run, of_keys, parameters)
             except SceneError as error:
-                raise SceneError(f"{definition.path}: case {name}", str(error)) from error
+                told = str(error).removeprefix(f"{path}: ") if given else str(error)  # the scene's own file is right; a given value is not
+                raise SceneError(f"{definition.path}: case {name}", told) from error
     return list(cases.values())
 
 
@@ -161,7 +163,7 @@ def _classic(given: dict[str, Any]) -> ClassicParameters | None:
 
 def _run(folder: str, path: Path, text: str) -> CaseRun:
     """Return a run of a scene after building and modelling the scene, which raises SceneError for an invalid one."""
-    name = _stem(path.stem)
+    name = folder_name(path.stem)
     scene = scene_of_text(text, path, name)
     structural_model(scene)
     meshes = [f"{mesh.path} {hashlib.sha256(mesh.content).hexdigest()}" for mesh in scene.meshes]
@@ -206,22 +208,23 @@ def _safe(text: str) -> str:
     return _UNSAFE.sub("", text)[:LONGEST]
 
 
-def _stem(text: str) -> str:
+def folder_name(text: str) -> str:
     """Return the safe text without dots, so that a folder is neither hidden nor named like a file beside it."""
     return _safe(text).replace(".", "") or "scene"
 
 
 class _Names:
-    """Register of names; each name is given once, ignoring upper and lower case."""
+    """Register of names; each name is given once, ignoring upper and lower case, and cut after `longest` characters."""
 
-    def __init__(self) -> None:
+    def __init__(self, longest: int | None = None) -> None:
         self._taken: set[str] = set()
+        self._longest = longest
 
     def unique(self, wanted: str) -> str:
         """Return the wanted name, with a number added if it is taken."""
-        name, number = wanted[:LONGEST], 1
+        name, number = wanted[: self._longest], 1
         while name.casefold() in self._taken:
             number += 1
-            name = f"{wanted[:LONGEST]}-{number}"
+            name = f"{wanted[: self._longest]}-{number}"
         self._taken.add(name.casefold())
         return name

@@ -15,7 +15,7 @@ from comparison.campaign.definition import Definition
 from comparison.campaign.job import LOADED, Job, JobOutcome, digest, stored_outcome
 from comparison.progress import CampaignNarration
 from comparison.provenance import describe
-from comparison.run_folder import alone_in, write_text
+from comparison.run_folder import REPORTS, alone_in, write_text
 from la_core.exchange import ExchangeError
 from la_core.limit import ClassicParameters
 
@@ -87,8 +87,8 @@ def run_cases(
 ) -> table.CampaignTable:
     """Run the unfinished cases of a campaign and return its table; the tables are written even if the run is interrupted.
 
-    engine: workers that run the cases. narration: receives the progress. conclude: called with the final table while the folder is
-    still locked. Raises FolderInUseError if another process works in the folder.
+    engine: workers that run the cases. narration: receives the progress. conclude: called with the final table, or with that of an
+    interrupted run, while the folder is still locked. Raises FolderInUseError if another process works in the folder.
     """
     campaign.folder.mkdir(parents=True, exist_ok=True)
     with alone_in(campaign.folder):
@@ -97,13 +97,13 @@ def run_cases(
         waiting = _waiting(campaign, outcomes)
         narration.opens(len(campaign.cases), len(waiting) + len(outcomes), len(outcomes))
         ran_before = None if waiting else _engine_of_stored(campaign.folder)
-        with _tables(campaign, outcomes, lambda: ran_before or engine.name, began) as write:
+        for name in REPORTS if waiting else ():  # no report is older than the tables beside it, however this run ends
+            (campaign.folder / name).unlink(missing_ok=True)
+        with _tables(campaign, outcomes, lambda: ran_before or engine.name, began, conclude) as write:
             if waiting:
                 with engine:
                     _run_all(campaign, deque(waiting), engine, narration, outcomes, write)
-        final = table.read_table(campaign.folder)
-        conclude(final)
-    return final
+        return table.read_table(campaign.folder)
 
 
 def _waiting(campaign: Campaign, outcomes: dict[str, JobOutcome]) -> list[tuple[CaseRun, dict[str, ClassicParameters], str]]:
@@ -148,8 +148,14 @@ def _run_all(
 
 
 @contextmanager
-def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Callable[[], str], began: float) -> Iterator[Callable[[], None]]:
-    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end.
+def _tables(
+    campaign: Campaign,
+    outcomes: dict[str, JobOutcome],
+    engine: Callable[[], str],
+    began: float,
+    conclude: Callable[[table.CampaignTable], object],
+) -> Iterator[Callable[[], None]]:
+    """Give a function that writes the tables at most every WRITES_EVERY seconds; they are always written at the end, then concluded.
 
     engine: returns the name of the workers, which may change while they run.
     """
@@ -165,6 +171,7 @@ def _tables(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: Callabl
         yield write
     finally:
         table.write_campaign(gather(campaign, outcomes, engine(), began), campaign.parquet)
+        conclude(table.read_table(campaign.folder))
 
 
 def _engine_of_stored(folder: Path) -> str | None:
@@ -189,7 +196,7 @@ def gather(campaign: Campaign, outcomes: dict[str, JobOutcome], engine: str, beg
         classic = outcome["classic"].get(case.name, {})
         row = (
             blank
-            | {"case": case.name, "sweep": case.sweep, "scene": case.run.scene_name}
+            | {"case": case.name, "sweep": case.sweep, "scene": case.run.path.stem}
             | case.values
             | {"state": outcome["state"]}
             | outcome["answers"]

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from comparison.campaign.columns import COSTS, Column, Kind, result_columns
+from comparison.numbers import plural
 from comparison.run_folder import write_text
 from la_core import exchange
 from la_core.exchange import ExchangeError, write_whole
@@ -61,6 +62,13 @@ class CampaignTable:
     def failures(self) -> list[dict[str, Any]]:
         """Rows of failed cases."""
         return [row for row in self.rows if row["state"] == "failed"]
+
+    @property
+    def unfinished(self) -> str:
+        """How many cases of an interrupted campaign have ended, as a sentence; "" where all have."""
+        ended, cases = len(self.rows), self.provenance.get("cases") or 0
+        have = "has" if ended == 1 else "have"
+        return f"{ended} of {plural(cases, 'case')} {have} ended; run the campaign again to go on." if ended < cases else ""
 
 
 def read_table(folder: Path) -> CampaignTable:

@@ -9,6 +9,7 @@ from comparison.cli.guessing_parser import GuessingParser
 from comparison.provenance import version
 from comparison.run_folder import FIGURE_FORMATS, MOST_FRAMES, MOVING_FORMATS
 from comparison.settings import HARDER_SECONDS, MOST_WORKERS
+from la_core.errors import visible
 from la_core.scene import LEAST_ACCURACY, MOST_ACCURACY
 
 TUTORIALS = Path("crosscheck-tutorial")
@@ -187,7 +188,7 @@ def _add_report(add: AddVerb) -> None:
 def _add_head(verb: argparse.ArgumentParser) -> None:
     """Add the options that fill the head of a report."""
     for name in HEAD:
-        verb.add_argument(f"--{name}", metavar="TEXT", help=f"{name} in the head of the report (default: the scene's)")
+        verb.add_argument(f"--{name}", type=words, metavar="TEXT", help=f"{name} in the head of the report (default: the scene's)")
 
 
 def _add_export(add: AddVerb) -> None:
@@ -246,6 +247,13 @@ figure = ending_in(FIGURE_FORMATS, "a figure")
 moving_picture = ending_in(MOVING_FORMATS, "an animation")
 page = ending_in(PAGE_FORMATS, "a page")
 scene_file = ending_in((".toml",), "a scene file")
+
+
+def words(text: str) -> str:
+    """Parse a text for a report: as in a scene file, without control characters and in UTF-8."""
+    if visible(text) != text:
+        raise argparse.ArgumentTypeError(f"{visible(text)}: must be text without control characters, in UTF-8")
+    return text
 
 
 def frames_per_second(text: str) -> int:

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from comparison.cli.layout import say
 from comparison.errors import message_of
-from la_core.errors import SceneError, visible
+from la_core.errors import CannotStandError, SceneError, visible
 
 AGREE, DISAGREE, USAGE, TOOL, INCONCLUSIVE, CANNOT_STAND = range(6)
 INTERRUPTED = 130  # as shells define it: 128 + SIGINT
@@ -46,7 +46,8 @@ def code_of(command: Callable[[], int]) -> int:
 
 
 def _code(error: BaseException) -> int:
-    return USAGE if isinstance(error, SceneError) else INTERRUPTED if isinstance(error, KeyboardInterrupt) else TOOL
+    codes = {CannotStandError: CANNOT_STAND, SceneError: USAGE, KeyboardInterrupt: INTERRUPTED}
+    return next((code for kind, code in codes.items() if isinstance(error, kind)), TOOL)
 
 
 def complain(message: str, code: int) -> int:

@@ -1,7 +1,7 @@
 """Figures of one scene; only this room, the studies and the campaign's figures import matplotlib."""
 
 from comparison.figures import canvas
-from comparison.figures.animation import Story, write_animation
+from comparison.figures.animation import Story, require_place, write_animation
 from comparison.figures.canvas import FAINT, INK, LIMIT_ANALYSIS, ROLE_FACE, YADE, method_colour, tint
 from comparison.figures.drawing_order import OuterFaces
 from comparison.figures.motion import Motion, Motions, motions
@@ -30,6 +30,7 @@ __all__ = [
     "reaction_figure",
     "rendered",
     "report_figures",
+    "require_place",
     "save",
     "scene_figures",
     "tint",

@@ -17,9 +17,11 @@ from comparison.figures.motion import Motion, motions
 from comparison.figures.reaction import draw_levels
 from comparison.figures.structure import TITLE_WIDTH, looks, wrapped
 from comparison.numbers import format_number
+from comparison.run_folder import require_folder_of
 from comparison.yade import Results
-from la_core.errors import SceneError
+from la_core.errors import CannotStandError, SceneError
 from la_core.exchange import FREE, write_whole
+from la_core.limit import Status
 from la_core.measures import mechanism
 from la_core.model import Assembly
 
@@ -41,7 +43,8 @@ class Story:
         self.shown = motions(results)
         if not self.shown.end > self.shown.start:
             reasons = "; ".join(f"{method.label}: {method.reason}" for method in self.shown.methods if method.reason)
-            raise SceneError(str(scene.path), f"nothing moves, so there is no animation ({reasons})", hint="look at its figures instead")
+            kind = CannotStandError if analysis.bounds[analysis.main].status is Status.INFEASIBLE else SceneError
+            raise kind(str(scene.path), f"nothing moves, so there is no animation ({reasons})", hint="look at its figures instead")
         self.assembly, self.run, self.scene = analysis.assembly, run, scene
         low, high = window(self.assembly)
         count = len(self.shown.methods)
@@ -127,10 +130,19 @@ class GifWriter(animation.PillowWriter):
         frames[0].save(self.outfile, save_all=True, append_images=frames[1:], duration=durations, loop=0)
 
 
+def require_place(path: Path) -> None:
+    """Raise an error for an animation that could not be written: SceneError without its folder, FileNotFoundError without ffmpeg."""
+    require_folder_of(path)
+    if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
+        raise FileNotFoundError(
+            errno.ENOENT, "not installed, but MP4 needs it: apt-get install ffmpeg, or choose a name that ends in .gif", "ffmpeg"
+        )
+
+
 def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int, int], None]) -> int:
     """Write a GIF, or an MP4 by ffmpeg, and return its number of frames.
 
-    Raises FileNotFoundError where ffmpeg is needed and not installed.
+    Raises errors as `require_place`, and OSError with the name of the file that cannot be written.
 
     Parameters
     ----------
@@ -143,22 +155,22 @@ def write_animation(story: Story, path: Path, fps: int, progress: Callable[[int,
     progress : callable
         Called with the number of the drawn frame, from 1, and the number of frames.
     """
+    require_place(path)
     count = round(SECONDS * fps) + 1
     shares = list(np.linspace(0.0, 1.0, count))
     if path.suffix == ".mp4":
-        if shutil.which("ffmpeg") is None:
-            raise FileNotFoundError(
-                errno.ENOENT, "not installed, but MP4 needs it: apt-get install ffmpeg, or choose a name that ends in .gif", "ffmpeg"
-            )
         shares += [1.0] * round(HOLD * fps)
     writer = GifWriter(fps=fps) if path.suffix == ".gif" else animation.FFMpegWriter(fps=fps)
     with tempfile.TemporaryDirectory() as folder:
         unfinished = Path(folder) / f"animation{path.suffix}"
-        with writer.saving(story.figure, str(unfinished), DPI):
-            for drawn, share in enumerate(shares, 1):
-                story.draw(float(share))
-                writer.grab_frame()
-                progress(drawn, len(shares))
+        try:
+            with writer.saving(story.figure, str(unfinished), DPI):
+                for drawn, share in enumerate(shares, 1):
+                    story.draw(float(share))
+                    writer.grab_frame()
+                    progress(drawn, len(shares))
+        except OSError as error:  # of a full disk, whose error does not name the file
+            raise OSError(error.errno, error.strerror, error.filename or str(unfinished)) from error
         write_whole(path, unfinished.read_bytes())
     return len(shares)
 

@@ -12,7 +12,7 @@ from comparison.studies.cost_yade import yade_methods
 from comparison.studies.sensitivity import Sensitivity, study
 from comparison.yade import find_yade
 from la_core.analysis import analyse, drives
-from la_core.errors import SceneError
+from la_core.errors import CannotStandError, SceneError
 from la_core.limit import Status, solve_associated
 from la_core.model import assemble
 from la_core.scene import Scene
@@ -49,13 +49,20 @@ def study_cost(scene: Scene, with_yade: bool, narration: Narration, workers: int
 
     status = solve_associated(assemble(scene), drives(scene)[0]).status
     if status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {status}, so the study has no reference value")
+        raise _unanswered(scene, status, "the study has no reference value")
     with tempfile.TemporaryDirectory() as runs:
         methods = list(limit_analysis_methods(scene, prediction_inset(scene)))
         if with_yade:
             methods += yade_methods(scene, find_yade(), Path(runs), hear)
         count = len(methods)
         return measure_study(scene, methods, begin, workers, stopped.set)
+
+
+def _unanswered(scene: Scene, status: Status, so: str) -> SceneError:
+    """Return the error for a structure without an answer; `so` says what follows."""
+    if status is Status.INFEASIBLE:
+        return CannotStandError(str(scene.path), f"the structure cannot stand under its weight and dead loads, so {so}")
+    return SceneError(str(scene.path), f"limit analysis ends as {status}, so {so}")
 
 
 def _end_if(stopped: threading.Event) -> None:
@@ -72,7 +79,7 @@ def study_sensitivity(scene: Scene, narration: Narration) -> tuple[Sensitivity, 
     analysis = analyse(scene)
     main, coulomb = analysis.bounds[analysis.main], analysis.coulomb
     if main.status is not Status.SOLVED:
-        raise SceneError(str(scene.path), f"limit analysis ends as {main.status}, so the classic iteration has no starting point")
+        raise _unanswered(scene, main.status, "the classic iteration has no starting point")
     references: References = {"associated": (main.value, 1)}
     if coulomb is not None:
         references["Coulomb, elastic joints"] = (coulomb.value, None)

@@ -1,5 +1,6 @@
 """One scene from start to end: limit analysis, YADE, comparison, figures; a stage is repeated only when its inputs change."""
 
+import contextlib
 import dataclasses
 import hashlib
 import json
@@ -20,7 +21,7 @@ from comparison.judge import (
     yade_summary,
 )
 from comparison.limit_analysis import Listener, first_prediction, limit_analysis_stage
-from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, write_text
+from comparison.run_folder import ANIMATION, FIGURES, alone_in, copy_inputs, is_writable, write_text
 from comparison.verdict import Check, Verdict
 from comparison.workflow import restored_effects
 from comparison.workflow.stages import (
@@ -105,12 +106,15 @@ def run_scene(
 def report_again(folder: Path, listener: Listener, figures: Figures | None = None) -> dict[str, Any]:
     """Compare and draw the stored results of a run's folder again, and return the content of comparison.json.
 
+    A folder that cannot be written is read without a lock, and nothing is stored there.
     Raises exchange.ExchangeError where limit analysis is missing, and FolderInUseError where another process works in the folder.
     folder, listener, figures: as in `run_scene`.
     """
     if not (folder / "case.h5").is_file():  # a folder of other files is not touched
+        if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
+            raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run it again")
         raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`")
-    with alone_in(folder):
+    with alone_in(folder) if is_writable(folder) else contextlib.nullcontext():
         results = read_results(folder)
         previous = _stored_summary(folder)
         yade = yade_summary(results.run) if results.run else _without_run(previous.get("yade"), folder)
@@ -183,12 +187,14 @@ def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: F
         listener.stage(scene.name, "comparison", "cached")
         return previous
     listener.stage(scene.name, "comparison", "running")
-    if previous.get("inputs") != inputs:
-        (folder / ANIMATION).unlink(missing_ok=True)
     checks = [*check_expected(analysis), *_judge(outcome), *requested_accuracy.check_accuracy(results)]
     summary = comparison_summary(results, outcome.yade, checks, outcome.notes, first)
     summary |= {"structure": without_undefined(structure_facts(results)), "first_verdict": outcome.first_verdict}
     summary |= {"provenance": provenance.describe(), "inputs": inputs}
+    if not is_writable(folder):
+        return summary
+    if previous.get("inputs") != inputs:
+        (folder / ANIMATION).unlink(missing_ok=True)
     for name in FIGURES:  # one of an earlier run that these results do not have
         (folder / name).unlink(missing_ok=True)
     for path, draw in drawings.items():

@@ -183,7 +183,10 @@ class Answer(Tabled):
 
     @property
     def values(self) -> dict[str, Any]:
-        """All printed and stored values: "associated", "coulomb" and "path", as in `crosscheck solve --json`."""
+        """All printed and stored values: "associated", "coulomb" and "path", with the keys of `crosscheck solve --json`.
+
+        A number that does not exist is NaN here, and null in that JSON.
+        """
         return answer_values(self.analysis)
 
     def _bound(self, drive: Drive, sharp: bool) -> float:

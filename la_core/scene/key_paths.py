@@ -48,7 +48,9 @@ def put(data: dict[str, Any], key: str, value: Any) -> None:
             place[step] = {}
         place, walked = place[step], _joined(walked, step)
     _require(place, last, walked, key)
-    if value is None and isinstance(last, str):
+    if value is None and isinstance(last, int):
+        raise SceneError(f'"{key}"', "an entry of an array cannot be deleted", hint=f"set {walked} as a whole, without that entry")
+    if value is None:
         place.pop(last, None)
     else:
         place[last] = value

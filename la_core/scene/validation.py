@@ -108,6 +108,8 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     if error["type"] == "value_error":
         return SceneError(path or "scene", str(error["ctx"]["error"]), value=None if isinstance(value, dict) else value)
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
+    if isinstance(value, str):
+        rule = rule.replace("entries", "characters")
     return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=_slip(error))
 
 

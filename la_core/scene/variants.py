@@ -16,7 +16,7 @@ import numpy as np
 import pydantic
 import tomli_w
 
-from la_core.errors import SceneError
+from la_core.errors import SceneError, path_of
 from la_core.scene import key_paths
 from la_core.scene.scene import Scene, scene_of_text
 from la_core.scene.schema.scene_file import SceneFile
@@ -65,7 +65,8 @@ def build(tables: Mapping[str, Any], name: str = "scene", folder: Path | str = "
         raise SceneError("tables", "must be a table", value=tables)
     if not isinstance(name, str):
         raise SceneError("name", "must be a text", value=name)
-    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), Path(folder) / f"{name}.toml", name)
+    place = path_of("folder", folder)
+    return scene_of_text(tomli_w.dumps(_plain(dict(tables), "")), place / f"{name}.toml", name)
 
 
 def variant(scene: Scene | Path | str, changes: Mapping[str, Any], name: str = "") -> Scene:
@@ -135,7 +136,7 @@ def full_model(scene: Scene) -> Scene:
 def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | str) -> dict[str, Any]:
     """Set several keys of a scene's tables, in place, and return all tables with the schema's defaults.
 
-    Source and expected value speak of one structure: each is removed where the structure changes, unless it changes too.
+    Source and expected value speak of one structure: each is removed where the structure changes, unless `changes` names it.
 
     Parameters
     ----------
@@ -151,8 +152,9 @@ def override(tables: dict[str, Any], changes: Mapping[str, Any], where: Path | s
         key_paths.put(tables, key, copy.deepcopy(value))
     whole = _whole(tables, where)
     is_another = any(before[table] != whole[table] for table in whole if table not in KEEP_EXPECTED)
+    named = {key_paths.steps(key)[0] for key in changes}
     for key, none in (("expected", None), ("source", "")):
-        if is_another and whole[key] == before[key] != none:
+        if is_another and key not in named and whole[key] != none:
             del tables[key]
             whole[key] = none
     return whole

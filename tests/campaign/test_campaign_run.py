@@ -15,9 +15,10 @@ from faulty_runs import INTERRUPTED
 
 from comparison.campaign import job, table
 from comparison.campaign.job import LOADED, OTHER_CODE, Job, failure, run_job
+from comparison.campaign_result import read_campaign
 from comparison.cli.commands import main
 from comparison.errors import FolderInUseError
-from comparison.run_folder import alone_in
+from comparison.run_folder import REPORTS, alone_in
 from comparison.workflow.one_scene import read_results
 from la_core.scene.scene import load_scene
 from la_core.scene.shipped import find
@@ -157,6 +158,37 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert [row["case"] for row in table.read_table(out).rows] == begun(out)
     again = Inline()
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
+
+
+@pytest.mark.parametrize("ended", [0, 1, 2])
+def test_the_report_of_an_interrupted_campaign_tells_of_the_cases_that_ended_and_says_that_others_are_missing(
+    ended: int, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in REPORTS:
+        (out / name).write_text("the report of an earlier call")
+
+    def interrupt(at: Job) -> None:
+        assert not any((out / name).exists() for name in REPORTS)
+        if len(begun(out)) == ended:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("comparison.cli.study_verbs.campaign.Local", lambda workers, yade: Inline(interrupt))
+    assert main(["campaign", str(written(tmp_path, QUICK)), "-o", str(out), "-q"]) == INTERRUPTED
+    assert len(table.read_table(out).rows) == ended == len(json.loads((out / "report.json").read_text())["rows"])
+    words = f"{ended} of 4 cases {'has' if ended == 1 else 'have'} ended; run the campaign again to go on."
+    assert all(words in (out / name).read_text(encoding="utf-8") for name in ("report.html", "report.md"))
+    assert "Numbers are ." not in (out / "report.md").read_text(encoding="utf-8")
+    assert words.rstrip(".") in str(read_campaign(out))
+    capsys.readouterr()
+    assert main(["report", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert words in said and "cases: \n" not in said
+    assert main(["compare", str(out), str(out)]) == 0
+    assert f"The campaign after was interrupted: {words}" in " ".join(capsys.readouterr().out.split())
+    run(QUICK, out)
+    assert table.read_table(out).unfinished == read_campaign(out).unfinished == ""
 
 
 def test_a_request_to_end_is_an_interruption_to_a_campaign_and_to_nothing_else(

@@ -70,6 +70,16 @@ def test_solve_of_a_structure_that_cannot_stand_names_what_falls(tmp_path: Path,
     assert associated["falling"] == ["block"]
 
 
+@pytest.mark.parametrize("command", [["cost", "--no-yade"], ["sensitivity"], ["animate", "--no-yade"]], ids=lambda command: command[0])
+def test_every_command_ends_with_the_same_code_for_a_structure_that_cannot_stand(
+    command: list[str], tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("CROSSCHECK_OUTPUT")
+    assert main([*command, str(_overhanging(tmp_path)), "-q"]) == 5
+    assert "cannot stand" in capsys.readouterr().err
+
+
 def test_a_scene_that_misses_its_expected_value_disagrees(tmp_path: Path) -> None:
     path = tmp_path / "wrong.toml"
     path.write_text(shipped.find("two_pads").read_text().replace("0.1666666667", "0.1766666667"))

@@ -36,6 +36,17 @@ def test_a_damaged_result_is_never_reported(
     one_message(capsys.readouterr().err, str(path), "run it again")
 
 
+def test_a_scene_whose_case_is_missing_is_told_as_one_whose_case_is_damaged(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(copy / "two_pads", copy / "other")
+    (copy / "other" / "case.h5").unlink()
+    for folder in (copy, copy / "other"):
+        assert main(["report", str(folder), "--json", "-q"]) == TOOL
+        said = capsys.readouterr()
+        one_message(said.err, str(copy / "other" / "case.h5"), "missing", "run it again")
+        assert json.loads(said.out)["left_out"] == ["other"]
+        assert "other" in (copy / "report.md").read_text(encoding="utf-8")
+
+
 LENGTHS = 50
 
 

@@ -56,6 +56,13 @@ def test_solve_prints_an_answer_for_a_new_scene(capsys: pytest.CaptureFixture[st
     assert "Coulomb: reaction" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(("name", "typed"), [("-x.toml", "./-x.toml"), ("my wall.toml", "'my wall.toml'")])
+def test_the_next_step_of_a_new_scene_can_be_typed_as_it_is_printed(name: str, typed: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "arch", f"-o={name}"]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert f"`crosscheck show {typed}`" in told and f"`crosscheck solve {typed}`" in told
+
+
 def test_a_scene_that_exists_is_never_replaced(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (here / "wall.toml").write_text("mine")
     assert main(["new", "wall"]) == 2

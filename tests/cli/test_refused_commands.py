@@ -40,6 +40,19 @@ def test_unknown_scenes_and_commands_end_with_code_2(capsys: pytest.CaptureFixtu
     assert stop.value.code == 2
 
 
+@pytest.mark.parametrize("option", ["--title", "--project", "--author", "--date"])
+@pytest.mark.parametrize("text", ["a\x1b[31mb", "a\udcffb", "a\u202eb"])
+def test_words_for_a_report_are_refused_where_a_scene_file_refuses_them(
+    option: str, text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in (["run", "two_pads", "--no-yade", "-o", str(tmp_path / "out")], ["report", str(tmp_path)]):
+        with pytest.raises(SystemExit) as stop:
+            main([*command, option, text])
+        said = capsys.readouterr().err
+        assert stop.value.code == 2 and "without control characters" in said and text not in said
+    assert not (tmp_path / "out").exists()
+
+
 def test_two_scenes_of_one_name_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = tmp_path / "two_pads.toml"
     shutil.copy(shipped.find("two_pads"), copy)

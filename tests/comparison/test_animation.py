@@ -1,5 +1,6 @@
 """Laws of the animation: it begins at rest, ends with the whole record, and takes what it is called as text."""
 
+import errno
 import itertools
 import json
 import os
@@ -15,6 +16,8 @@ from PIL import Image
 from scenes import SHIPPED
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import TOOL, USAGE
+from comparison.errors import message_of
 from comparison.figures import animation
 from comparison.figures.animation import SECONDS, Story
 from comparison.report.report import write_report
@@ -155,7 +158,7 @@ def test_results_of_several_scenes_and_of_what_cannot_move_are_refused(
     text = two_pads.replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]").replace("from = [0.5, 0.0, -0.1]", "from = [0.4, 0.0, -0.1]")
     (tmp_path / "falls.toml").write_text(text.split("[expected]", maxsplit=1)[0])
     assert main(["run", str(tmp_path / "falls.toml"), "-o", str(tmp_path / "one"), "--no-yade", "-q"]) == 5
-    assert main(["animate", str(tmp_path / "one"), "-q"]) == 2  # the only scene in its folder
+    assert main(["animate", str(tmp_path / "one"), "-q"]) == 5  # the only scene in its folder
     assert "nothing moves" in capsys.readouterr().err
 
 
@@ -185,3 +188,29 @@ def test_a_mechanism_alone_is_animated_too(tmp_path: Path, capsys: pytest.Captur
     frames = pictures(tmp_path / "ferris_tin_loi_1" / ANIMATION)
     assert len(frames) == SECONDS + 1 and np.any(frames[0] != frames[-1])
     capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "said"), [("x.mp4", TOOL, "ffmpeg: not installed"), ("nodir/x.gif", USAGE, "its folder nodir does not exist")]
+)
+def test_what_is_missing_for_the_file_is_told_before_the_scene_is_run(
+    name: str, code: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("shutil.which", lambda program: None)
+    assert main(["animate", "two_pads", "--no-yade", "-o", name, "-q"]) == code
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_names_the_file_that_could_not_be_written(
+    cross_checked: Callable[[str], CrossChecked], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(writer: animation.GifWriter) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    found = cross_checked("two_pads")
+    monkeypatch.setattr(animation.GifWriter, "finish", fail)
+    with pytest.raises(OSError, match="No space left") as told:
+        animation.write_animation(Story(Results(found.analysis, found.run)), tmp_path / "x.gif", 1, lambda done, of: None)
+    assert message_of(told.value).split(": ")[0].endswith("animation.gif")

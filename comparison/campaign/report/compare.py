@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
 
+from comparison.campaign.cases import folder_name
 from comparison.campaign.report.verdict_matrix import verdict_symbol
 from comparison.campaign.row_values import METHODS, Row, mechanism_name, runs_of, sweep_of
 from comparison.campaign.table import CampaignTable
@@ -114,6 +115,8 @@ class Comparison:
         Seconds of each method.
     case_costs : list of tuple
         Case, method, and seconds after / before; the largest change first.
+    unfinished : tuple of str
+        How many cases of each campaign have ended, where it was interrupted; else "".
     """
 
     titles: tuple[str, str]
@@ -126,6 +129,7 @@ class Comparison:
     within: list[Change]
     costs: list[Cost]
     case_costs: list[tuple[str, str, float]]
+    unfinished: tuple[str, str] = ("", "")
 
     @property
     def yade_in_one(self) -> bool:
@@ -160,6 +164,7 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
         sorted((change for change in moved if change.share <= 1.0), key=lambda change: (-change.share, change.case, change.what)),
         list(_costs(costs)),
         sorted(ratios, key=lambda ratio: (-abs(math.log(ratio[2])), ratio[:2])),
+        (before.unfinished, after.unfinished),
     )
 
 
@@ -167,14 +172,14 @@ def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
     """Return the second campaign with the names that the first one gives to cases of the same values, and "(after)" at other such names.
 
     A case is named by the place of an array in its range, so the same name may stand for other values. Tables are told by this name:
-    another version of the program may know more keys of a table.
+    another version of the program may know more keys of a table. Sweeps are told by their safe names, the only ones in older tables.
     """
     if before.axes.keys() != after.axes.keys():
         return after
 
     def identity(row: Row) -> str:
         values = (row.get(key) for key in sorted(before.axes))
-        return json.dumps([sweep_of(row), *(row["case"] if "{" in json.dumps(value) else value for value in values)])
+        return json.dumps([folder_name(sweep_of(row)), *(row["case"] if "{" in json.dumps(value) else value for value in values)])
 
     names = {identity(row): str(row["case"]) for row in before.rows}
     if len(names) < len(before.rows) or len({identity(row) for row in after.rows}) < len(after.rows):

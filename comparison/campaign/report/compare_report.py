@@ -46,6 +46,7 @@ def stored_comparison(comparison: Comparison) -> dict[str, Any]:
                 "titles": list(comparison.titles),
                 "folders": list(comparison.folders),
                 "matched": comparison.matched,
+                "unfinished": list(comparison.unfinished),
                 "provenance": [{"name": name, "before": first, "after": second} for name, first, second in comparison.provenance],
                 "only_before": comparison.only_before,
                 "only_after": comparison.only_after,
@@ -81,7 +82,7 @@ def terminal_tables(comparison: Comparison) -> Iterator[Table]:
 
 
 def sentence(comparison: Comparison) -> str:
-    """Return a summary in one or two sentences."""
+    """Return a summary in one or two sentences, and one more for each campaign that was interrupted."""
     changes = _changes_of_both(comparison)
     cases = {change.case for change in changes}
     verdicts = sum(change.kind == "verdict" for change in changes)
@@ -93,7 +94,12 @@ def sentence(comparison: Comparison) -> str:
     within = len(comparison.within)
     moved = f" {plural(within, 'reaction')} differ{'s' if within == 1 else ''} within the stated uncertainties." if within else ""
     both = f"{UNCHANGED} {plural(comparison.matched, 'case')} {'is' if comparison.matched == 1 else 'are'} in both."
-    return (f"{'; '.join(statements)}." if statements else both) + moved
+    stopped = [
+        f" The campaign {when} was interrupted: {words}"
+        for when, words in zip(("before", "after"), comparison.unfinished, strict=True)
+        if words
+    ]
+    return (f"{'; '.join(statements)}." if statements else both) + moved + "".join(stopped)
 
 
 def _changes_of_both(comparison: Comparison) -> list[Change]:

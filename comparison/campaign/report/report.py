@@ -75,6 +75,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
     return {
         "title": table.title or "Campaign",
         "cases": len(table.rows),
+        "unfinished": table.unfinished,
         "counts": rows.counts(table),
         "units": rows.units(table),
         "panels": matrix_panels(table),

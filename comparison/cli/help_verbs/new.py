@@ -1,5 +1,6 @@
 """`crosscheck new`: write a commented scene to start from, of a kind of structure or for a drawing or a file of bodies."""
 
+import shlex
 from pathlib import Path
 
 from comparison.cli.context import Context
@@ -18,7 +19,8 @@ def execute(context: Context) -> int:
         return _list(context)
     path = options.output or Path(f"{options.kind}.toml")
     _write(context, options.kind, starter_text(options.kind), path)
-    context.narrator.print(f"next: `crosscheck show {path}` draws it, `crosscheck solve {path}` solves it", markup=False)
+    typed = _typed(path)
+    context.narrator.print(f"next: `crosscheck show {typed}` draws it, `crosscheck solve {typed}` solves it", markup=False)
     return AGREE
 
 
@@ -31,8 +33,15 @@ def write_from(context: Context, source: Path) -> int:
     except SceneError as error:
         context.narrator.print(f"it must be corrected before it can be read: {error}", markup=False)
     else:
-        context.narrator.print(f"{blocks} blocks; check the lines marked CHECK, then `crosscheck show {path}` draws it", markup=False)
+        context.narrator.print(
+            f"{blocks} blocks; check the lines marked CHECK, then `crosscheck show {_typed(path)}` draws it", markup=False
+        )
     return AGREE
+
+
+def _typed(path: Path) -> str:
+    """Return a path as a user types it after a command: quoted where it needs quotes, and never like an option."""
+    return shlex.quote(f"./{path}" if str(path).startswith("-") else str(path))
 
 
 def _write(context: Context, kind: str, text: str, path: Path) -> None:

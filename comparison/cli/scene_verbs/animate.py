@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE, TOOL
-from comparison.figures import Story, write_animation
+from comparison.figures import Story, require_place, write_animation
 from comparison.progress import Narration
 from comparison.run_folder import ANIMATION, refuse_name
 from comparison.settings import load_settings
@@ -21,6 +21,8 @@ def execute(context: Context) -> int:
     Raises SceneError if no block moves, exchange.ExchangeError for damaged results, FileNotFoundError for an MP4 without ffmpeg.
     """
     options, code, made = context.options, AGREE, []
+    if options.output is not None:  # what is missing for the file is told before the scene is run
+        require_place(options.output)
     with Narration(context.narrator) as narration:
         folders = locate_results(options.source)
         if not folders:

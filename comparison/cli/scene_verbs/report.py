@@ -13,6 +13,8 @@ from comparison.workflow import report_again
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 
+RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them tells that a scene was run there, though another may be missing
+
 
 def execute(context: Context) -> int:
     """Write every folder's report again and return the gravest exit code.
@@ -30,7 +32,7 @@ def execute(context: Context) -> int:
     broken, left_out = AGREE, dict[Path, list[str]]()
     with Narration(context.narrator) as narration:
         for folder in folders:
-            cases = sorted(path.parent for path in folder.glob("*/case.h5"))
+            cases = sorted({path.parent for name in RESULTS_OF_A_RUN for path in folder.glob(f"*/{name}")})
             if not cases:
                 raise SceneError(str(folder), "holds no results of `crosscheck run`", hint="`crosscheck run SCENE` makes some")
             comparisons = []
@@ -46,6 +48,6 @@ def execute(context: Context) -> int:
 
 def _run_folder(folder: Path) -> Path:
     """Return the folder of a run, which holds its report; a scene's folder lies in it."""
-    if not (folder / "case.h5").is_file():
+    if not any((folder / name).is_file() for name in RESULTS_OF_A_RUN):
         return folder
     return folder.resolve().parent if folder.name in ("", ".", "..") else folder.parent

@@ -95,6 +95,9 @@ def show(table: CampaignTable, context: Context) -> None:
         if row.get("next_step"):
             context.tell(f"{row['case']}: next: {row['next_step']}")
     counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in table.rows)
-    out.print(f"{plural(len(table.rows), 'case')}: {', '.join(f'{count} {word}' for word, count in counts.items())}", markup=False)
+    words = ", ".join(f"{count} {word}" for word, count in counts.items()) or "nothing ran"
+    out.print(f"{plural(len(table.rows), 'case')}: {words}", markup=False)
+    if table.unfinished:
+        context.tell(table.unfinished)
     out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)
     out.print(f"report: {os.path.relpath(table.folder / 'report.html')}", markup=False)

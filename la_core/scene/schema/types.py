@@ -39,7 +39,15 @@ def _date_as_text(value: object) -> object:
 
 DateText = Annotated[Text, BeforeValidator(_date_as_text)]  # a date of TOML, or text
 LONGEST_NAME = 200  # characters
-Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME)]
+
+
+def _is_one_line(text: str) -> str:
+    if "\n" in text:
+        raise ValueError("must be one line")
+    return text
+
+
+Name = Annotated[Text, Field(min_length=1, max_length=LONGEST_NAME), AfterValidator(_is_one_line)]
 MOST_BLOCKS = 50_000  # of one generator, and of a scene: a typing error must not fill the memory or take long
 LARGEST_FILE = 50_000_000  # bytes; a scene is text, and the meshes it names are of a structure, not of its ornament
 Role = Literal["free", "fixed", "support"]
