@@ -45,7 +45,7 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for drawing in changes["drawings"]:
         yield f"blocks from {drawing['file']}", str(drawing["blocks"])
         for key, what in WHAT_WAS_LEFT.items():
-            if drawing[key]:
+            if drawing.get(key):  # files of earlier versions lack some
                 yield f"  {what}", str(drawing[key])
         if drawing["ignored"]:
             yield "  not read", ", ".join(f"{count} {kind}" for kind, count in drawing["ignored"].items())
