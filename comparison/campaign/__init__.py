@@ -16,7 +16,7 @@ from comparison.campaign.report.compare_report import (
 from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
 from comparison.campaign.report.yade_versions import with_versions
 from comparison.campaign.row_values import title_of_values, value_cells
-from comparison.campaign.table import STORED, CampaignTable, read_table
+from comparison.campaign.table import STORED, CampaignTable, read_table, write_tables
 from comparison.campaign.workers.dask import Dask
 from comparison.campaign.workers.local import Local
 
@@ -47,4 +47,5 @@ __all__ = [
     "with_versions",
     "write_campaign_report",
     "write_comparison",
+    "write_tables",
 ]

@@ -90,6 +90,14 @@ def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
 
     parquet: also write Parquet files.
     """
+    write_tables(table, parquet)
+    stored = {word: getattr(table, word) for word in WORDS}
+    text = json.dumps(stored | {"sum": _sum_of(stored)}, indent=1, ensure_ascii=False, allow_nan=False)
+    write_text(table.folder / STORED, text + "\n")
+
+
+def write_tables(table: CampaignTable, parquet: bool = False) -> None:
+    """Write the forms of the table for other programs, all but campaign.json, from which `crosscheck report` writes them again."""
     numeric = [key for key, values in table.axes.items() if all(type(value) in (int, float) for value in values)]
     columns = {"results": result_columns(list(table.axes), numeric), "costs": COSTS}
     rows = {"results": table.rows, "costs": table.costs}
@@ -98,9 +106,6 @@ def write_campaign(table: CampaignTable, parquet: bool = False) -> None:
         if parquet:
             write_whole(table.folder / f"{name}.parquet", _parquet(of_table, rows[name]))
     _write_hdf5(table.folder / "campaign.h5", columns, rows)
-    stored = {word: getattr(table, word) for word in WORDS}
-    text = json.dumps(stored | {"sum": _sum_of(stored)}, indent=1, ensure_ascii=False, allow_nan=False)
-    write_text(table.folder / STORED, text + "\n")
 
 
 def _sum_of(stored: Mapping[str, Any]) -> str:

@@ -160,6 +160,20 @@ def test_a_stop_keeps_the_table_of_what_was_finished(tmp_path: Path, plain_figur
     assert len(run(QUICK, out, again).rows) == 4 and len(again.done) == 2
 
 
+def test_the_report_writes_damaged_and_missing_tables_again(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    run(QUICK, out)
+    tables = {name: (out / name).read_bytes() for name in ("results.csv", "costs.csv", "campaign.h5", "campaign.json")}
+    (out / "results.csv").write_bytes(b"case,sweep\n")
+    (out / "costs.csv").unlink()
+    (out / "campaign.h5").write_bytes(tables["campaign.h5"][:1000])
+    assert main(["report", str(out), "-q"]) == 0
+    assert {name: (out / name).read_bytes() for name in tables} == tables
+    capsys.readouterr()
+
+
 @pytest.mark.parametrize("ended", [0, 1, 2])
 def test_the_report_of_an_interrupted_campaign_tells_of_the_cases_that_ended_and_says_that_others_are_missing(
     ended: int, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

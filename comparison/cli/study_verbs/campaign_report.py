@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report
+from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report, write_tables
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import GRAVITY
 from comparison.cli.study_verbs.campaign import exit_code, show
@@ -17,7 +17,7 @@ def is_campaign(folder: Path) -> bool:
 
 
 def report_campaigns(context: Context) -> int:
-    """Write the reports of campaigns again and return the gravest exit code of all cases.
+    """Write the reports of campaigns again, with the tables beside them, and return the gravest exit code of all cases.
 
     Raises SceneError for a folder without a campaign.
     """
@@ -28,6 +28,7 @@ def report_campaigns(context: Context) -> int:
     codes, stored = [], []
     for folder in folders:
         results = read_table(folder)
+        write_tables(results)  # results.csv and campaign.h5 may be damaged or missing
         page = write_campaign_report(results)
         codes.append(exit_code(results))
         stored.append(stored_campaign_report(with_versions(results)))
