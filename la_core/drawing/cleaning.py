@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 import shapely
 
-from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, touched, within
+from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, retraced, touched, within
 from la_core.drawing.outlines import Drawn, LeftOut, OpenOutline, Outline, all_but_closed, by_layer
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
@@ -29,13 +29,15 @@ class Cleaned:
     specks : int
         Outlines without area that are dropped.
     loose : int
-        Lines that enclose nothing.
+        Lines that enclose nothing, or are edges of outlines drawn again.
     open_outlines : tuple of OpenOutline
         Those of the loose lines that were meant to be outlines.
     straightened : int
         Outlines that were convex but for the tolerance, and are convex now.
     around : tuple of LeftOut
         Outlines around others, which are left out.
+    across : tuple of LeftOut
+        Lines that divide outlines of other layers.
     idle : tuple of (str, (n, 2) array)
         The lines that enclose nothing, each with its layer.
     """
@@ -47,6 +49,7 @@ class Cleaned:
     open_outlines: tuple[OpenOutline, ...]
     straightened: int
     around: tuple[LeftOut, ...] = ()
+    across: tuple[LeftOut, ...] = ()
     idle: tuple[tuple[str, np.ndarray], ...] = ()
 
     def stray(self, blocks: Sequence[Outline]) -> tuple[LeftOut, ...]:
@@ -72,9 +75,10 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     """
     found = _found(drawn, max(SNAP, tolerance))
     outlines, idle = found.outlines, tuple((place[0], line) for place, lines in found.idle.items() for line in lines)
-    open_ones = tuple(one for place, lines in found.idle.items() for one in all_but_closed(lines, place[0]))
+    open_ones = tuple(one for layer, line in (*idle, *found.again) for one in all_but_closed([line], layer))
+    loose = len(idle) + len(found.again)
     if not outlines:
-        return Cleaned((), 0, 0, len(idle), open_ones, 0, by_layer(found.around), idle)
+        return Cleaned((), 0, 0, loose, open_ones, 0, by_layer(found.around), (), idle)
     if not any(np.ptp(outline.points, axis=0).all() for outline in outlines):
         raise ValueError("has only outlines without height; the elevation must lie in the xy plane of the file, its heights along y")
     polygons = _simplified(shapely.polygons([shapely.linearrings(outline.points) for outline in outlines]), tolerance)
@@ -90,25 +94,36 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
     rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), drawn.sagitta)
+    if tolerance > 0.0:  # chords through corners of neighbours may have left dents within it
+        rings = [
+            shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
+        ]
     clean = tuple(Outline(points, outlines[k].layer, outlines[k].colour) for k, points in zip(order, rings, strict=True))
-    counts = int(double.sum()), int(speck.sum()), len(idle)
-    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), by_layer(found.around), idle)
+    counts = int(double.sum()), int(speck.sum()), loose
+    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), by_layer(found.around), by_layer(found.across), idle)
 
 
 @dataclass
 class _Found:
-    """Outlines of a drawing, closed or enclosed by lines; the lines that bound none, by place; and outlines around others."""
+    """Outlines of a drawing; by place, lines that bound none; outlines around others; lines across other layers; edges drawn again."""
 
     outlines: list[Outline]
     idle: dict[tuple[str, str], list[np.ndarray]]
     around: list[tuple[str, np.ndarray]]
+    across: list[tuple[str, np.ndarray]]
+    again: list[tuple[str, np.ndarray]]
 
 
 def _found(drawn: Drawn, snap: float) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
-    found = _Found(list(drawn.outlines), {}, [])
-    for (layer, colour), lines in drawn.lines.items():
+    found = _Found(list(drawn.outlines), {}, [], [], [])
+    for (layer, colour), every in drawn.lines.items():
         here = [k for k, outline in enumerate(found.outlines) if (outline.layer, outline.colour) == (layer, colour)]
+        again = retraced(every, [found.outlines[k].points for k in here], 2.0 * snap)
+        found.again += [(layer, line) for line, is_again in zip(every, again, strict=True) if is_again]
+        lines = [line for line, is_again in zip(every, again, strict=True) if not is_again]
+        if not lines:
+            continue
         take_part = touched([found.outlines[k].points for k in here], lines, snap + drawn.sagitta)
         rings = [here[k] for k in np.flatnonzero(take_part)]
         faces, idle, around = enclosed(lines, snap, drawn.sagitta, [found.outlines[k].points for k in rings])
@@ -122,7 +137,7 @@ def _found(drawn: Drawn, snap: float) -> _Found:
 def _with_lines_of_other_layers(found: _Found, snap: float, sagitta: float) -> _Found:
     """Divide outlines by lines that bound nothing on their own layer: head joints and bed joints often have a layer each."""
     lines = [(place, line) for place, some in found.idle.items() for line in some]
-    which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap)
+    which, whose = dividing([outline.points for outline in found.outlines], [line for _, line in lines], 2.0 * snap + sagitta)
     used: set[int] = set()
     outlines: list[Outline] = []
     for k, outline in enumerate(found.outlines):
@@ -134,7 +149,7 @@ def _with_lines_of_other_layers(found: _Found, snap: float, sagitta: float) -> _
     for j, (place, line) in enumerate(lines):
         if j not in used:
             idle.setdefault(place, []).append(line)
-    return _Found(outlines, idle, found.around)
+    return _Found(outlines, idle, found.around, [(lines[j][0][0], lines[j][1]) for j in sorted(used)], found.again)
 
 
 def straightened(profile: Sequence[Sequence[float]], tolerance: float) -> list[tuple[float, float]]:

@@ -9,6 +9,7 @@ import shapely
 
 SAMPLES = 8  # points of a line that tell where most of it lies
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
+ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
 SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
 LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
 
@@ -57,6 +58,13 @@ def touched(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: f
     return mask
 
 
+def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: float) -> np.ndarray:
+    """Mask of the lines (n, 2) that run along outlines (n, 2) all the way, to within `near` (m): edges that are drawn again."""
+    if not lines or not outlines:
+        return np.zeros(len(lines), dtype=bool)
+    return _share(_strings(lines), shapely.boundary(_polygons(outlines)), near) == 1.0
+
+
 def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: float) -> tuple[np.ndarray, np.ndarray]:
     """Lines that may divide outlines, and the outlines: indices (m,) of both.
 
@@ -84,8 +92,13 @@ def divided(outline: np.ndarray, lines: Sequence[np.ndarray], snap: float, sagit
 
 
 def within(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Mask of the lines (n, 2) of which most lies in outlines."""
-    return _share(_strings(lines), _polygons(outlines), 0.0) > 0.5 if lines and outlines else np.zeros(len(lines), dtype=bool)
+    """Mask of the lines (n, 2) of which most lies in outlines, and not on their edges."""
+    if not lines or not outlines:
+        return np.zeros(len(lines), dtype=bool)
+    polygons = _polygons(outlines)
+    strings = _strings(lines)
+    inside = _share(strings, polygons, 0.0) - _share(strings, shapely.boundary(polygons), ON_EDGE)
+    return np.asarray(inside > 0.5)
 
 
 def conforming(outlines: Sequence[np.ndarray], snap: float, sagitta: float) -> list[np.ndarray]:
@@ -111,8 +124,9 @@ def conforming(outlines: Sequence[np.ndarray], snap: float, sagitta: float) -> l
     for k, outline in enumerate(curved):
         near = np.unique(corners[corner[(on == k) & (owner[corner] != outline)]], axis=0)
         apart = scipy.spatial.cKDTree(conformed[outline]).query(near)[0] > snap
-        conformed[outline] = _with_points(_round(conformed[outline]), near[apart], snap, sagitta)[:-2]
-    return conformed
+        through = _with_points(_round(conformed[outline]), near[apart], snap, sagitta)[:-2]
+        conformed[outline] = through if shapely.Polygon(through).is_valid else conformed[outline]
+    return [new if shapely.Polygon(new).is_valid else old for new, old in zip(conformed, outlines, strict=True)]
 
 
 def _round(outline: np.ndarray) -> np.ndarray:
@@ -167,15 +181,18 @@ def _through(lines: list[np.ndarray], ends: np.ndarray, lone: np.ndarray, snap: 
 def _with_points(line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray | None = None) -> np.ndarray:
     """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them; `lone` as in `_place_on`."""
     places: dict[tuple[float, float], tuple[int, float]] = {}
+    turn = _turns(line)
     for k, point in enumerate(points):
-        place = _place_on(line, point, snap, sagitta, lone is None or bool(lone[k]))
+        place = _place_on(line, turn, point, snap, sagitta, lone is None or bool(lone[k]))
         if place is not None:
             places[float(point[0]), float(point[1])] = place
     order = sorted(places, key=lambda point: places[point])
     return np.insert(line, [places[point][0] + 1 for point in order], np.array(order).reshape(-1, 2), axis=0)
 
 
-def _place_on(line: np.ndarray, point: np.ndarray, snap: float, sagitta: float, is_lone: bool) -> tuple[int, float] | None:
+def _place_on(
+    line: np.ndarray, turn: np.ndarray, point: np.ndarray, snap: float, sagitta: float, is_lone: bool
+) -> tuple[int, float] | None:
     """Number of the chord of a line (n, 2) that has to go through a point, and where along it; None for no chord.
 
     The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
@@ -185,7 +202,6 @@ def _place_on(line: np.ndarray, point: np.ndarray, snap: float, sagitta: float, 
     share = np.clip(((point - line[:-1]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
     off = np.hypot(*(line[:-1] + share[:, None] * along - point).T)
     chord = int(np.argmin(off))
-    turn = _turns(line)
     beside = max((float(turn[k]) for k in (chord - 1, chord) if 0 <= k < len(turn)), default=0.0)
     bend = min(sagitta, 0.25 * float(length[chord]) * beside)
     is_on_it = off[chord] <= snap + bend and (bend > 0.0 or not is_lone)

@@ -160,6 +160,14 @@ def around_words(outlines: Sequence[LeftOut]) -> str:
     return f"{_listed(outlines, 'outline')} around others {are} left out; if {block}, {hint}"
 
 
+def across_words(lines: Sequence[LeftOut]) -> str:
+    """What lines divide blocks of other layers, as a sentence without its full stop; "" where there are none."""
+    if not lines:
+        return ""
+    hint = "a layer without joints belongs in `ignore`"
+    return f"{_listed(lines, 'line')} from edge to edge of blocks on other layers {'divides' if _is_one(lines) else 'divide'} them; {hint}"
+
+
 def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LeftOut, ...]:
     """Lines or outlines, each a layer and points (n, 2), counted by layer."""
     found: dict[str, LeftOut] = {}

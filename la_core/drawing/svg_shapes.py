@@ -45,11 +45,12 @@ def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sag
     if kind == "rect":
         place, size = np.array([length("x", "x"), length("y", "y")]), np.array([length("width", "x"), length("height", "y")])
         radii = _radii(element, viewport, size) if {"rx", "ry"} & element.attrib.keys() else np.zeros(2)
-        return [(place + _rectangle(size, radii, sagitta), True)]
+        return [(place + _rectangle(size, radii, sagitta), True)] if size.min() > 0.0 else []  # SVG draws nothing without a size
     radii = np.array([length("r")] * 2 if kind == "circle" else [length("rx", "x"), length("ry", "y")])
     count = chords(float(radii.max()), 2.0 * math.pi, sagitta)
     turn = 2.0 * np.pi * np.arange(count) / count
-    return [(np.array([length("cx", "x"), length("cy", "y")]) + radii * np.column_stack([np.cos(turn), np.sin(turn)]), True)]
+    points = np.array([length("cx", "x"), length("cy", "y")]) + radii * np.column_stack([np.cos(turn), np.sin(turn)])
+    return [(points, True)] if radii.min() > 0.0 else []
 
 
 def _radii(element: ElementTree.Element, viewport: Viewport, size: np.ndarray) -> np.ndarray:

@@ -21,7 +21,10 @@ def convex_parts(profile: np.ndarray) -> list[np.ndarray]:
         if not len(inward):
             parts.append(points)
             continue
-        left += _cut(points, inward)
+        sides = [without_straight_corners(side) for side in _cut(points, inward)]
+        if sum(int(np.sum(_turns(side) < 0.0)) for side in sides) >= len(inward):
+            raise ValueError("the profile cannot be divided into convex parts")
+        left += sides
     return parts
 
 

@@ -17,6 +17,7 @@ from la_core.drawing import (
     Cleaned,
     Drawn,
     Outline,
+    across_words,
     around_words,
     cleaned,
     open_words,
@@ -151,7 +152,7 @@ def _doubt(said: bool, clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     """Comments on what is open, divides nothing or lies around others, and on what the drawing hides."""
-    told = (open_words(clean.open_outlines), stray_words(clean.stray(blocks)), around_words(clean.around))
+    told = (open_words(clean.open_outlines), stray_words(clean.stray(blocks)), around_words(clean.around), across_words(clean.across))
     rows = [f"# CHECK: {words}" for words in told if words]
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")

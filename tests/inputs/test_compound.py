@@ -112,3 +112,14 @@ def test_what_overlaps_a_notch_is_refused_and_what_lies_in_it_is_not() -> None:
 
 def test_a_convex_profile_stays_one_part() -> None:
     assert prism([[0, 0], [1, 0], [1, 1], [0.5, 1.2], [0, 1]], (0.0, 1.0)).part_sizes == ()
+
+
+def test_a_dart_that_no_cut_divides_is_refused_and_does_not_hang() -> None:
+    dart = [
+        (1.299063768816, 2.268321053095),
+        (1.299954002477, 2.270142997107),
+        (1.441756979275, 2.273290181889),
+        (1.300719734863, 2.268378721248),
+    ]
+    with pytest.raises(ValueError, match="cannot be divided into convex parts"):
+        prism(dart, (0.0, 0.4))

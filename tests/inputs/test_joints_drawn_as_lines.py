@@ -1,6 +1,7 @@
 """Joints that are drawn as lines divide outlines, curves meet the stones on both their sides, and what divides nothing is told."""
 
 import io
+import itertools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -72,10 +73,9 @@ def test_lines_divide_a_wall_into_its_bricks(draw: Drawing, tmp_path: Path) -> N
     scene = scene_of(tmp_path, draw)
     halves = [0.25 * 0.25] * 4
     assert areas(scene) == pytest.approx([*halves, *[0.5 * 0.25] * (BRICKS - 4)], rel=1e-9)
-    has_strays = draw is with_an_axis_and_a_crack
-    assert len(scene.warnings) == (1 if has_strays else 0)
-    if has_strays:
-        assert '1 line on layer "CRACKS"' in scene.warnings[0]
+    expected = {with_an_axis_and_a_crack: '1 line on layer "CRACKS"', on_two_layers: f'{len(HEADS)} lines on layer "HEAD"'}
+    assert len(scene.warnings) == (draw in expected)
+    assert all(expected[draw] in warning for warning in scene.warnings)
 
 
 def test_bed_joints_divide_a_closed_outline(tmp_path: Path) -> None:
@@ -119,6 +119,32 @@ def test_of_an_outline_and_its_bevel_the_outline_is_the_block(order: int, tmp_pa
     scene = scene_of(tmp_path, draw)
     assert areas(scene) == pytest.approx([0.125], rel=1e-9)
     assert scene.drawn[0].doubles == 1
+
+
+@pytest.mark.parametrize("jitter", [0.0, 1.0, 2.0, 3.0])
+def test_edges_that_are_drawn_again_as_lines_change_nothing(jitter: float, tmp_path: Path) -> None:
+    """Bricks as surveyed, each corner off by up to `jitter` (mm), and the bed joints again as lines through the whole wall."""
+    random = np.random.default_rng(1)
+
+    def draw(space: Any) -> None:
+        for z in range(0, 1000, 250):
+            edges = [0, *range(500 if z % 500 == 0 else 250, 2000, 500), 2000]
+            for left, right in itertools.pairwise(edges):
+                corners = np.array([(left, z), (right, z), (right, z + 250), (left, z + 250)]) + random.uniform(-jitter, jitter, (4, 2))
+                space.add_lwpolyline(corners.tolist(), close=True, dxfattribs=PLACE)
+        draw_lines(space, BEDS)
+
+    assert len(scene_of(tmp_path, draw).blocks) == BRICKS
+
+
+def test_an_open_brick_between_others_is_told_although_they_have_its_edges(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for x, z in ((0, 0), (500, 0), (1000, 0), (0, 250), (1000, 250), (0, 500), (500, 500), (1000, 500)):
+            space.add_lwpolyline([(x, z), (x + 500, z), (x + 500, z + 250), (x, z + 250)], close=True, dxfattribs=PLACE)
+        space.add_lwpolyline([(500, 250), (1000, 250), (1000, 500), (500, 500), (500, 270)], dxfattribs=PLACE)
+
+    (warning,) = scene_of(tmp_path, draw).warnings
+    assert "is open by 20 mm, so it is left out" in warning
 
 
 def test_a_sliver_thinner_than_the_tolerance_is_no_block(tmp_path: Path) -> None:

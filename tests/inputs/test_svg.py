@@ -421,3 +421,9 @@ def test_a_group_of_one_outline_is_a_layer_however_it_is_closed() -> None:
     drawn = read("".join(f'<g id="L{k}">{shape}</g>' for k, shape in enumerate(shapes)))
     assert [outline.layer for outline in drawn.outlines] == ["L0", "L1", "L2"]
     assert not drawn.lines
+
+
+@pytest.mark.parametrize("shape", ['<rect width="0" height="5"/>', '<circle r="0"/>', '<ellipse rx="3"/>'])
+def test_a_shape_without_a_size_draws_nothing(shape: str) -> None:
+    drawn = read(ONE + shape)
+    assert len(drawn.outlines) == 1 and not drawn.lines

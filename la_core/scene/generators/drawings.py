@@ -17,6 +17,7 @@ from la_core.drawing import (
     LeftOut,
     OpenOutline,
     Outline,
+    across_words,
     around_words,
     cleaned,
     open_words,
@@ -59,6 +60,8 @@ class DrawnBlocks:
         Those of the loose lines that lie in blocks.
     around : tuple of LeftOut
         Outlines around others, which are left out.
+    across : tuple of LeftOut
+        Lines that divide blocks of other layers.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
     """
@@ -76,6 +79,7 @@ class DrawnBlocks:
     open_outlines: tuple[OpenOutline, ...]
     stray_lines: tuple[LeftOut, ...]
     around: tuple[LeftOut, ...]
+    across: tuple[LeftOut, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
@@ -83,13 +87,10 @@ class DrawnBlocks:
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on outlines that are not closed, lines that divide no block, and outlines around others."""
+        """Sentences on what is open, divides no block or lies around others, and on lines that divide blocks of other layers."""
         open_ones = open_words(self.open_outlines)
-        told = (
-            f"{open_ones}; close what is open in the drawing" if open_ones else "",
-            stray_words(self.stray_lines),
-            around_words(self.around),
-        )
+        told = [f"{open_ones}; close what is open in the drawing"] if open_ones else []
+        told += [stray_words(self.stray_lines), around_words(self.around), across_words(self.across)]
         return tuple(f'drawing "{self.file}": {words}.' for words in told if words)
 
 
@@ -139,10 +140,10 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    left_out = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around)
-    open_ones, stray, around = (_shifted(some, table) for some in left_out)
+    left_out = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around, clean.across)
+    open_ones, stray, around, across = (_shifted(some, table) for some in left_out)
     return shapes, DrawnBlocks(
-        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, drawn.ignored
+        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, across, drawn.ignored
     )
 
 
