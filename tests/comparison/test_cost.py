@@ -12,6 +12,7 @@ import scenes
 from faulty_runs import PATIENCE
 
 from comparison.cli.commands import main
+from comparison.cli.exit_codes import CANNOT_STAND
 from comparison.errors import YadeFailedError
 from comparison.studies import cost
 from comparison.studies.cost import CostPoint, CostStudy, measure_study, prediction_inset
@@ -200,5 +201,5 @@ def test_a_reference_of_zero_leaves_no_relative_error(tmp_path: Path, capsys: py
 def test_a_structure_that_cannot_stand_has_no_ladder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     falls = tmp_path / "falls.toml"
     falls.write_text(scenes.text(scenes.arch(11, 0.05), settlement=(1.0, 0.0, 0.0)))
-    assert main(["cost", str(falls), "-o", str(tmp_path)]) == 2
+    assert main(["cost", str(falls), "-o", str(tmp_path)]) == CANNOT_STAND
     assert "no reference value" in capsys.readouterr().err
