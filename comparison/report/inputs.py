@@ -9,10 +9,10 @@ import numpy as np
 
 from comparison.numbers import Units, class_words, exists, format_number, plural
 from comparison.report.plain_words import PLACES
+from comparison.report.values import ROUND_OFF
 from la_core.scene import given_keys
 
 Rows = list[tuple[str, str]]
-ROUND_OFF = 1e-9  # of a stiffness
 
 
 def input_rows(comparison: dict[str, Any], units: Units) -> Rows:

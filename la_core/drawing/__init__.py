@@ -1,19 +1,9 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import (
-    HIDDEN,
-    UNITS,
-    Drawn,
-    LeftOut,
-    OpenOutline,
-    Outline,
-    across_words,
-    around_words,
-    open_words,
-    stray_words,
-)
+from la_core.drawing.outlines import HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
+from la_core.drawing.remarks import open_words, remarks
 
 __all__ = [
     "DRAWING_FORMATS",
@@ -21,14 +11,12 @@ __all__ = [
     "UNITS",
     "Cleaned",
     "Drawn",
-    "LeftOut",
+    "LayerCount",
     "OpenOutline",
     "Outline",
-    "across_words",
-    "around_words",
     "cleaned",
     "open_words",
     "read_outlines",
+    "remarks",
     "straightened",
-    "stray_words",
 ]

@@ -8,7 +8,7 @@ import scipy
 import shapely
 
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, retraced, touched, within
-from la_core.drawing.outlines import Drawn, LeftOut, OpenOutline, Outline, all_but_closed, by_layer
+from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
@@ -34,9 +34,9 @@ class Cleaned:
         Those of the loose lines that were meant to be outlines.
     straightened : int
         Outlines that were convex but for the tolerance, and are convex now.
-    around : tuple of LeftOut
+    around : tuple of LayerCount
         Outlines around others, which are left out.
-    across : tuple of LeftOut
+    across : tuple of LayerCount
         Lines that divide outlines of other layers.
     idle : tuple of (str, (n, 2) array)
         The lines that enclose nothing, each with its layer.
@@ -48,11 +48,11 @@ class Cleaned:
     loose: int
     open_outlines: tuple[OpenOutline, ...]
     straightened: int
-    around: tuple[LeftOut, ...] = ()
-    across: tuple[LeftOut, ...] = ()
+    around: tuple[LayerCount, ...] = ()
+    across: tuple[LayerCount, ...] = ()
     idle: tuple[tuple[str, np.ndarray], ...] = ()
 
-    def stray(self, blocks: Sequence[Outline]) -> tuple[LeftOut, ...]:
+    def stray(self, blocks: Sequence[Outline]) -> tuple[LayerCount, ...]:
         """Those of the idle lines that lie in blocks, by layer."""
         inside = within([line for _, line in self.idle], [block.points for block in blocks])
         return by_layer(one for one, is_inside in zip(self.idle, inside, strict=True) if is_inside)
@@ -105,7 +105,21 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
 
 @dataclass
 class _Found:
-    """Outlines of a drawing; by place, lines that bound none; outlines around others; lines across other layers; edges drawn again."""
+    """What a drawing holds.
+
+    Attributes
+    ----------
+    outlines : list of Outline
+        Outlines that are closed, or that lines enclose.
+    idle : dict
+        Lines that bound no outline, (n, 2) arrays, by layer and colour.
+    around : list of (str, (n, 2) array)
+        Outlines around others, each with its layer.
+    across : list of (str, (n, 2) array)
+        Lines that divide outlines of other layers.
+    again : list of (str, (n, 2) array)
+        Lines that are edges of outlines, drawn again.
+    """
 
     outlines: list[Outline]
     idle: dict[tuple[str, str], list[np.ndarray]]

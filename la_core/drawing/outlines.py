@@ -1,17 +1,13 @@
 """What a drawing holds: closed outlines, and lines that only together enclose something."""
 
-import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from la_core.text_table import number_text
-
 UNITS = {"mm": 1e-3, "cm": 1e-2, "dm": 1e-1, "m": 1.0, "in": 0.0254, "ft": 0.3048}  # in m
 HIDDEN = "hidden entities"  # kind of those that a drawing does not show
 ALL_BUT_CLOSED = 0.15  # of its length: a polyline whose ends are closer than this was meant to be an outline
-MOST_NAMED = 3  # open outlines that a sentence names
 MOST_POINTS = 2_000_000  # of all lines of a drawing: more are a scan, or an attack
 
 
@@ -53,8 +49,8 @@ class OpenOutline:
 
 
 @dataclass(frozen=True)
-class LeftOut:
-    """Lines or outlines of one layer that are left out.
+class LayerCount:
+    """Lines or outlines of one layer, counted, and where the first one lies.
 
     Attributes
     ----------
@@ -128,68 +124,14 @@ class Drawn:
         self.ignored[kind] = self.ignored.get(kind, 0) + 1
 
 
-def open_words(outlines: Sequence[OpenOutline]) -> str:
-    """What is open in a drawing, and where, as a sentence without its full stop; "" where nothing is."""
-    if not outlines:
-        return ""
-    gap = number_text(1e3 * max(one.gap for one in outlines), 3)
-    layers = ", ".join(_quoted(layer) for layer in dict.fromkeys(one.layer for one in outlines))
-    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in outlines[:MOST_NAMED])
-    if len(outlines) == 1:
-        return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out"
-    more = ", ..." if len(outlines) > MOST_NAMED else ""
-    return f"{len(outlines)} outlines on layer {layers} that begin at {places}{more} are open by up to {gap} mm, so they are left out"
-
-
-def stray_words(lines: Sequence[LeftOut]) -> str:
-    """What lines lie in blocks and divide none, as a sentence without its full stop; "" where there are none."""
-    if not lines:
-        return ""
-    do, it = ("lies within a block and does", "it") if _is_one(lines) else ("lie within blocks and do", "them")
-    return (
-        f"{_listed(lines, 'line')} {do} not divide {it}; a joint must run from edge to edge, and a layer without joints belongs in `ignore`"
-    )
-
-
-def around_words(outlines: Sequence[LeftOut]) -> str:
-    """What outlines lie around others, as a sentence without its full stop; "" where there are none."""
-    if not outlines:
-        return ""
-    are, block = ("is", "it is a block") if _is_one(outlines) else ("are", "they are blocks")
-    hint = "draw what lies within on a layer of its own, and list that layer in `ignore`"
-    return f"{_listed(outlines, 'outline')} around others {are} left out; if {block}, {hint}"
-
-
-def across_words(lines: Sequence[LeftOut]) -> str:
-    """What lines divide blocks of other layers, as a sentence without its full stop; "" where there are none."""
-    if not lines:
-        return ""
-    hint = "a layer without joints belongs in `ignore`"
-    return f"{_listed(lines, 'line')} from edge to edge of blocks on other layers {'divides' if _is_one(lines) else 'divide'} them; {hint}"
-
-
-def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LeftOut, ...]:
+def by_layer(places: Iterable[tuple[str, np.ndarray]]) -> tuple[LayerCount, ...]:
     """Lines or outlines, each a layer and points (n, 2), counted by layer."""
-    found: dict[str, LeftOut] = {}
+    found: dict[str, LayerCount] = {}
     for layer, points in places:
         x, z = points.mean(axis=0)
-        one = found.get(layer, LeftOut(layer, 0, float(x), float(z)))
+        one = found.get(layer, LayerCount(layer, 0, float(x), float(z)))
         found[layer] = replace(one, count=one.count + 1)
     return tuple(found.values())
-
-
-def _is_one(some: Sequence[LeftOut]) -> bool:
-    return sum(one.count for one in some) == 1
-
-
-def _listed(some: Sequence[LeftOut], word: str) -> str:
-    """How many of a kind, on which layers, and where the first one is."""
-    on_layers = ", ".join(f"{one.count} {word}{'' if one.count == 1 else 's'} on layer {_quoted(one.layer)}" for one in some)
-    return f"{on_layers} (the first near ({some[0].x:.4g}, {some[0].z:.4g}) m)"
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
 
 
 def all_but_closed(lines: Iterable[np.ndarray], layer: str) -> Iterator[OpenOutline]:

@@ -162,8 +162,8 @@ def _with_layer(group: ElementTree.Element, here: _Around) -> _Around:
     """What holds within a group that may be a layer.
 
     A group with a label, or one that Inkscape calls a layer, is one. A group that has only an id is a layer if no group around it
-    has a label: drawing programs give such ids to all groups. If all it draws is one open line, it is none for this line: lines of
-    several such groups enclose outlines together.
+    has a label: drawing programs give such ids to all groups. A single open line in a group with only an id belongs to the layer around
+    this group, because lines of several such groups enclose outlines together.
     """
     label, name = group.get(f"{INKSCAPE}label"), group.get("id", "")
     if label or (name and group.get(f"{INKSCAPE}groupmode") == "layer"):

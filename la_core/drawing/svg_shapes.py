@@ -29,7 +29,7 @@ def shape_lines(element: ElementTree.Element, kind: str, viewport: Viewport, sag
     Raises
     ------
     ValueError
-        A length or a path is none.
+        A length is no number with a unit, or a path breaks the grammar of SVG.
     """
 
     def length(name: str, along: str = "") -> float:

@@ -10,20 +10,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import (
-    DRAWING_FORMATS,
-    HIDDEN,
-    UNITS,
-    Cleaned,
-    Drawn,
-    Outline,
-    across_words,
-    around_words,
-    cleaned,
-    open_words,
-    read_outlines,
-    stray_words,
-)
+from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
 from la_core.errors import SceneError
 from la_core.scene.generators.drawings import INSTALL_DRAWING, nothing_found
 from la_core.scene.generators.mesh import mesh_blocks, read_files
@@ -152,8 +139,8 @@ def _doubt(said: bool, clean: Cleaned) -> str:
 
 def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     """Comments on what is open, divides nothing or lies around others, and on what the drawing hides."""
-    told = (open_words(clean.open_outlines), stray_words(clean.stray(blocks)), around_words(clean.around), across_words(clean.across))
-    rows = [f"# CHECK: {words}" for words in told if words]
+    told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across)
+    rows = [f"# CHECK: {words}" for words in told]
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
     return rows

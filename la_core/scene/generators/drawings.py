@@ -10,20 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import (
-    UNITS,
-    Cleaned,
-    Drawn,
-    LeftOut,
-    OpenOutline,
-    Outline,
-    across_words,
-    around_words,
-    cleaned,
-    open_words,
-    read_outlines,
-    stray_words,
-)
+from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, cleaned, open_words, read_outlines, remarks
 from la_core.errors import SceneError, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -56,11 +43,11 @@ class DrawnBlocks:
         tolerance, and outlines that lie in an opening. All but the straightened ones are left out.
     open_outlines : tuple of OpenOutline
         Those of the loose lines that were meant to be outlines, where the structure stands.
-    stray_lines : tuple of LeftOut
+    stray_lines : tuple of LayerCount
         Those of the loose lines that lie in blocks.
-    around : tuple of LeftOut
+    around : tuple of LayerCount
         Outlines around others, which are left out.
-    across : tuple of LeftOut
+    across : tuple of LayerCount
         Lines that divide blocks of other layers.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
@@ -77,9 +64,9 @@ class DrawnBlocks:
     straightened: int
     in_openings: int
     open_outlines: tuple[OpenOutline, ...]
-    stray_lines: tuple[LeftOut, ...]
-    around: tuple[LeftOut, ...]
-    across: tuple[LeftOut, ...]
+    stray_lines: tuple[LayerCount, ...]
+    around: tuple[LayerCount, ...]
+    across: tuple[LayerCount, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
@@ -88,10 +75,8 @@ class DrawnBlocks:
 
     def warnings(self) -> tuple[str, ...]:
         """Sentences on what is open, divides no block or lies around others, and on lines that divide blocks of other layers."""
-        open_ones = open_words(self.open_outlines)
-        told = [f"{open_ones}; close what is open in the drawing"] if open_ones else []
-        told += [stray_words(self.stray_lines), around_words(self.around), across_words(self.across)]
-        return tuple(f'drawing "{self.file}": {words}.' for words in told if words)
+        told = remarks(self.open_outlines, self.stray_lines, self.around, self.across)
+        return tuple(f'drawing "{self.file}": {words}.' for words in told)
 
 
 def read_drawing(table: Drawing, folder: Path) -> MeshFile:

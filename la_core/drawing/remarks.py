@@ -1,0 +1,81 @@
+"""What a user is told about the lines and outlines of a drawing, as sentences without their full stops."""
+
+import json
+from collections.abc import Sequence
+
+from la_core.drawing.outlines import LayerCount, OpenOutline
+from la_core.text_table import number_text
+
+MOST_NAMED = 3  # open outlines that a sentence names
+
+
+def remarks(
+    open_outlines: Sequence[OpenOutline], stray: Sequence[LayerCount], around: Sequence[LayerCount], across: Sequence[LayerCount]
+) -> list[str]:
+    """Sentences about a drawing; none for what it does not have.
+
+    Parameters
+    ----------
+    open_outlines : sequence of OpenOutline
+        Lines that were meant to be outlines.
+    stray : sequence of LayerCount
+        Lines that lie in blocks and divide no block.
+    around : sequence of LayerCount
+        Outlines that are left out because others lie within them.
+    across : sequence of LayerCount
+        Lines that divide blocks of other layers.
+    """
+    told = (open_words(open_outlines), _stray_words(stray), _around_words(around), _across_words(across))
+    return [words for words in told if words]
+
+
+def open_words(outlines: Sequence[OpenOutline]) -> str:
+    """A sentence that says which outlines are open, where and by how much; "" for no outline."""
+    if not outlines:
+        return ""
+    gap = number_text(1e3 * max(one.gap for one in outlines), 3)
+    layers = ", ".join(_quoted(layer) for layer in dict.fromkeys(one.layer for one in outlines))
+    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in outlines[:MOST_NAMED])
+    hint = "close what is open in the drawing"
+    if len(outlines) == 1:
+        return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out; {hint}"
+    more = ", ..." if len(outlines) > MOST_NAMED else ""
+    many = f"{len(outlines)} outlines on layer {layers} that begin at {places}{more}"
+    return f"{many} are open by up to {gap} mm, so they are left out; {hint}"
+
+
+def _stray_words(lines: Sequence[LayerCount]) -> str:
+    if not lines:
+        return ""
+    do, it = ("lies within a block and does", "it") if _is_one(lines) else ("lie within blocks and do", "them")
+    hint = "a joint must run from edge to edge, and a layer without joints belongs in `ignore`"
+    return f"{_listed(lines, 'line')} {do} not divide {it}; {hint}"
+
+
+def _around_words(outlines: Sequence[LayerCount]) -> str:
+    if not outlines:
+        return ""
+    are, block = ("is", "it is a block") if _is_one(outlines) else ("are", "they are blocks")
+    hint = "draw what lies within on a layer of its own, and list that layer in `ignore`"
+    return f"{_listed(outlines, 'outline')} around others {are} left out; if {block}, {hint}"
+
+
+def _across_words(lines: Sequence[LayerCount]) -> str:
+    if not lines:
+        return ""
+    hint = "a layer without joints belongs in `ignore`"
+    return f"{_listed(lines, 'line')} from edge to edge of blocks on other layers {'divides' if _is_one(lines) else 'divide'} them; {hint}"
+
+
+def _is_one(some: Sequence[LayerCount]) -> bool:
+    return sum(one.count for one in some) == 1
+
+
+def _listed(some: Sequence[LayerCount], word: str) -> str:
+    """How many of a kind, on which layers, and where the first one is."""
+    on_layers = ", ".join(f"{one.count} {word}{'' if one.count == 1 else 's'} on layer {_quoted(one.layer)}" for one in some)
+    return f"{on_layers} (the first near ({some[0].x:.4g}, {some[0].z:.4g}) m)"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
