@@ -116,8 +116,9 @@ def conforming(outlines: Sequence[np.ndarray], snap: float, sagitta: float) -> l
     corners = np.concatenate(outlines)
     corner, on = shapely.STRtree(rings).query(shapely.points(corners), predicate="dwithin", distance=snap + sagitta)
     polygons = _polygons(outlines)
-    touch = shapely.dwithin(polygons[owner[corner]], polygons[curved][on], TOUCHING)  # open joints stay as they are drawn
-    corner, on = corner[touch], on[touch]
+    pairs, pair = np.unique(np.stack([owner[corner], on]), axis=1, return_inverse=True)
+    touch = shapely.dwithin(polygons[pairs[0]], polygons[curved][pairs[1]], TOUCHING)  # open joints stay as they are drawn
+    corner, on = corner[touch[pair.ravel()]], on[touch[pair.ravel()]]
     shared = np.unique(corner)
     corners[shared] = _merged(corners[shared], snap)  # of neighbours
     conformed = [corners[first:last] for first, last in pairwise(start)]
@@ -179,33 +180,35 @@ def _through(lines: list[np.ndarray], ends: np.ndarray, lone: np.ndarray, snap: 
 
 
 def _with_points(line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray | None = None) -> np.ndarray:
-    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them; `lone` as in `_place_on`."""
-    places: dict[tuple[float, float], tuple[int, float]] = {}
-    turn = _turns(line)
-    for k, point in enumerate(points):
-        place = _place_on(line, turn, point, snap, sagitta, lone is None or bool(lone[k]))
-        if place is not None:
-            places[float(point[0]), float(point[1])] = place
-    order = sorted(places, key=lambda point: places[point])
-    return np.insert(line, [places[point][0] + 1 for point in order], np.array(order).reshape(-1, 2), axis=0)
+    """A line (n, 2) whose chords go through those of the points (m, 2) that lie on them; `lone` as in `_places_on`."""
+    lone = np.ones(len(points), dtype=bool) if lone is None else lone
+    point, chord, share = _places_on(line, points, snap, sagitta, lone)
+    _, first = np.unique(points[point], axis=0, return_index=True)
+    first = first[np.lexsort((share[first], chord[first]))]
+    return np.insert(line, chord[first] + 1, points[point[first]], axis=0)
 
 
-def _place_on(
-    line: np.ndarray, turn: np.ndarray, point: np.ndarray, snap: float, sagitta: float, is_lone: bool
-) -> tuple[int, float] | None:
-    """Number of the chord of a line (n, 2) that has to go through a point, and where along it; None for no chord.
+def _places_on(
+    line: np.ndarray, points: np.ndarray, snap: float, sagitta: float, lone: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (m, 2) that a line (n, 2) has to go through: their indices, the nearest chord of each, and where along it (0 to 1).
 
     The distance of a curve from a chord is about an eighth of its length times the turn to the next chord; twice that is allowed.
+    `lone` (m,) points need a curve: they reach a straight line by themselves.
     """
-    along = np.diff(line, axis=0)
+    chords = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
+    point, chord = shapely.STRtree(chords).query(shapely.points(points), predicate="dwithin", distance=snap + sagitta)
+    along = line[chord + 1] - line[chord]
     length = np.hypot(*along.T)
-    share = np.clip(((point - line[:-1]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
-    off = np.hypot(*(line[:-1] + share[:, None] * along - point).T)
-    chord = int(np.argmin(off))
-    beside = max((float(turn[k]) for k in (chord - 1, chord) if 0 <= k < len(turn)), default=0.0)
-    bend = min(sagitta, 0.25 * float(length[chord]) * beside)
-    is_on_it = off[chord] <= snap + bend and (bend > 0.0 or not is_lone)
-    return (chord, float(share[chord])) if is_on_it and 0.0 < share[chord] < 1.0 else None
+    share = np.clip(((points[point] - line[chord]) * along).sum(axis=1) / np.where(length > 0.0, length**2, 1.0), 0.0, 1.0)
+    off = np.hypot(*(line[chord] + share[:, None] * along - points[point]).T)
+    order = np.lexsort((chord, off, point))
+    nearest = order[np.diff(point[order], prepend=-1) > 0]
+    point, chord, share, off = point[nearest], chord[nearest], share[nearest], off[nearest]
+    turn = np.concatenate([[0.0], _turns(line), [0.0]])
+    bend = np.minimum(sagitta, 0.25 * length[nearest] * np.maximum(turn[chord], turn[chord + 1]))
+    is_on_it = (off <= snap + bend) & ((bend > 0.0) | ~lone[point]) & (share > 0.0) & (share < 1.0)
+    return point[is_on_it], chord[is_on_it], share[is_on_it]
 
 
 def _turns(line: np.ndarray) -> np.ndarray:
