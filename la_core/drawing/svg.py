@@ -1,7 +1,7 @@
 """Outlines of an SVG file: paths and shapes, with groups, styles, transformations and the unit of the page.
 
 A drawing hangs from the upper left corner of its page; z is up, so heights are negative. Only what draws a line is
-read: text, images and clones are not.
+read: text and images are not.
 """
 
 import itertools
@@ -19,8 +19,11 @@ from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
 from la_core.drawing.svg_styles import StyleSheet, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
-CONTAINERS = {"svg", "g", "a", "switch"}
-DEEPEST = 100  # groups within groups
+CONTAINERS = {"svg", "g", "a", "switch", "use"}
+WITH_VIEW = {"svg", "symbol"}  # what has a view box of its own
+DEEPEST = 100  # groups and copies within one another
+MOST_COPIED = 200_000  # elements of all copies: copies of copies can fill the memory
+XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 UNPAINTED = {"none", "transparent"}
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
@@ -43,7 +46,8 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     scale = unit or own
     if scale is None:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
-    reader = _Reader(Drawn(scale), sheet_of(root), sagitta)
+    named = {element.get("id", ""): element for element in reversed(list(root.iter()))}
+    reader = _Reader(Drawn(scale), sheet_of(root), sagitta, named)
     try:
         reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)
     except OverflowError as error:
@@ -73,6 +77,8 @@ class _Around:
         Fill and stroke; "" where nothing gives them.
     displayed, visible : bool
         Whether no group is switched off, and whether the last `visibility` shows it.
+    is_copied : bool
+        Whether a <use> draws it.
     """
 
     matrix: np.ndarray
@@ -85,20 +91,40 @@ class _Around:
     stroke: str = ""
     displayed: bool = True
     visible: bool = True
+    is_copied: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Reader:
-    """Adds elements to a drawing; `sheet` is its style sheet, `sagitta` the largest distance between a curve and its chords, m."""
+    """Adds elements to a drawing.
+
+    Attributes
+    ----------
+    drawn : Drawn
+        The drawing.
+    sheet : StyleSheet
+        Its style sheet.
+    sagitta : float
+        Largest distance between a curve and its chords, m.
+    named : dict
+        The element of each id.
+    copied : int
+        Elements of copies so far.
+    """
 
     drawn: Drawn
     sheet: StyleSheet
     sagitta: float
+    named: dict[str, ElementTree.Element]
+    copied: int = 0
 
     def walk(self, element: ElementTree.Element, around: _Around, depth: int) -> None:
         """Add an element and all below it."""
+        self.copied += around.is_copied
         if depth > DEEPEST:
-            raise ValueError(f"has groups more than {DEEPEST} deep")
+            raise ValueError(f"has groups, or copies by <use>, more than {DEEPEST} deep")
+        if self.copied > MOST_COPIED:
+            raise ValueError(f"has copies by <use> with more than {MOST_COPIED} elements in all; delete those that are no blocks")
         kind = _tag(element)
         if kind in SILENT:
             return
@@ -108,10 +134,28 @@ class _Reader:
             here = replace(here, matrix=here.matrix @ matrix, viewport=viewport)
         if kind in SHAPES:
             self._add(element, kind, here)
+        elif kind == "use":
+            self._add_copy(element, here, depth)
         elif kind not in CONTAINERS and here.displayed:
             self.drawn.ignore(kind)
-        for child in element:
+        for child in element if kind != "use" else ():
             self.walk(child, here, depth + 1)
+
+    def _add_copy(self, use: ElementTree.Element, here: _Around, depth: int) -> None:
+        """Add the element that a <use> stands for, at its place; one of another file is counted."""
+        link = use.get("href") or use.get(f"{XLINK}href") or ""
+        original = self.named.get(link[1:]) if link.startswith("#") else None
+        if original is None:
+            self.drawn.ignore("use")
+            return
+        x, y = (here.viewport.length(use.get(name, "0"), f"a <use> with {name}", name) for name in "xy")
+        matrix = here.matrix @ np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
+        if _tag(original) in WITH_VIEW:  # a copied symbol is a nested drawing, of the size that the copy gives
+            size = {name: use.attrib[name] for name in ("width", "height") if name in use.attrib}
+            nested_drawing = ElementTree.Element("svg", original.attrib | size)
+            nested_drawing.extend(original)
+            original = nested_drawing
+        self.walk(original, replace(here, matrix=matrix, is_copied=True), depth + 1)
 
     def _within(self, element: ElementTree.Element, kind: str, around: _Around) -> _Around:
         """What holds for an element and for what it holds."""
@@ -175,11 +219,11 @@ def _with_layer(group: ElementTree.Element, here: _Around) -> _Around:
 
 
 def _shapes(group: ElementTree.Element) -> Iterator[ElementTree.Element]:
-    """Every shape below a group."""
+    """Every shape or copy below a group."""
     waiting = [group]
     while waiting:
         element = waiting.pop()
-        if _tag(element) in SHAPES:
+        if _tag(element) in SHAPES | {"use"}:
             yield element
         waiting += [child for child in element if _tag(child) not in SILENT]
 
