@@ -13,6 +13,7 @@ from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, al
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
 ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
+FILLED = 0.5  # of an outline's area: a contour is drawn around blocks that fill it so far
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
@@ -89,8 +90,10 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
+    contour = _contours(polygons, outlines, speck | double)
+    around = by_layer((*found.around, *((outlines[k].layer, outlines[k].points) for k in np.flatnonzero(contour))))
     polygons, straight = _without_dents(polygons, tolerance)
-    kept = np.flatnonzero(~speck & ~double)
+    kept = np.flatnonzero(~speck & ~double & ~contour)
     place = shapely.get_coordinates(shapely.centroid(polygons[kept]))
     order = kept[np.lexsort((place[:, 0], np.round(place[:, 1], 2)))]
     rings = conforming([shapely.get_coordinates(polygons[k])[:-1] for k in order], max(SNAP, tolerance), drawn.sagitta)
@@ -100,7 +103,7 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
         ]
     clean = tuple(Outline(points, outlines[k].layer, outlines[k].colour) for k, points in zip(order, rings, strict=True))
     counts = int(double.sum()), int(speck.sum()), loose
-    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), by_layer(found.around), by_layer(found.across), idle)
+    return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), around, by_layer(found.across), idle)
 
 
 @dataclass
@@ -201,6 +204,20 @@ def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
     area = shapely.area(polygons)[twice]
     double[np.where(area[:, 1] > area[:, 0] * (1.0 + ALIKE), twice[:, 0], twice[:, 1])] = True
     return double
+
+
+def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.ndarray) -> np.ndarray:
+    """Mask of the polygons that two or more others of the same layer and colour fill for the most part."""
+    _, group = np.unique([(outline.layer, outline.colour) for outline in outlines], axis=0, return_inverse=True)
+    group = np.asarray(group).ravel()
+    area = shapely.area(polygons)
+    inner, outer = shapely.STRtree(polygons).query(polygons, predicate="intersects")
+    fits = (area[inner] < area[outer]) & (group[inner] == group[outer]) & ~left_out[inner] & ~left_out[outer]
+    inner, outer = inner[fits], outer[fits]
+    within = shapely.area(shapely.intersection(polygons[inner], polygons[outer])) >= DOUBLE * area[inner]
+    inner, outer = inner[within], outer[within]
+    filled, count = np.bincount(outer, area[inner], len(area)), np.bincount(outer, minlength=len(area))
+    return np.asarray((filled >= FILLED * area) & (count > 1))
 
 
 def _place(outline: Outline) -> str:

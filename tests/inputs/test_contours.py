@@ -1,0 +1,59 @@
+"""A contour drawn around stones is no stone; an outline around one mark, or around another layer, is."""
+
+import numpy as np
+import pytest
+
+from la_core.drawing import Cleaned, Drawn, cleaned
+from la_core.drawing.outlines import Outline
+
+STONES = [((x, z), (x + 0.5, z + 0.25)) for z in (0.0, 0.25) for x in (0.0, 0.5)]
+CONTOUR = ((0.0, 0.0), (1.0, 0.5))
+
+
+def rectangle(ends: tuple[tuple[float, float], tuple[float, float]], layer: str = "STONES", colour: str = "7") -> Outline:
+    (x0, z0), (x1, z1) = ends
+    return Outline(np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)]), layer, colour)
+
+
+def clean(*outlines: Outline, tolerance: float = 0.0) -> Cleaned:
+    return cleaned(Drawn(1.0, list(outlines)), tolerance)
+
+
+@pytest.mark.parametrize("place", range(5))
+@pytest.mark.parametrize("tolerance", [0.0, 0.003])
+def test_a_contour_is_left_out_and_told(place: int, tolerance: float) -> None:
+    outlines = [rectangle(stone) for stone in STONES]
+    outlines.insert(place, rectangle(CONTOUR))
+    found = clean(*outlines, tolerance=tolerance)
+    assert len(found.outlines) == len(STONES)
+    (told,) = found.around
+    assert (told.layer, told.count, told.x, told.z) == ("STONES", 1, 0.5, 0.25)
+
+
+@pytest.mark.parametrize("slip", [-0.002, 0.002])
+def test_a_contour_may_miss_the_edges_of_its_stones(slip: float) -> None:
+    found = clean(rectangle(((slip, slip), (1.0 - slip, 0.5 - slip))), *(rectangle(stone) for stone in STONES))
+    assert len(found.outlines) == len(STONES)
+
+
+def test_contours_within_a_contour_are_left_out_with_it() -> None:
+    bays = [rectangle(((x, 0.0), (x + 0.5, 0.5))) for x in (0.0, 0.5)]
+    found = clean(rectangle(CONTOUR), *bays, *(rectangle(stone) for stone in STONES))
+    assert len(found.outlines) == len(STONES)
+    assert found.around[0].count == 3
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        [rectangle(((0.1, 0.1), (0.9, 0.4)))],  # one bevel
+        [rectangle(((0.1, 0.1), (0.2, 0.2))), rectangle(((0.7, 0.1), (0.8, 0.2)))],  # two holes for lifting
+        [rectangle(stone, layer="OPENINGS") for stone in STONES],
+        [rectangle(stone, colour="1") for stone in STONES],
+        [rectangle(((x, 0.0), (x + 1.0, 0.5))) for x in (-1.0, 1.0)],  # neighbours
+    ],
+)
+def test_other_outlines_leave_a_stone_as_it_is(others: list[Outline]) -> None:
+    found = clean(rectangle(CONTOUR), *others)
+    assert len(found.outlines) == 1 + len(others)
+    assert not found.around
