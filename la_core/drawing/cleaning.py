@@ -13,7 +13,7 @@ from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, al
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
 ALIKE = 1e-3  # difference of two areas up to which neither is the larger one
-FILLED = 0.5  # of an outline's area: a contour is drawn around blocks that fill it so far
+FILLED, FILLED_BY_ALL = 0.5, 0.8  # of a contour's area: outlines of its layer and colour fill it so far, or those of all layers
 SPECK = 1e-6  # of the median area: smaller outlines are slips of the pen
 
 
@@ -101,7 +101,7 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
         rings = [
             shapely.get_coordinates(one)[:-1] for one in _without_dents(np.array([shapely.Polygon(ring) for ring in rings]), tolerance)[0]
         ]
-    clean = tuple(Outline(points, outlines[k].layer, outlines[k].colour) for k, points in zip(order, rings, strict=True))
+    clean = tuple(Outline(points, *outlines[k].place) for k, points in zip(order, rings, strict=True))
     counts = int(double.sum()), int(speck.sum()), loose
     return Cleaned(clean, *counts, open_ones, int(straight[kept].sum()), around, by_layer(found.across), idle)
 
@@ -135,7 +135,7 @@ def _found(drawn: Drawn, snap: float) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
     found = _Found(list(drawn.outlines), {}, [], [], [])
     for (layer, colour), every in drawn.lines.items():
-        here = [k for k, outline in enumerate(found.outlines) if (outline.layer, outline.colour) == (layer, colour)]
+        here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
         again = retraced(every, [found.outlines[k].points for k in here], 2.0 * snap)
         found.again += [(layer, line) for line, is_again in zip(every, again, strict=True) if is_again]
         lines = [line for line, is_again in zip(every, again, strict=True) if not is_again]
@@ -161,7 +161,7 @@ def _with_lines_of_other_layers(found: _Found, snap: float, sagitta: float) -> _
         across = which[whose == k]
         parts = divided(outline.points, [lines[j][1] for j in across], snap, sagitta) if len(across) else [outline.points]
         used |= set(across.tolist()) if len(parts) > 1 else set()
-        outlines += [Outline(part, outline.layer, outline.colour) for part in parts]
+        outlines += [Outline(part, *outline.place) for part in parts]
     idle: dict[tuple[str, str], list[np.ndarray]] = {}
     for j, (place, line) in enumerate(lines):
         if j not in used:
@@ -207,17 +207,19 @@ def _doubles(polygons: np.ndarray, left_out: np.ndarray) -> np.ndarray:
 
 
 def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.ndarray) -> np.ndarray:
-    """Mask of the polygons that two or more others of the same layer and colour fill for the most part."""
-    _, group = np.unique([(outline.layer, outline.colour) for outline in outlines], axis=0, return_inverse=True)
-    group = np.asarray(group).ravel()
+    """Mask of the polygons that two or more others fill for the most part: contours drawn around blocks."""
     area = shapely.area(polygons)
     inner, outer = shapely.STRtree(polygons).query(polygons, predicate="intersects")
-    fits = (area[inner] < area[outer]) & (group[inner] == group[outer]) & ~left_out[inner] & ~left_out[outer]
-    inner, outer = inner[fits], outer[fits]
+    smaller = (area[inner] < area[outer]) & ~left_out[inner] & ~left_out[outer]
+    inner, outer = inner[smaller], outer[smaller]
     within = shapely.area(shapely.intersection(polygons[inner], polygons[outer])) >= DOUBLE * area[inner]
     inner, outer = inner[within], outer[within]
-    filled, count = np.bincount(outer, area[inner], len(area)), np.bincount(outer, minlength=len(area))
-    return np.asarray((filled >= FILLED * area) & (count > 1))
+    alike = np.array([outlines[j].place == outlines[k].place for j, k in zip(inner, outer, strict=True)], dtype=bool)
+    mask = np.zeros(len(area), dtype=bool)
+    for some, share in ((alike, FILLED), (np.ones_like(alike), FILLED_BY_ALL)):
+        filled, count = np.bincount(outer[some], area[inner[some]], len(area)), np.bincount(outer[some], minlength=len(area))
+        mask |= (filled >= share * area) & (count > 1)
+    return mask
 
 
 def _place(outline: Outline) -> str:

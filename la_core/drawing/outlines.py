@@ -27,6 +27,11 @@ class Outline:
     layer: str
     colour: str
 
+    @property
+    def place(self) -> tuple[str, str]:
+        """Layer and colour."""
+        return self.layer, self.colour
+
 
 @dataclass(frozen=True)
 class OpenOutline:
@@ -110,14 +115,14 @@ class Drawn:
 
     def without(self, left_out: Callable[[str, str], bool]) -> "Drawn":
         """The drawing without the layers and colours for which `left_out` is true."""
-        outlines = [outline for outline in self.outlines if not left_out(outline.layer, outline.colour)]
+        outlines = [outline for outline in self.outlines if not left_out(*outline.place)]
         lines = {place: some for place, some in self.lines.items() if not left_out(*place)}
         return replace(self, outlines=outlines, lines=lines)
 
     @property
     def places(self) -> set[tuple[str, str]]:
         """Every layer with every colour on it that holds outlines or lines."""
-        return {(outline.layer, outline.colour) for outline in self.outlines} | set(self.lines)
+        return {outline.place for outline in self.outlines} | set(self.lines)
 
     def ignore(self, kind: str) -> None:
         """Count an entity that is no outline."""

@@ -171,7 +171,7 @@ def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
 def _lists(table: Drawing, clean: Cleaned) -> list[str]:
     """The list of the table that names each outline; "blocks" where none does and the table lists no blocks."""
     every = {key: getattr(table, key) for key in LISTS} | {"blocks": table.blocks or ("*",)}
-    places = [(outline.layer, outline.colour) for outline in clean.outlines]
+    places = [outline.place for outline in clean.outlines]
     return [next((key for key, patterns in every.items() if _names(patterns, place)), "ignore") for place in places]
 
 
@@ -185,7 +185,7 @@ def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
 
 
 def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedShape:
-    place = (outline.layer, outline.colour)
+    place = outline.place
     thickness, density = _own(table.thickness_of, place, table.thickness), _own(table.density_of, place, table.density)
     profile = outline.points + np.array(table.shift)
     name = f"{table.name} {number}"
