@@ -10,6 +10,7 @@ import numpy as np
 
 from yade_scripts.contacts import sphere_placement
 from yade_scripts.contacts.convex_parts import box_extents, face_planes, faces_of_parts, parts_of
+from yade_scripts.contacts.frame import near_blocks
 
 FREE, FIXED, SUPPORT = 0, 1, 2
 _UNIT = 1e-9  # of a unit vector's length: round-off
@@ -41,7 +42,7 @@ class Case:
     gravity : np.ndarray
         Acceleration (3,), m/s2.
     support_twist : np.ndarray
-        Velocity of the global origin and angular velocity (6,) per unit settlement; NaN for a live load.
+        Velocity of the origin and angular velocity (6,) per unit settlement; NaN for a live load.
     support_twists : np.ndarray
         The same (B, 6) of each block: supports may move by different shares of it; 0 for all other blocks.
     live : np.ndarray or None
@@ -82,10 +83,8 @@ class Case:
         Stiffness of one contact point, N/m.
     travel : float
         Largest settlement, m or rad.
-    sag : float
-        Largest displacement of a centroid under the weights with joints glued at the normal stiffness, m.
-    sway : float
-        The same under weights that act sideways, m; 0 where it is unknown.
+    sag, sway : float
+        Largest displacement of a centroid, joints glued at the normal stiffness, under the weights, and sideways (0: unknown), m.
     boxes : tuple
         Low and high corner (3,) of each axis-aligned box, m; None for other blocks.
     host : np.ndarray
@@ -94,6 +93,8 @@ class Case:
         Index (B,) of each block among all blocks of the file.
     total : int
         Number of blocks in the file.
+    origin : np.ndarray
+        Origin (3,) of all positions and twists here, in the frame of the file, m.
     """
 
     name: str
@@ -132,6 +133,7 @@ class Case:
     host: np.ndarray
     index: np.ndarray
     total: int
+    origin: np.ndarray
 
     @cached_property
     def target(self) -> np.ndarray:
@@ -193,6 +195,7 @@ class Case:
 
 def from_fields(data: Mapping[str, Any]) -> Case:
     """Return the case from the fields of `case.h5` by path; raises CaseError when it cannot be run."""
+    data, origin = near_blocks(data)
     start, interface = data["blocks/vertex_start"], data["contacts/interface"]
     block_a, block_b = data["interfaces/block_a"][interface], data["interfaces/block_b"][interface]
     total = len(data["blocks/role"])
@@ -202,8 +205,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
     alike = np.where((data["blocks/role"] == SUPPORT)[:, None], data["scene/support_twist"], 0.0)
     vertices = tuple(data["blocks/vertices"][start[block] : start[block + 1]] for block in index)
     boxes = tuple(box_extents(points) for points in vertices)
-    planes = face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"])
-    faces = (data["blocks/face_block"], *planes)
+    faces = (data["blocks/face_block"], *face_planes(data["blocks/vertices"], data["blocks/face_vertex"], data["blocks/face_start"]))
     host, own_inset = sphere_placement.spheres(data, index[[box is not None for box in boxes]], faces)
     mass, inertia = data["blocks/mass"][index], data["blocks/inertia"][index]
     bare = (data["blocks/role"][index] != FREE) & ~np.isfinite(mass)  # held blocks without density: 1 kg, as their mass only has to exist
@@ -240,6 +242,7 @@ def from_fields(data: Mapping[str, Any]) -> Case:
         host=place[host],
         index=index,
         total=total,
+        origin=origin,
     )
     _refuse_unrunnable(case)
     return case

@@ -8,6 +8,7 @@ import numpy as np
 from yade import config
 
 from yade_scripts.attempts import Attempts
+from yade_scripts.contacts.frame import about_old_origin
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
@@ -33,7 +34,7 @@ def fields(made: Attempts, seconds: float) -> dict[str, Any]:
         "result/message": made.message,
         "settings/json": json.dumps(dataclasses.asdict(run.settings), sort_keys=True),
     }
-    return values | _rows(run.record.rows) | _poses(run) | _extra(run)
+    return values | _rows(run) | _poses(run) | _extra(run)
 
 
 def kinetic_ratio(run: Protocol) -> float:
@@ -47,9 +48,10 @@ def kinetic_ratio(run: Protocol) -> float:
     return max(row.kinetic_energy for row in fitted) / work if work > _NO_WORK * most else float("nan")
 
 
-def _rows(rows: list[Row]) -> dict[str, Any]:
+def _rows(run: Protocol) -> dict[str, Any]:
+    rows: list[Row] = run.record.rows
     names = ("stage", "time", "settlement", "reaction", "kinetic_energy", "damped_energy", "unbalanced")
-    wrenches = np.array([row.support_wrench for row in rows]).reshape(-1, 6)
+    wrenches = about_old_origin(np.array([row.support_wrench for row in rows]).reshape(-1, 6), run.case.origin)
     return {f"record/{name}": np.array([getattr(row, name) for row in rows]) for name in names} | {"record/support_wrench": wrenches}
 
 
@@ -68,5 +70,5 @@ def _extra(run: Protocol) -> dict[str, Any]:
     contacts = sorted(run.record.extra.items())
     return {
         "extra_contacts/blocks": run.case.index[np.array([pair for pair, _ in contacts], dtype=int).reshape(-1, 2)],
-        "extra_contacts/position": np.array([point for _, point in contacts], dtype=float).reshape(-1, 3),
+        "extra_contacts/position": np.array([point for _, point in contacts], dtype=float).reshape(-1, 3) + run.case.origin,
     }

@@ -112,7 +112,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     -------
     CoulombSolution
         The value at rest, the drift and the strain residual are NaN, because no path was followed. The uncertainty is
-        the duality gap of the associated answer.
+        the duality gap of the associated answer, and what the little friction that still slides in its mechanism could change.
     """
     if associated.status is not Status.SOLVED:
         return without_answer(assembly, associated.status)
@@ -131,8 +131,18 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         cone_violation=associated.cone_violation,
         seconds=seconds,
         iterations=iterations,
-        uncertainty=abs(associated.duality_gap) * unit,
+        uncertainty=abs(associated.duality_gap) * unit + _by_dilatancy(assembly, associated),
     )
+
+
+def _by_dilatancy(assembly: Assembly, associated: Solution) -> float:
+    """Power of friction in the associated mechanism per unit of the motion or of the load's power, which it dissipates without dilatancy.
+
+    A search for sliding leaves out joints that slide so little; the value may still be as much too small.
+    """
+    power = mechanism.friction_power(assembly, associated.twists, associated.forces)
+    driven = float(np.sum(assembly.live_load * associated.twists)) if assembly.has_live_load else 1.0
+    return power / driven if driven > 0.0 else 0.0
 
 
 def without_answer(assembly: Assembly, status: Status, seconds: float = 0.0, iterations: int = 0) -> CoulombSolution:

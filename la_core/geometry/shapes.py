@@ -11,6 +11,7 @@ from la_core.errors import SceneError
 from la_core.geometry.division import FLATNESS, convex_parts, without_straight_corners
 
 ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
+STEEP = 0.1  # sine of the angle to a face from which on an edge leads away from it, however short it is
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
@@ -113,14 +114,27 @@ def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATN
     faces, remaining = [], np.argsort(-area, kind="stable").tolist()  # the largest triangle of a face gives its plane best
     while remaining:
         plane = hull.equations[remaining[0]]
-        distance = np.abs(hull.points[hull.vertices] @ plane[:3] + plane[3])
-        corners = hull.vertices[distance <= flatness]
+        corners = _corners_on(plane, hull.points, hull.vertices, flatness)
         faces.append(_ordered(hull.points, corners, plane[:3]))
         members = set(corners.tolist())
         remaining = [k for k in remaining if not members.issuperset(hull.simplices[k].tolist())]
     used = sorted({vertex for face in faces for vertex in face})
     renumber = {old: new for new, old in enumerate(used)}
     return Shape(points[used], tuple(tuple(renumber[v] for v in face) for face in faces))
+
+
+def _corners_on(plane: np.ndarray, points: np.ndarray, vertices: np.ndarray, flatness: float) -> np.ndarray:
+    """The vertices (indices into points) within `flatness` of a plane (4,), without those that lie behind others of them.
+
+    Where a body is thinner than that, as a sheet or the tip of a wedge, its far side would be taken for a part of this face.
+    """
+    depth = -(points[vertices] @ plane[:3] + plane[3])
+    near = np.abs(depth) <= flatness
+    corners, depth = vertices[near], depth[near]
+    deeper = depth[:, None] - depth[None, :]
+    apart = np.linalg.norm(points[corners][:, None] - points[corners][None, :], axis=2)
+    is_behind = (deeper > STEEP * apart) & (deeper > 0.0)  # of a corner that is less deep, along a line that leads away from the plane
+    return np.asarray(corners[~is_behind.any(axis=1)])
 
 
 def _ordered(points: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> tuple[int, ...]:

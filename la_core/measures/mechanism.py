@@ -83,18 +83,23 @@ def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
     return product(first, second) ** 2 / norms if norms > 0.0 else float("nan")
 
 
+def friction_power(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
+    """Power of friction, sum of mu n |u_t|, of contact forces (C, 3), N, in a mechanism with twists (B, 6); 0 where none slides."""
+    _, sliding = contact_speeds(assembly, twists)
+    compression = np.maximum(assembly.split(forces)[0], 0.0)
+    return float(np.sum(assembly.points.friction * compression * sliding))
+
+
 def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> float:
-    """Power of friction, sum of mu n |u_t|, over the power that the weights exchange, sum of |w . v|.
+    """Power of friction over the power that the weights exchange, sum of |w . v|.
 
     It is 0 where no loaded joint slides. Dilatancy then has no effect, and the associated answer is also Coulomb's.
     A mechanism whose weights exchange less than LEAST_EXCHANGE counts as if they exchanged that much: otherwise the share
     of a motion without power would be a ratio of rounding errors.
     twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
-    _, sliding = contact_speeds(assembly, twists)
-    compression = np.maximum(assembly.split(forces)[0], 0.0)
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
     exchanged = max(exchanged, LEAST_EXCHANGE * assembly.weight * block_speeds(assembly.blocks, twists).max())
     if exchanged == 0.0:
         return 0.0
-    return float(np.sum(assembly.points.friction * compression * sliding) / exchanged)
+    return friction_power(assembly, twists, forces) / exchanged

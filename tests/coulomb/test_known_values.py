@@ -21,6 +21,7 @@ from coulomb_problems import (
     value,
 )
 
+import la_core
 from la_core.coulomb import (
     predict,
 )
@@ -147,3 +148,13 @@ def test_a_support_that_carries_nothing_leaves_no_reaction(plane) -> None:
     assembly, solution = answer(scenes.build(*scenes.base(0.7, 1.0), block, plane=plane))
     assert solution.at_rest > 0.1 * assembly.weight
     assert abs(solution.value) < FOUND * assembly.weight
+
+
+@pytest.mark.parametrize("mu", [0.001, 0.01, 0.02, 0.03])
+def test_little_friction_that_is_left_out_is_in_the_uncertainty(mu: float) -> None:
+    """A block sinks along a held one, which nothing presses: R = W. Below some friction its slip counts as none, and R is W/(1 + mu^2)."""
+    wall = scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed")
+    pad = scenes.box("pad", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support")
+    scene = scenes.build(wall, pad, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=mu, model="auto")
+    found = la_core.solve(scene)
+    assert abs(found.coulomb - scene.weight) <= found.uncertainty <= 1e-3 * scene.weight

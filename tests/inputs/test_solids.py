@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scenes
 from gathered_blocks import EXACT, TURNED, gathered, turned
+from measured_shapes import reaction
 
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.shapes import box, polyhedron, prism
@@ -46,3 +47,46 @@ def test_faces_look_outward_and_close_the_block(turn) -> None:
     assert (np.sum((middles - blocks.centroid[0]) * blocks.face_normal, axis=1) > 0.0).all()
     areas = [np.linalg.norm(sum(np.cross(f[k] - f[0], f[k + 1] - f[0]) for k in range(1, len(f) - 1))) / 2.0 for f in faces_of(blocks, 0)]
     assert np.array(areas) @ blocks.face_normal == pytest.approx(np.zeros(3), abs=TURNED)
+
+
+SHEET, WEDGE, MITRED = "sheet", "wedge", "mitred sheet"
+SIXTH = 1.0 / 6.0  # of the weight, on the right of two pads under a block, by moments about the end of the fixed pad
+
+
+def thin(kind: str, least: float) -> list[tuple[float, float]]:
+    """Profile (x, z), 1 m long and `least` (m) thin: all along, at one end, or between ends of 20 degrees."""
+    end = least / math.tan(math.radians(20.0))
+    return {
+        SHEET: [(0.0, 0.0), (1.0, 0.0), (1.0, least), (0.0, least)],
+        WEDGE: [(0.0, 0.0), (1.0, 0.0), (1.0, 0.2), (0.0, least)],
+        MITRED: [(0.0, 0.0), (1.0, 0.0), (1.0 - end, least), (end, least)],
+    }[kind]
+
+
+@pytest.mark.parametrize("least", [1e-3, 9e-5, 1e-5, 1e-6])
+@pytest.mark.parametrize("kind", [SHEET, WEDGE, MITRED])
+@pytest.mark.parametrize("turn", [None, scenes.rotation((0.3, -0.5, 0.8), 1.1)], ids=["upright", "turned"])
+def test_a_thin_body_has_the_faces_of_the_prism_that_it_is(kind: str, least: float, turn) -> None:
+    """The corners of both its sides lie near one plane; they were taken for one face, and a sheet had up to 2.7 times its volume."""
+    drawn = prism(thin(kind, least), (0.0, 0.2))
+    drawn = drawn if turn is None else turned(drawn, turn)
+    hull = polyhedron(drawn.vertices)
+    assert sorted(len(face) for face in hull.faces) == [4] * 6
+    found, known = gathered(hull), gathered(drawn)
+    assert found.volume == pytest.approx(known.volume, rel=1e-8)
+    assert found.centroid == pytest.approx(known.centroid, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", [SHEET, WEDGE])
+@pytest.mark.parametrize("least", [9e-5, 1e-6])
+def test_a_block_stands_on_a_thin_hull_as_on_a_thin_prism(kind: str, least: float) -> None:
+    """A sheet of 1e-6 m was said to be unable to stand; thicker ones, to touch nothing."""
+    profile = thin(kind, least)
+    hull = scenes.block("thin", polyhedron=[(x, y, z) for x, z in profile for y in (0.0, 0.2)])
+    top = scenes.block("block", prism=([profile[3], profile[2], (1.0, 0.5), (0.0, 0.5)], (0.0, 0.2)))
+    pads = (
+        scenes.box("pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("settling pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
+    )
+    scene = scenes.build(*pads, hull, top)
+    assert reaction(scene) == pytest.approx(SIXTH, abs=1e-6)
