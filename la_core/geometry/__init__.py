@@ -3,6 +3,7 @@
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
 from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, nearest_gap, overlaps, separation_by_faces
+from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
 from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
@@ -14,6 +15,7 @@ __all__ = [
     "Blocks",
     "ContactPoints",
     "Interfaces",
+    "MissedJoints",
     "Shape",
     "box",
     "compound",
@@ -22,6 +24,7 @@ __all__ = [
     "group_members",
     "joint_rooms",
     "loft",
+    "missed_joints",
     "near_pairs",
     "nearest_gap",
     "overlap_of",

@@ -70,8 +70,8 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     pairs = near_pairs(parts, TOUCH * size)
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
-    pair, face_a, face_b = _opposite_faces(parts, pairs, tolerance, size)
-    overlap, corners, ring = _overlap_polygons(parts, pair, face_a, face_b, tolerance)
+    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
+    overlap, corners, ring = _touching(parts, pair, face_a, face_b, tolerance)
     untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # parts on either side of a joint do not overlap
     _refuse_overlaps(parts, pairs[untouched], tolerance[untouched])
     _refuse_floating(blocks, owner[pairs[pair[overlap]]])
@@ -208,10 +208,13 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
     return apart
 
 
-def _opposite_faces(
-    blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray
+def opposite_faces(
+    blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray, angle: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Candidate face pairs: the pair of blocks they belong to, the face of its first block and of its second block."""
+    """Face pairs that may be closer than `tolerance` (P,), m, at an angle of at most `angle`, rad.
+
+    Returns the pair of blocks that each belongs to, the face of its first block and of its second block. size: (B,), m, of the blocks.
+    """
     face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
     counts = np.diff(face_start)
     pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
@@ -219,21 +222,31 @@ def _opposite_faces(
     face_a = face_start[pairs[pair, 0]] + place // faces_b
     face_b = face_start[pairs[pair, 1]] + place % faces_b
     normal_a, normal_b = blocks.face_normal[face_a], blocks.face_normal[face_b]
-    opposite = np.linalg.norm(normal_a + normal_b, axis=1) <= OPPOSITE
+    opposite = np.linalg.norm(normal_a + normal_b, axis=1) <= angle
     pair, face_a, face_b = pair[opposite], face_a[opposite], face_b[opposite]
     middle = blocks.vertices[blocks.face_vertex[blocks.face_start[face_b]]]
     gap = np.abs(np.einsum("ij,ij->i", middle, blocks.face_normal[face_a]) - blocks.face_offset[face_a])
-    near = gap <= tolerance[pair] + OPPOSITE * size[pairs[pair, 1]]
+    near = gap <= tolerance[pair] + angle * size[pairs[pair, 1]]
     return pair[near], face_a[near], face_b[near]
 
 
-def _overlap_polygons(
+def _touching(
     blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Overlaps of face pairs in the plane of face a.
+    """Indices of the face pairs that touch, the corners (Q, 3) of their overlaps, and the overlap of each corner (Q,)."""
+    kept, corners, owner, gap = face_overlaps(blocks, face_a, face_b, tolerance[pair])
+    close = gap <= tolerance[pair[kept]]
+    touches = close[owner]
+    return kept[close], corners[touches], (np.cumsum(close) - 1)[owner[touches]]
 
-    Returns the indices of the candidates that touch, the corners (Q, 3) of their overlaps, and the overlap of each
-    corner (Q,).
+
+def face_overlaps(
+    blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Overlaps of face pairs in the plane of face a that are wider than `tolerance`, m, one for each pair.
+
+    Returns the indices of these pairs, the corners (Q, 3) of their overlaps, the overlap of each corner (Q,), and the largest
+    distance of the other face from the corners of each overlap, m: nearly coplanar faces touch only if they are close at every corner.
     """
     first, second = plane_axes(blocks.face_normal[face_a])
     origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]
@@ -245,17 +258,15 @@ def _overlap_polygons(
         return polygons_of(flat, np.diff(blocks.face_start)[face])
 
     overlap = overlap_of(polygons(face_a), polygons(face_b))
-    wide = shapely.area(overlap) > tolerance[pair] * shapely.length(overlap) / 2.0
+    wide = shapely.area(overlap) > tolerance * shapely.length(overlap) / 2.0
     kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
-    flat, owner = true_corners(overlap[kept], tolerance[pair[kept]])
+    flat, owner = true_corners(overlap[kept], tolerance[kept])
     row = kept[owner]
     corners = origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row]
-    # Nearly coplanar faces touch only if they are close at every corner of the overlap.
-    gap = np.abs(np.einsum("ij,ij->i", corners, blocks.face_normal[face_b[row]]) - blocks.face_offset[face_b[row]])
-    far = np.zeros(len(kept), dtype=bool)
-    np.logical_or.at(far, owner, gap > tolerance[pair[row]])
-    touches = ~far[owner]
-    return kept[~far], corners[touches], (np.cumsum(~far) - 1)[owner[touches]]
+    gap = np.zeros(len(kept))
+    distance = np.einsum("ij,ij->i", corners, blocks.face_normal[face_b[row]]) - blocks.face_offset[face_b[row]]
+    np.maximum.at(gap, owner, np.abs(distance))
+    return kept, corners, owner, gap
 
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:

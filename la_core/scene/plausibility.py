@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from la_core.geometry import ROLES, Blocks
+from la_core.geometry import ROLES, Blocks, missed_joints
 from la_core.scene.loads.plausibility import FRICTION
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
@@ -38,6 +38,7 @@ def implausible(
         *_of_friction(friction),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
         *_of_sizes(blocks),
+        *_of_gaps(blocks),
         *_of_gravity(gravity),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
@@ -72,6 +73,26 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
     if len(thin):
         least = 1e3 * extent[thin].min()
         yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
+
+
+def _of_gaps(blocks: Blocks) -> Iterator[str]:
+    missed = missed_joints(blocks)
+    if not len(missed.gap):
+        return
+    widest = float(missed.gap.max())
+    pairs = [
+        f'"{blocks.names[a]}" and "{blocks.names[b]}" across {1e3 * gap:.2g} mm'
+        for (a, b), gap in zip(missed.pairs, missed.gap, strict=True)
+    ]
+    named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
+    what = f"blocks {named} all but touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks all but touch ({named})"
+    yield f"{what}, but no joint connects them; [geometry] tolerance = {_rounded_up(widest / 2.0):g} closes such gaps."
+
+
+def _rounded_up(length: float) -> float:
+    """A length with one digit, not less than it."""
+    unit = 10.0 ** math.floor(math.log10(length))
+    return math.ceil(length / unit * (1.0 - 1e-9)) * unit
 
 
 def _named(blocks: Blocks, some: np.ndarray) -> str:

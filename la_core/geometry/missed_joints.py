@@ -1,0 +1,57 @@
+"""Joints that are missing because their faces all but touch, as coordinates with too few digits make them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.interfaces import TOUCH, face_overlaps, near_pairs, opposite_faces
+from la_core.geometry.polygons import group_members
+
+ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
+ANGLE = 3e-3  # rad: between faces with such a gap at one end
+
+
+@dataclass(frozen=True)
+class MissedJoints:
+    """Pairs of blocks that share no interface although faces of theirs all but touch.
+
+    Attributes
+    ----------
+    pairs : (P, 2) array of int
+        The blocks; at least one of them is free.
+    gap : (P,) array
+        Largest distance between the two faces where they are opposite, m; they may also overlap by so much.
+    """
+
+    pairs: np.ndarray
+    gap: np.ndarray
+
+
+def missed_joints(blocks: Blocks) -> MissedJoints:
+    """Find the joints that are missing for gaps of up to ALL_BUT of the smaller block's size."""
+    parts, owner = blocks.parts, blocks.part_block
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
+    pairs = near_pairs(parts, ALL_BUT * size)
+    pairs = pairs[(owner[pairs[:, 0]] != owner[pairs[:, 1]]) & parts.free[pairs].any(axis=1)]
+    smaller = np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
+    pair, face_a, face_b = opposite_faces(parts, pairs, ALL_BUT * smaller, size, ANGLE)
+    both = owner[pairs[pair]] @ np.array([len(blocks), 1])  # one number for each pair of blocks, also of several parts
+    on_plane = _largest_distance(parts, face_a, face_b) <= TOUCH * smaller[pair]
+    doubtful = ~np.isin(both, both[on_plane])  # nearly all faces lie on one plane; their overlaps need not be found again
+    pair, face_a, face_b, both = pair[doubtful], face_a[doubtful], face_b[doubtful], both[doubtful]
+    overlap, _, _, gap = face_overlaps(parts, face_a, face_b, TOUCH * smaller[pair])
+    both, smaller = both[overlap], smaller[pair[overlap]]
+    missed = (gap <= ALL_BUT * smaller) & ~np.isin(both, both[gap <= TOUCH * smaller])
+    order = np.lexsort((gap[missed], both[missed]))
+    both, first = np.unique(both[missed][order], return_index=True)
+    return MissedJoints(np.stack(np.divmod(both, len(blocks)), axis=1), gap[missed][order][first])
+
+
+def _largest_distance(blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> np.ndarray:
+    """Largest distance (N,), m, of a corner of each face b from the plane of face a."""
+    row, place = group_members(np.diff(blocks.face_start)[face_b])
+    corner = blocks.vertices[blocks.face_vertex[blocks.face_start[face_b[row]] + place]]
+    distance = np.zeros(len(face_a))
+    np.maximum.at(distance, row, np.abs(np.einsum("ij,ij->i", corner, blocks.face_normal[face_a[row]]) - blocks.face_offset[face_a[row]]))
+    return distance

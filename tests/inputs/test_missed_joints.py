@@ -1,0 +1,83 @@
+"""Joints that are missing for a gap of too few digits are told, and what is told closes them."""
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+import scenes
+
+from la_core.geometry import find_interfaces, missed_joints
+from la_core.scene import Scene, build
+
+VOUSSOIRS = 8
+JOINTS = VOUSSOIRS + 1
+
+
+def arch(slip: float, tolerance: float = 0.0) -> Scene:
+    """A semicircular arch of polyhedra whose corners are off by up to `slip`, m, on two boxes."""
+    random = np.random.default_rng(1)
+    blocks: list[dict[str, Any]] = []
+    for k in range(VOUSSOIRS):
+        angles = [math.pi * (k + end) / VOUSSOIRS for end in (0, 1)]
+        corners = [(-radius * math.cos(a), y, radius * math.sin(a)) for a in angles for radius in (0.9, 1.1) for y in (0.0, 0.5)]
+        blocks.append({"name": f"v{k}", "polyhedron": {"vertices": (np.array(corners) + random.uniform(-slip, slip, (8, 3))).tolist()}})
+    for name, role, x in (("left", "fixed", -1.2), ("right", "support", 0.8)):
+        blocks.append({"name": name, "role": role, "box": {"from": [x, 0.0, -0.2], "to": [x + 0.4, 0.5, 0.0]}})
+    tables = {"stone": {"density": 2000.0}, "joint": {"friction": 0.6}, "block": blocks, "settlement": {"direction": [1.0, 0.0, 0.0]}}
+    return build(tables | ({"geometry": {"tolerance": tolerance}} if tolerance else {}), "arch")
+
+
+def pads(gap: float, turn: float = 0.0) -> Scene:
+    """A block on a fixed pad, which lies above a settling one by a gap, m; its lower face is turned, rad."""
+    block = [(0.0, 0.0), (1.0, 1.0 * turn), (1.0, 0.5), (0.0, 0.5)]
+    return scenes.build(
+        scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("settling pad", (0.5, 0.0, -0.1), (1.0, 0.2, -gap), "support"),
+        scenes.block("block", prism=(block, (0.0, 0.2))),
+        settlement=scenes.DOWN,
+        inset=0.001,
+        model="associated",
+    )
+
+
+@pytest.mark.parametrize("slip", [1e-5, 1e-4])
+def test_the_tolerance_that_is_told_closes_the_joints(slip: float) -> None:
+    (told,) = arch(slip).warnings
+    pairs = re.match(r'(\d+) pairs of blocks all but touch \("\w+" and "\w+" across [\d.]+ mm, ', told)
+    assert pairs, told
+    tolerance = re.search(r"tolerance = (\S+) closes such gaps", told)
+    assert tolerance, told
+    closed = arch(slip, float(tolerance[1]))
+    assert not closed.warnings
+    assert len(find_interfaces(closed.blocks)) == JOINTS
+    assert slip / 2.0 < float(tolerance[1]) < 2.0 * slip
+
+
+@pytest.mark.parametrize("slip", [0.0, 1e-6])
+def test_an_arch_with_all_its_joints_is_told_nothing(slip: float) -> None:
+    scene = arch(slip)
+    assert not scene.warnings
+    assert len(find_interfaces(scene.blocks)) == JOINTS
+
+
+@pytest.mark.parametrize("gap", [5e-6, 2e-3])
+def test_a_touching_pad_and_one_that_is_far_away_are_told_nothing(gap: float) -> None:
+    assert not pads(gap).warnings
+
+
+def test_one_missed_joint_is_told_with_its_gap() -> None:
+    (told,) = pads(5e-5).warnings
+    assert told.startswith('blocks "settling pad" and "block" across 0.05 mm all but touch, but no joint connects them')
+    assert "tolerance = 3e-05" in told
+
+
+def test_a_gap_at_one_end_is_told() -> None:
+    missed = missed_joints(pads(0.0, turn=2e-4).blocks)
+    assert missed.gap == pytest.approx(np.array([0.4 * 2e-4, 2e-4]), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in scenes.SHIPPED.glob("*.toml")))
+def test_no_shipped_scene_misses_a_joint(name: str) -> None:
+    assert not len(missed_joints(scenes.shipped(name).blocks).gap)
