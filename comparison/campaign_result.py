@@ -35,6 +35,7 @@ from la_core.side_by_side import cores
 from la_core.text_table import Tabled, dataframe, number_text
 
 MOST_ROWS = 20  # of a printed table; the data frame has all
+CHANGE_COLUMNS = ("case", "what", "before", "after", "difference", "allowed")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,8 +51,8 @@ class CampaignResult(Tabled):
     title : str
         Title of the campaign.
     rows : list of dict
-        One row a case that ended, with the columns of results.csv, and "folder", the folder of its report; None is undefined.
-        Reactions are in N or N m.
+        One row a case that ended, with the columns of results.csv, and "folder", the folder of its report below `folder`;
+        None is undefined. Reactions are in N or N m.
     unfinished : str
         How many cases of an interrupted campaign have ended, as a sentence; "" where all have.
     """
@@ -127,12 +128,10 @@ class CampaignChanges(Tabled):
         SceneError
             Pandas is not installed.
         """
-        return dataframe(self.changes)
+        return dataframe(self.changes, CHANGE_COLUMNS)
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        columns = ("case", "what", "before", "after", "difference", "allowed")
-        rows = [[_text(row[column]) for column in columns] for row in self.changes[:MOST_ROWS]]
-        return self.summary, columns, rows
+        return self.summary, CHANGE_COLUMNS, [[_text(row[column]) for column in CHANGE_COLUMNS] for row in self.changes[:MOST_ROWS]]
 
 
 def run_campaign(

@@ -54,9 +54,11 @@ def folder_of_results(folder: Path | str) -> Path:
 
 
 def require_folder_of(path: Path) -> None:
-    """Raise SceneError for a file to write whose folder does not exist."""
+    """Raise SceneError for a file to write whose folder does not exist, or in whose place a folder stands."""
     if not path.parent.is_dir():
         raise SceneError(str(path), f"its folder {path.parent} does not exist", hint="make that folder first, or name another file")
+    if path.is_dir():
+        raise SceneError(str(path), "is a folder, and a file is to be written", hint="name a file in it, or another one")
 
 
 def is_writable(folder: Path) -> bool:

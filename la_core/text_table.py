@@ -46,13 +46,16 @@ def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
     return "\n".join([*lines, "</table>"])
 
 
-def dataframe(rows: Sequence[dict[str, Any]]) -> Any:
-    """Rows as a table of pandas; raises SceneError where the extra of that name is not installed."""
+def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> Any:
+    """Rows as a table of pandas; raises SceneError where the extra of that name is not installed.
+
+    columns: names and order of the columns, which a table without rows has, too; None takes those of the rows.
+    """
     try:
         pandas = import_module("pandas")
     except ImportError as error:
         raise SceneError("to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas"') from error
-    return pandas.DataFrame(list(rows))
+    return pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
 
 
 class Tabled:

@@ -98,6 +98,8 @@ def test_a_result_is_run_read_drawn_and_reported(tmp_path: Path, capsys: pytest.
     assert "data:image/png;base64," in result._repr_html_()
     with pytest.raises(la_core.SceneError, match='did you mean "mechanisms"'):
         result.plot("mechanism")
+    with pytest.raises(la_core.SceneError, match='did you mean "reaction"'):
+        result.yade.settling("reactions")
     assert result.report().is_file()
     with pytest.raises(ValueError, match="one folder"):
         result.report(dataclasses.replace(result, folder=tmp_path / "elsewhere" / "two_pads"))
@@ -126,6 +128,19 @@ def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_is_no_file_of_a_figure_or_an_animation_and_no_scene(tmp_path: Path) -> None:
+    places = [tmp_path / "x.png", tmp_path / "x.gif"]
+    for place in places:
+        place.mkdir()
+    answer = la_core.solve("two_pads", bounds_only=True)
+    with pytest.raises(la_core.SceneError, match=r"x\.png: is a folder"):
+        answer.plot().save(places[0])
+    with pytest.raises(la_core.SceneError, match=r"x\.gif: is a folder"):
+        comparison.animate(answer, places[1], quiet=True)
+    with pytest.raises(la_core.SceneError, match=r'^"": is a folder, not a scene file'):
+        la_core.load("")
+
+
 @pytest.mark.parametrize("name", ["..", "report.html", "a/b"])
 def test_a_scene_whose_name_is_no_folders_is_not_run(name: str, tmp_path: Path) -> None:
     scene = dataclasses.replace(la_core.load("two_pads"), name=name)
@@ -148,7 +163,9 @@ def test_a_campaign_is_run_read_compared_and_shown_from_python(tmp_path: Path) -
     other = comparison.run_campaign(tmp_path / "friction.toml", tmp_path / "other", workers=1, quiet=True)
     found = comparison.compare(made, tmp_path / "other")
     assert found.changed and (found.only_before, found.only_after) == (["pads_friction=0.6"], ["pads_friction=0.5"])
-    assert not comparison.compare(other, other).changed and found.summary in repr(found)
+    unchanged = comparison.compare(other, other)
+    assert not unchanged.changed and found.summary in repr(found)
+    assert list(unchanged.to_dataframe().columns) == ["case", "what", "before", "after", "difference", "allowed"]
     with pytest.raises(la_core.SceneError, match="workers"):
         comparison.run_campaign(tmp_path / "friction.toml", workers=0)
 

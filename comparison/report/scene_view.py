@@ -27,7 +27,7 @@ from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
 FIGURES = {  # in the order of the page: what happens first, then how much and why
-    "mechanisms": ("Mechanism", "What moves when {drive}, by both methods; marks show joints that open or slide. {motion}"),
+    "mechanisms": ("Mechanism", "{moves}"),
     "reaction": ("Reaction", "{reaction}{record}{levels}"),
     "forces": ("Forces", "Resultant force of each joint at its centre of pressure; its length shows its size.{thrust}"),
     "assembly": ("Structure", "Blocks by role, interfaces with their contact points, and the motion or load that drives the structure."),
@@ -182,8 +182,7 @@ def _compared(value: float | None, tolerance: float | None) -> str:
 def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[dict[str, str]]:
     live, tilts = "multiplier" in associated_of(comparison), bool((comparison.get("structure") or {}).get("tilt"))
     words = {
-        "motion": "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free.",
-        "drive": _drive(live, tilts),
+        "moves": _motion(comparison, live, tilts),
         "reaction": _curve(comparison, tilts),
         "record": _record_words(comparison.get("yade") or {}),
         "levels": _level_words(comparison),
@@ -196,6 +195,15 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
             data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
             caption_text = caption.format(**words)
             yield {"name": name, "heading": heading, "caption": caption_text, "path": f"{quote(scene)}/{path.name}", "data": data}
+
+
+def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
+    """Return what the figure of the mechanisms shows, and by which methods."""
+    by = "both methods" if comparison.get("yade") else "limit analysis"
+    if associated_of(comparison).get("status") == "infeasible":
+        return f"What falls, by {by}: no forces between the blocks hold it."
+    size = "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free."
+    return f"What moves when {_drive(live, tilts)}, by {by}; marks show joints that open or slide. {size}"
 
 
 def _drive(live: bool, tilts: bool) -> str:

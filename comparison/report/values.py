@@ -45,9 +45,9 @@ def stiffening_of(comparison: dict[str, Any]) -> float:
     return of_yade / own
 
 
-def _interval_text(low: Any, high: Any, unit: str, status: Any) -> str:
-    """Return an interval, or why it is unknown; files of earlier versions have no status."""
-    if exists(low) or exists(high):
+def _interval_text(predicted: Any, low: Any, high: Any, unit: str, status: Any) -> str:
+    """Return an interval, or why it is unknown; without a prediction nothing has one. Files of earlier versions have no status."""
+    if exists(low) or exists(high) or not exists(predicted):
         return interval_words(low, high, unit)
     return {"not stated": NOT_STATED, "unlimited": "unlimited"}.get(status, DASH)
 
@@ -98,7 +98,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "greatest_status": "no upper limit" if unbounded else "",
         "bounds": value_range(reactions["least"], reactions["greatest"], unbounded, 5),
         "bounds_over_weight": value_range(ratios["least"], ratios["greatest"], unbounded, 4),
-        "interval": _interval_text(low, high, unit, shared_coulomb.get("interval_status")),
+        "interval": _interval_text(predicted, low, high, unit, shared_coulomb.get("interval_status")),
         "plateaus": several_plateaus([shown(value) for value in shared_coulomb.get("plateaus") or []], unit),
         "half_width": half_width(low, high),
         "less": "Coulomb" if exists(predicted) else "associated" if live else "R_min",

@@ -1,7 +1,7 @@
 """The record of a YADE run, as read from `run.h5`."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from comparison.yade.run_parts import STATUSES, Poses, RunResult, RunSeries
 from la_core import exchange
+from la_core.errors import SceneError, nearest
 from la_core.model import Assembly
 from la_core.text_table import dataframe
 
@@ -95,7 +96,15 @@ class Run:
         -------
         ndarray, shape (S,) or (S, 6)
             Samples of the series in the settlement stage, in the order of time.
+
+        Raises
+        ------
+        SceneError
+            No series has this name.
         """
+        names = [field.name for field in fields(RunSeries)]
+        if series not in names:
+            raise SceneError(f"series {series!r}", "unknown name", hint=nearest(str(series), names, "series"))
         return getattr(self.record, series)[self.record.stage == 1]
 
     def _on_plateau(self) -> np.ndarray:

@@ -26,9 +26,9 @@ NAN = float("nan")
 class Answer(Tabled):
     """Results of limit analysis for one scene.
 
-    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
-    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve
-    --long`, and so does a notebook.
+    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A value that
+    does not exist is NaN. Where the scene's inset is 0, which YADE cannot have, `mechanism`, `forces`, `joints` and `path` hold at
+    `analysis.assembly.inset`, as `analysis.coulomb.value` does. `print(answer)` and a notebook show the table of `solve --long`.
 
     Attributes
     ----------
@@ -40,11 +40,11 @@ class Answer(Tabled):
     Notes
     -----
     Reactions are in N, or in N m for a support that rotates. A reaction is the force of the support on the structure,
-    against the direction of settlement; it is positive where the support holds the structure.
+    against the direction of settlement; it is positive where the support holds the structure. A joint's state is "opening",
+    "sliding", "sticking", "idle" (closed, carries nothing) or "unknown"; its shear is the size of the force across the normal.
 
-    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978;
-    Portioli and Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without
-    dilatancy.
+    The associated flow rule gives bounds: relative velocities u at contacts obey u_n >= mu |u_t| (Livesley 1978; Portioli and
+    Cascini 2016, doi 10.1016/j.engstruct.2016.02.002). The prediction `coulomb` uses friction without dilatancy.
 
     Examples
     --------
@@ -122,23 +122,24 @@ class Answer(Tabled):
     def mechanism(self) -> np.ndarray:
         """Twists (B, 6) of all blocks per unit motion of the support, in the order of `scene.blocks.names`; NaN without any.
 
-        A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's.
+        A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's. Under a
+        live load they are per N m of its work; times `scene.weight`, per m of mean displacement, as in `comparison.Run`.
         """
         return self._shown.twists
 
     @property
     def forces(self) -> np.ndarray:
-        """Contact forces (C, 3) on the second block of each contact point, N, global axes; NaN without any."""
+        """Contact forces (C, 3) on the second block of each point in `analysis.assembly.points`, N, global axes; NaN without any."""
         return self._shown.forces
 
     @property
     def joints(self) -> list[dict[str, Any]]:
-        """Every joint: names of its blocks, state in the mechanism, normal and shear force (N), centre of pressure (m)."""
+        """Every joint: names of its blocks, state, normal force (N, compression positive), shear (N), centre of pressure (m) or NaN."""
         return joint_rows(self.analysis.assembly, self.mechanism, self.forces)
 
     @property
     def path(self) -> tuple[np.ndarray, np.ndarray]:
-        """Curve of the prediction from rest: settlement (m or rad) and value (N, N m, multiplier); empty without a path."""
+        """Curve of the prediction from rest: settlement, or mean displacement by a live load (m, rad), and value; or empty."""
         coulomb = self.analysis.coulomb
         return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement, coulomb.path_value)
 
@@ -270,9 +271,10 @@ def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, s
     yield from _angle_rows("Coulomb: ", answer)
     for plateau in answer["plateaus"]:
         yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
+    is_predicted = answer[scene.quantity] is not None and math.isfinite(answer[scene.quantity])  # else no interval is withheld
     for name, end in (("Coulomb: least by its mechanism", low), ("Coulomb: greatest by its mechanism", high)):
         is_number = end is not None and math.isfinite(end)
-        yield _quantity(scene, name, end) if is_number else (name, answer["interval_status"], "")
+        yield (name, answer["interval_status"], "") if is_predicted and not is_number else _quantity(scene, name, end)
     if math.isfinite(answer[f"{scene.quantity}_sharp"] or math.nan):
         yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
     for name in ("strain_residual", "drift", "travel", "seconds"):

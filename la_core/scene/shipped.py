@@ -36,7 +36,7 @@ def find(scene: str) -> Path:
         if (complete := path.with_name(f"{path.name}.toml") if path.name else path).is_file():
             return complete
         if path.is_dir():
-            raise SceneError(scene, "is a folder, not a scene file")
+            raise SceneError(scene or '""', "is a folder, not a scene file")
         guess = nearest(scene, names(), "scenes")
         hint = f"{guess}{'' if guess.endswith('?') else ';'} `crosscheck scenes` lists them"
         raise SceneError(scene, "neither a file nor a shipped scene", hint=hint)

@@ -14,11 +14,12 @@ from made_up_campaigns import FRICTIONS, MU, Page, campaign, changed, every_shap
 from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.report import write_campaign_report
-from comparison.campaign.report.verdict_matrix import matrix_panels
+from comparison.campaign.report.verdict_matrix import FAILURE, matrix_panels
 from comparison.campaign.row_groups import sweeps_of
 from comparison.campaign.table import CampaignTable, write_campaign
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import TOOL
+from comparison.verdict import VERDICTS
 
 pytestmark = pytest.mark.slow
 
@@ -35,6 +36,14 @@ def test_the_matrix_has_a_cell_for_every_case(shape: str, tmp_path: Path) -> Non
     assert sorted(cell.case for cell in cells) == sorted(row["case"] for row in table.rows)
     assert all(cell.href and (tmp_path / unquote(cell.href)).is_file() for cell in cells)
     assert all(len(places) == len(panel.columns) for panel in found for _, places in panel.rows)
+
+
+def test_every_sign_of_a_case_is_explained(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    write_campaign_report(table)
+    for page in ("report.html", "report.md"):
+        legend = next(line for line in (tmp_path / page).read_text(encoding="utf-8").splitlines() if "Every cell is a link" in line)
+        assert all(f"{sign} {word}" in legend for sign, word in (*VERDICTS.values(), FAILURE))
 
 
 @pytest.mark.parametrize("shape", ["one case", "two axes", "different sweeps", "classic", "directions"])

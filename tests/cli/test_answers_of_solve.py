@@ -54,6 +54,14 @@ def test_the_ends_of_an_interval_are_numbers_or_say_why_not(interval: tuple[floa
     assert [rows[f"Coulomb: {end} by its mechanism"] for end in ("least", "greatest")] == shown
 
 
+def test_without_a_prediction_no_interval_is_withheld() -> None:
+    scene = shipped.load("two_pads")
+    values = answer_values(analyse(scene))
+    values["coulomb"] |= {"reaction": math.nan, "reaction_interval": [math.nan] * 2, "interval_status": "not stated"}
+    rows = {name: value for name, value, _ in answer_rows(scene, values)}
+    assert [rows[f"Coulomb: {end} by its mechanism"] for end in ("least", "greatest")] == ["–", "–"]
+
+
 def _overhanging(folder: Path) -> Path:
     """Two pads that both lie left of the block's centroid."""
     text = shipped.find("two_pads").read_text().split("[expected]")[0].replace("to = [1.0, 0.2, 0.0]", "to = [0.45, 0.2, 0.0]")

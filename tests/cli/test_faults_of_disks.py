@@ -83,6 +83,16 @@ def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
     assert not unfinished(tmp_path)
 
 
+def test_a_disk_that_fills_up_leaves_no_empty_scene_that_a_new_one_would_spare(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    with crosscheck("new", "arch", "-o", str(path), preexec_fn=limited(100)) as process:
+        _, said = process.communicate()
+    assert process.returncode == TOOL
+    one_message(said, "mine.toml: File too large")
+    assert not list(tmp_path.iterdir())
+    assert main(["new", "arch", "-o", str(path), "-q"]) == 0
+
+
 @pytest.mark.slow
 def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(plain_figures: None, tmp_path: Path) -> None:
     """YADE's process inherits the limit, below which everything but its result, of many stored states, fits."""

@@ -4,6 +4,7 @@ import json
 import re
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import pytest
 from made_up_comparisons import HOSTILE, comparison_of, frictional_comparison, page_and_markdown, values_part
@@ -92,6 +93,24 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     assert "<figcaption>Where friction dissipates" in page
     assert "(two%20pads/dissipation.png)" in markdown
+
+
+FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["block"]}, "coulomb": None}
+
+
+@pytest.mark.parametrize(
+    ("changes", "caption"),
+    [
+        ({}, "What moves when the support moves, by both methods"),
+        ({"yade": None}, "What moves when the support moves, by limit analysis"),
+        ({"yade": None, "limit_analysis": FALLS}, "What falls, by limit analysis"),
+    ],
+)
+def test_the_mechanisms_are_those_of_the_methods_that_ran(changes: dict[str, Any], caption: str, tmp_path: Path) -> None:
+    (tmp_path / "two pads").mkdir()
+    (tmp_path / "two pads" / "mechanisms.png").write_bytes(b"not looked into")
+    page, _ = page_and_markdown(tmp_path, comparison_of(**changes))
+    assert f"<figcaption>{caption}" in page
 
 
 def test_the_report_says_what_was_left_out_why_and_what_that_saves(tmp_path: Path) -> None:

@@ -114,6 +114,13 @@ def test_an_interval_without_ends_says_why(status: str | None, words: str) -> No
     assert values.values_of(comparison, Units(comparison["weight"]))["interval"].startswith(words)
 
 
+def test_without_a_prediction_no_interval_is_withheld() -> None:
+    comparison = frictional_comparison()
+    missing = {"status": "infeasible", "reaction": None, "reaction_interval": [None, None], "interval_status": "not stated"}
+    comparison["limit_analysis"]["coulomb"] |= missing
+    assert values.values_of(comparison, Units(comparison["weight"]))["interval"] == "–"
+
+
 def test_a_reaction_that_is_only_round_off_is_zero() -> None:
     comparison = frictional_comparison()
     comparison["limit_analysis"]["associated"]["reaction"] = 1e-10 * comparison["weight"]

@@ -77,6 +77,7 @@ def _page(table: CampaignTable, drawn: list[Drawing]) -> dict[str, Any]:
         "cases": len(table.rows),
         "unfinished": table.unfinished,
         "counts": rows.counts(table),
+        "signs": ", ".join(map(" ".join, rows.SIGNS)),
         "units": rows.units(table),
         "panels": matrix_panels(table),
         "figures": {kind: [_figure(drawing) for drawing in drawn if drawing.kind == kind] for kind in KINDS},

@@ -36,11 +36,13 @@ Words = dict[str, Any]
 Varying = dict[str, set[str]]
 
 
+SIGNS = (*VERDICTS.values(), FAILURE)  # of cases, with their words
+
+
 def counts(table: CampaignTable) -> list[Words]:
     """Return the number of cases of each verdict, and of failures; without zeros."""
     numbers = Counter(verdict_symbol(row) for row in table.rows)
-    symbols = (*VERDICTS.values(), FAILURE)
-    return [{"symbol": sign, "word": word, "count": numbers[sign, word]} for sign, word in symbols if numbers[sign, word]]
+    return [{"symbol": sign, "word": word, "count": numbers[sign, word]} for sign, word in SIGNS if numbers[sign, word]]
 
 
 def compared(table: CampaignTable) -> list[Words]:

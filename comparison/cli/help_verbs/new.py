@@ -7,6 +7,7 @@ from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.cli.tables import new_table, plain
 from la_core.errors import SceneError
+from la_core.exchange import write_whole
 from la_core.scene import load_scene, scene_from_file, starter_names, starter_purpose, starter_text
 
 
@@ -46,10 +47,14 @@ def _typed(path: Path) -> str:
 
 def _write(context: Context, kind: str, text: str, path: Path) -> None:
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        path.touch(exist_ok=False)
     except FileExistsError as error:
         raise SceneError(str(path), "exists already and is not replaced", hint="name another file with -o") from error
+    try:
+        write_whole(path, text.encode())
+    except BaseException:  # the empty file that a full disk leaves would stop the next call, which replaces nothing
+        path.unlink(missing_ok=True)
+        raise
     if context.options.json:
         context.print_json({"kind": kind, "file": str(path)})
     else:
