@@ -131,3 +131,14 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
     sinking = np.zeros((len(scene.blocks), 6))
     sinking[scene.blocks.free, 2] = -1.0
     assert residuals.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)
+
+
+def test_the_residuals_of_undefined_forces_and_motions_are_undefined() -> None:
+    """One undefined number among defined ones: a residual of 0 would pass every tolerance."""
+    assembly = assemble(scenes.shipped("two_pads"))
+    forces, twists = np.zeros((len(assembly.points), 3)), np.zeros((len(assembly.blocks), 6))
+    assert residuals.cone_violation(assembly, forces) == residuals.penetration(assembly, twists) == 0.0
+    forces[1, 0] = twists[-1, 2] = np.nan
+    found = [residuals.equilibrium_residual(assembly, forces), residuals.cone_violation(assembly, forces)]
+    found += [residuals.flow_rule_violation(assembly, twists), residuals.penetration(assembly, twists)]
+    assert np.isnan(found).all()
