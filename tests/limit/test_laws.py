@@ -1,5 +1,7 @@
 """Laws of one answer: equilibrium, cones, flow rule and duality by hand, and an independent linear programme."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scenes
@@ -131,6 +133,16 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
     sinking = np.zeros((len(scene.blocks), 6))
     sinking[scene.blocks.free, 2] = -1.0
     assert residuals.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("options", [{"friction": 0.0}, {"friction": 0.6}, {"model": "none-slides"}])
+def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -> None:
+    """Without friction, or with friction without limit, there is no excess of friction that a tension would show in."""
+    scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), **options)
+    assembly = assemble(scene)
+    forces = np.zeros((len(assembly.points), 3))
+    forces[0] = -0.1 * assembly.mean_weight * assembly.normal[0]
+    assert residuals.cone_violation(assembly, forces) == pytest.approx(0.1)
 
 
 def test_the_residuals_of_undefined_forces_and_motions_are_undefined() -> None:
