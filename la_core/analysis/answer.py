@@ -27,8 +27,8 @@ class Answer(Tabled):
     """Results of limit analysis for one scene.
 
     Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A
-    value that does not exist is NaN. `print(answer)` shows the table of `crosscheck solve
-    --long`, and so does a notebook.
+    value that does not exist is NaN. Arrays are copies: a change of them changes no answer. `print(answer)` shows the
+    table of `crosscheck solve --long`, and so does a notebook.
 
     Attributes
     ----------
@@ -124,12 +124,12 @@ class Answer(Tabled):
 
         A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's.
         """
-        return self._shown.twists
+        return self._shown.twists.copy()
 
     @property
     def forces(self) -> np.ndarray:
         """Contact forces (C, 3) on the second block of each contact point, N, global axes; NaN without any."""
-        return self._shown.forces
+        return self._shown.forces.copy()
 
     @property
     def joints(self) -> list[dict[str, Any]]:
@@ -140,7 +140,7 @@ class Answer(Tabled):
     def path(self) -> tuple[np.ndarray, np.ndarray]:
         """Curve of the prediction from rest: settlement (m or rad) and value (N, N m, multiplier); empty without a path."""
         coulomb = self.analysis.coulomb
-        return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement, coulomb.path_value)
+        return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement.copy(), coulomb.path_value.copy())
 
     def plot(self, name: str = "mechanisms") -> Any:
         """Draw one figure of the answer.
