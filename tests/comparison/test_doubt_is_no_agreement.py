@@ -1,5 +1,7 @@
 """Doubt that a method states never grows into an agreement."""
 
+from dataclasses import replace
+
 import pytest
 import scenes
 from judged_runs import REACTION, coulomb_of, judged, named
@@ -7,7 +9,7 @@ from runs import coulomb_run, perfect_run, with_answers
 
 from comparison.judge.tolerances import FLOOR, UNCERTAIN
 from comparison.verdict.check import Verdict
-from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.result import AccuracyRecord, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
 from la_core.model.joints import TRAVEL_OVER_SIZE
@@ -47,6 +49,21 @@ def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: fl
     reaction = coulomb_of(wall).value / (1.0 - off)  # the floor is a share of YADE's reaction
     check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=reaction)))
     assert check.verdict is verdict and check.reason.startswith("Limit analysis states an uncertainty")
+
+
+@pytest.mark.parametrize(
+    ("asked", "off", "verdict"),
+    [
+        (0.001, 0.9 * FLOOR, Verdict.AGREE),  # the floor does not shrink with it
+        (0.001, 1.1 * FLOOR, Verdict.DISAGREE),
+        (0.01, 0.019, Verdict.AGREE),
+        (0.01, 0.021, Verdict.DISAGREE),
+    ],
+)
+def test_the_floor_is_at_least_twice_a_requested_accuracy(wall: LimitAnalysis, asked: float, off: float, verdict: Verdict) -> None:
+    analysis = replace(stating(wall, 0.0), accuracy=AccuracyRecord(asked))
+    run = coulomb_run(analysis, reaction=coulomb_of(wall).value / (1.0 - off), uncertainty=0.0)
+    assert named(REACTION, judged(analysis, run)).verdict is verdict
 
 
 def test_where_both_are_in_doubt_the_cheaper_one_comes_first(wall: LimitAnalysis) -> None:
