@@ -7,8 +7,10 @@ import scenes
 from judged_runs import REACTION, coulomb_of, judged, named
 from runs import coulomb_run, perfect_run, with_answers
 
+from comparison.judge.reduced_model import check_displacement, largest_displacements
 from comparison.judge.tolerances import FLOOR, UNCERTAIN
 from comparison.verdict.check import Verdict
+from comparison.yade import Results
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
@@ -87,3 +89,15 @@ def test_the_tolerance_is_both_uncertainties_and_a_floor_alike_where_joints_slid
 def test_the_floor_is_what_the_travel_changes_in_a_lever_arm_of_half_a_block() -> None:
     assert pytest.approx(TRAVEL_OVER_SIZE / 0.5) == FLOOR
     assert UNCERTAIN >= FLOOR
+
+
+@pytest.mark.parametrize(("gaps", "verdict"), [(2.1, Verdict.AGREE), (1.9, Verdict.INCONCLUSIVE)])
+def test_contacts_may_be_missed_where_a_block_moves_by_more_than_half_the_least_gap(
+    wall: LimitAnalysis, gaps: float, verdict: Verdict
+) -> None:
+    """Two blocks may come towards each other. gaps: the least gap over the largest displacement."""
+    run = coulomb_run(wall)
+    small = wall.with_effects(wall.assembly.effects.with_effect("displacement", "small", "nothing is near"))
+    largest = float(largest_displacements(wall.assembly.blocks, run).max())
+    (check,) = check_displacement(Results(replace(small, least_gap=gaps * largest), run))
+    assert largest > 0.0 and check.verdict is verdict
