@@ -48,6 +48,15 @@ def test_an_answer_cannot_be_changed() -> None:
         answer.least = 0.0  # type: ignore[misc]
 
 
+def test_a_change_of_what_an_answer_hands_out_changes_no_answer() -> None:
+    """An answer does its own sums with these arrays; two answers of one analysis share them."""
+    answer = la_core.solve(la_core.load("wall_third"))
+    before = repr((answer.values, answer.joints))  # one NaN is not equal to another
+    for array in (answer.mechanism, answer.forces, *answer.path):
+        array[:] = 0.0
+    assert repr((answer.values, answer.joints)) == before and answer.mechanism.any() and answer.forces.any() and answer.path[1].any()
+
+
 def test_what_a_notebook_shows_is_escaped() -> None:
     scene = la_core.variant(la_core.load("two_pads"), {"title": "<script>alert(1)</script>"})
     for shown in (scene._repr_html_(), la_core.solve(scene)._repr_html_()):

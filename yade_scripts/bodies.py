@@ -100,10 +100,10 @@ def build(case: Case, settings: Settings, watch: str, pull: str = "pass", calm: 
     carriers, clumps = [], []
     inertia = inertia_of(case, settings.normal_stiffness, settings.shear_stiffness, settings.added_mass)
     viscosity = contact_damping(case, inertia, settings.normal_damping, settings.shear_damping)
-    face = 2.0 * viscosity.max(axis=0)
-    material = _material(settings, face, _NO_FRICTION_LIMIT)
-    own = face * viscosity / np.maximum(face - viscosity, np.finfo(float).tiny)  # in series with the face it gives the contact's
-    kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), own]), axis=0, return_inverse=True)
+    of_face = 2.0 * viscosity.max(axis=0)
+    material = _material(settings, of_face, _NO_FRICTION_LIMIT)
+    of_sphere = of_face * viscosity / np.maximum(of_face - viscosity, np.finfo(float).tiny)  # in series they give the contact's
+    kinds, kind = np.unique(np.column_stack([np.arctan(case.friction), of_sphere]), axis=0, return_inverse=True)
     rubbing = [_material(settings, values[1:], float(values[0])) for values in kinds]
     for block in range(len(case.role)):  # all bodies of a block side by side: the integrator visits them together
         members = [omega.bodies.append(_carrier(case, block, material))]

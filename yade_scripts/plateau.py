@@ -208,6 +208,17 @@ def fit(settlement: np.ndarray, reaction: np.ndarray, geometry: Geometry) -> Pla
     return min((line for line in fits if np.isfinite(line.uncertainty)), key=lambda line: line.uncertainty, default=NONE)
 
 
+def shortcoming(fit: Plateau, scale: float, most: float) -> str:
+    """Return why a line is no plateau, as a clause. scale: reaction of which all is a share; most: largest uncertainty of a plateau."""
+    if not math.isfinite(fit.reaction):
+        return "the record is too short for a line, or undefined"
+    if fit.creeps:
+        return "the reaction still creeps"
+    if fit.uncertainty > most * scale:
+        return f"the reaction is known only to {fit.uncertainty / scale:.2g} of itself"
+    return f"the reaction still changes by {fit.drift / scale:.2g} of itself over the line"
+
+
 def _fit_from(settlement: np.ndarray, reaction: np.ndarray, start: float, geometry: Geometry) -> Plateau:
     kept = settlement >= start
     s, r = settlement[kept], reaction[kept]

@@ -66,11 +66,8 @@ class PlateauSearch:
         if self._is_plateau(fit, self.settings.plateau_uncertainty):
             self.plateau = replace(fit, creeps=False)
             return Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}", asked
-        if fit.creeps:
-            return Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and the reaction still creeps", asked
-        share = fit.uncertainty / abs(fit.reaction) if fit.reaction else math.nan
-        message = f"the travel of {reached:.3g} is covered and the reaction is known only to {share:.2g} of itself"
-        return Status.NO_PLATEAU, message, asked
+        why = plateau.shortcoming(fit, self._scale(fit), self.settings.plateau_uncertainty)
+        return Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and {why}", asked
 
     @property
     def outcome(self) -> Outcome:

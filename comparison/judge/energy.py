@@ -68,8 +68,8 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
     by_weights = np.einsum("bi,pbi->b", assembly.dead_load, steps)
     by_load, support = np.zeros_like(by_weights), 0.0
     if assembly.has_live_load:
-        between = 0.5 * (multipliers := np.interp(settlement, *_series(run, "reaction")))[1:] + 0.5 * multipliers[:-1]
-        by_load = np.einsum("p,bi,pbi->b", between, assembly.live_load, steps)
+        multipliers = np.interp(settlement, *_series(run, "reaction"))
+        by_load = np.einsum("p,bi,pbi->b", 0.5 * (multipliers[1:] + multipliers[:-1]), assembly.live_load, steps)
     else:
         support = _support_work(run, settlement)
     dissipated, stored = _dissipated(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)

@@ -247,6 +247,7 @@ def _check_interval(results: Results, prediction: Prediction) -> Iterator[Check]
     alike = mechanism.similarity(analysis.assembly.blocks, prediction.twists, run.mechanism())
     if check.verdict is Verdict.DISAGREE and (prediction.doubt or not alike >= SIMILAR):
         other = f"YADE moves by another mechanism (modal assurance {alike:.3f}), to which the Coulomb interval does not apply."
+        other = "YADE's mechanism is unknown, so that the Coulomb interval may not apply." if math.isnan(alike) else other
         check = replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{prediction.doubt or other} {check.reason}")
     yield check
 

@@ -86,6 +86,6 @@ def _first_verdict(first: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the second attempt keeps of the first: its scene, verdict, reason, and the values of both methods."""
     coulomb, yade = first["limit_analysis"]["coulomb"] or {}, first["yade"] or {}
     shared = coulomb.get("shared_inset") or coulomb
-    values = {"coulomb": shared.get("reaction"), "coulomb_uncertainty": shared.get("uncertainty")}
+    values = {"coulomb": shared.get("reaction", shared.get("multiplier")), "coulomb_uncertainty": shared.get("uncertainty")}
     values |= {"yade": yade.get("reaction"), "yade_uncertainty": yade.get("uncertainty")}
     return {name: first[name] for name in ("scene", "verdict", "reason")} | values

@@ -28,7 +28,7 @@ class Answer(Tabled):
 
     Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A value that
     does not exist is NaN. Where the scene's inset is 0, which YADE cannot have, `mechanism`, `forces`, `joints` and `path` hold at
-    `analysis.assembly.inset`, as `analysis.coulomb.value` does. `print(answer)` and a notebook show the table of `solve --long`.
+    `analysis.assembly.inset`, as `analysis.coulomb.value` does. Arrays are copies. A notebook shows the table of `solve --long`.
 
     Attributes
     ----------
@@ -125,12 +125,12 @@ class Answer(Tabled):
         A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's. Under a
         live load they are per N m of its work; times `scene.weight`, per m of mean displacement, as in `comparison.Run`.
         """
-        return self._shown.twists
+        return self._shown.twists.copy()
 
     @property
     def forces(self) -> np.ndarray:
         """Contact forces (C, 3) on the second block of each point in `analysis.assembly.points`, N, global axes; NaN without any."""
-        return self._shown.forces
+        return self._shown.forces.copy()
 
     @property
     def joints(self) -> list[dict[str, Any]]:
@@ -139,9 +139,9 @@ class Answer(Tabled):
 
     @property
     def path(self) -> tuple[np.ndarray, np.ndarray]:
-        """Curve of the prediction from rest: settlement, or mean displacement by a live load (m, rad), and value; or empty."""
+        """Curve of the prediction from rest: settlement (m, rad), of a live load the mean displacement (m), and value; or empty."""
         coulomb = self.analysis.coulomb
-        return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement, coulomb.path_value)
+        return (np.zeros(0), np.zeros(0)) if coulomb is None else (coulomb.path_settlement.copy(), coulomb.path_value.copy())
 
     def plot(self, name: str = "mechanisms") -> Any:
         """Draw one figure of the answer.

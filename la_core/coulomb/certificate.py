@@ -64,8 +64,8 @@ class Certificate:
 
     @property
     def worst(self) -> float:
-        """Largest residual."""
-        return max(self.equilibrium, self.cone, self.parting, self.sliding, self.power)
+        """Largest residual; NaN where one is."""
+        return float(np.max([self.equilibrium, self.cone, self.parting, self.sliding, self.power]))
 
 
 @dataclass(frozen=True)

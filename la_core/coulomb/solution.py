@@ -90,8 +90,9 @@ class CoulombSolution:
 
     @property
     def certificate(self) -> float:
-        """Largest residual of the limit state on the plateau."""
-        return max(self.equilibrium_residual, self.cone_violation, self.dilatancy_residual, self.sliding_residual, self.strain_residual)
+        """Largest residual of the limit state on the plateau; of those that are defined, where no path was followed."""
+        of_state, of_mechanism = (self.equilibrium_residual, self.cone_violation), (self.dilatancy_residual, self.sliding_residual)
+        return float(np.fmax.reduce([*of_state, *of_mechanism, self.strain_residual]))
 
 
 def without_sliding(assembly: Assembly, associated: Solution, seconds: float, iterations: int) -> CoulombSolution:

@@ -147,7 +147,9 @@ def solve_associated(
         if status in (Status.SOLVED, Status.INFEASIBLE) or (refine and status is Status.UNBOUNDED):
             break
     last = attempts[-1]
-    best = min(attempts, key=_worst_residual) if last.status in (Status.INACCURATE, Status.FAILED) else last
+    best = last
+    if last.status in (Status.INACCURATE, Status.FAILED):  # no attempt confirmed what a quick one may have called unbounded
+        best = min((attempt for attempt in attempts if attempt.status is not Status.UNBOUNDED), key=_worst_residual)
     seconds, iterations = sum(attempt.seconds for attempt in attempts), sum(attempt.iterations for attempt in attempts)
     return replace(best, seconds=seconds, iterations=iterations)
 
@@ -181,9 +183,9 @@ def _attempt(
     scaled_rows, scaled_offset = sparse.diags(scale) @ posed.rows, scale * posed.offset
     answer = maximise(posed.power, scaled_rows, scaled_offset, posed.cones, tolerance, equilibrate, refine, regularisation)
     if answer.outcome is ProgrammeOutcome.EMPTY:
-        return _cannot_stand(assembly, problem, answer, part) or without_value(assembly, Status.UNBOUNDED, answer)
+        return _unless_it_falls(assembly, problem, part, without_value(assembly, Status.UNBOUNDED, answer))
     if answer.outcome is ProgrammeOutcome.RAY:
-        return _cannot_stand(assembly, problem, answer, part) or without_value(assembly, Status.FAILED, answer)
+        return _unless_it_falls(assembly, problem, part, without_value(assembly, Status.FAILED, answer))
     if not (np.isfinite(answer.x).all() and np.isfinite(answer.multipliers).all()):
         return without_value(assembly, Status.FAILED, answer)
     whole = replace(answer, multipliers=scale * answer.multipliers)
@@ -192,7 +194,7 @@ def _attempt(
     solution = solution_of(assembly, problem, drive, driven, whole, accuracy)
     # The solver may stall on its way along a ray; a live load may be what holds the structure up.
     if solution.status is not Status.SOLVED or drive is Drive.LIVE:
-        return _cannot_stand(assembly, problem, answer, part) or solution
+        return _unless_it_falls(assembly, problem, part, solution)
     return solution
 
 
@@ -215,8 +217,8 @@ def without_value(assembly: Assembly, status: Status, answer: ProgrammeAnswer, f
     return Solution(status, nan, twists, forces, nan, nan, nan, nan, answer.seconds, answer.iterations, falling)
 
 
-def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeAnswer, part: SymmetricPart | None) -> Solution | None:
-    """INFEASIBLE with the falling blocks, or None where the structure can stand.
+def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, part: SymmetricPart | None, solution: Solution) -> Solution:
+    """The solution, or INFEASIBLE with the falling blocks where the structure cannot stand; with the cost of finding out.
 
     The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
     at most one and the work is the greatest possible, so that every block that can fall does fall.
@@ -225,9 +227,10 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, answer: ProgrammeA
     fall = optimum(posed.power, *box_limits(posed))
     twists = twists_of(assembly, fall.x if part is None else part.basis @ fall.x)
     names = falling_blocks(assembly, twists)
-    if not names or residuals.flow_rule_violation(assembly, twists) > ACCEPTED:
-        return None
-    return without_value(assembly, Status.INFEASIBLE, answer, names)
+    cost = replace(fall, seconds=solution.seconds + fall.seconds, iterations=solution.iterations + fall.iterations)
+    if names and residuals.flow_rule_violation(assembly, twists) <= ACCEPTED:
+        return without_value(assembly, Status.INFEASIBLE, cost, names)
+    return replace(solution, seconds=cost.seconds, iterations=cost.iterations)
 
 
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
@@ -282,6 +285,6 @@ def _with_evidence(
         "mechanism_violation": residuals.flow_rule_violation(assembly, twists),
         "duality_gap": abs(from_forces - from_work) / unit,
     }
-    confirmed = max(recomputed.values()) <= accuracy  # the solver's own status does not count
+    confirmed = np.max(list(recomputed.values())) <= accuracy  # the solver's own status does not count
     status = Status.SOLVED if confirmed else Status.INACCURATE
     return Solution(status, value, twists, forces, seconds=answer.seconds, iterations=answer.iterations, falling=(), **recomputed)

@@ -68,9 +68,9 @@ class ClassicSolution:
     Attributes
     ----------
     status : Status
-        SOLVED: converged. INACCURATE: not converged within the limit of iterations. INFEASIBLE: programme number
-        `iterations` had no equilibrium. FAILED: that programme had no usable answer. The last two have no value,
-        forces or twists.
+        SOLVED: converged. INACCURATE: not converged within the limit of iterations, or the last programme's residuals are
+        too large. INFEASIBLE: programme number `iterations` had no equilibrium. UNBOUNDED: nothing limited its value.
+        FAILED: it had no usable answer. The last three have no value, forces or twists.
     value : float
         Reaction (N; N m for a rotation) or multiplier.
     forces : (C, 3) array

@@ -79,10 +79,10 @@ def solve_linearised(assembly: Assembly, drive: Drive, facets: int, inscribed: b
     answer = _least_forces(driven, method)
     if answer.outcome is not ProgrammeOutcome.OPTIMUM:
         status = Status.UNBOUNDED if answer.outcome is ProgrammeOutcome.EMPTY else Status.FAILED
-        return _cannot_stand(assembly, problem, method, answer) or without_value(assembly, status, answer)
+        return _unless_it_falls(assembly, problem, method, without_value(assembly, status, answer))
     solution = _confirmed(assembly, driven, answer, solution_of(assembly, problem, drive, driven, answer))
     if drive is Drive.LIVE:  # the live load alone may hold the structure up
-        return _cannot_stand(assembly, problem, method, answer) or solution
+        return _unless_it_falls(assembly, problem, method, solution)
     return solution
 
 
@@ -112,8 +112,8 @@ def _least_forces(driven: DrivenProblem, method: str) -> ProgrammeAnswer:
     return ProgrammeAnswer(outcome, -result.eqlin.marginals, np.maximum(result.x, lowest), int(result.nit), seconds)
 
 
-def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answer: ProgrammeAnswer) -> Solution | None:
-    """INFEASIBLE with the falling blocks, or None where no block falls.
+def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, method: str, solution: Solution) -> Solution:
+    """The solution, or INFEASIBLE with the falling blocks where blocks fall; with the cost of finding out.
 
     The certificate is a motion that the pyramids admit, with velocities of at most one and the greatest work of the
     weights.
@@ -129,10 +129,11 @@ def _cannot_stand(assembly: Assembly, problem: ScaledProblem, method: str, answe
     }
     result, seconds = _linprog(method, c=-problem.power * int(assembly.blocks.free.sum()), **programme)
     names = falling_blocks(assembly, twists_of(assembly, result.x)) if result.status == 0 else ()
+    seconds, iterations = solution.seconds + seconds, solution.iterations + int(result.nit)
     if not names:
-        return None
-    total = replace(answer, seconds=answer.seconds + seconds, iterations=answer.iterations + int(result.nit))
-    return without_value(assembly, Status.INFEASIBLE, total, names)
+        return replace(solution, seconds=seconds, iterations=iterations)
+    nothing = np.zeros(0)
+    return without_value(assembly, Status.INFEASIBLE, ProgrammeAnswer(ProgrammeOutcome.RAY, nothing, nothing, iterations, seconds), names)
 
 
 def _linprog(method: str, **programme: object) -> "tuple[scipy.optimize.OptimizeResult, float]":

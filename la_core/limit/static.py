@@ -204,7 +204,7 @@ def _limit_violation(assembly: Assembly, forces: np.ndarray, limits: tuple[np.nd
     """Largest tension or excess of |t| over intercept + slope n, N."""
     normal, friction_force = assembly.split(forces)
     tangential = np.linalg.norm(friction_force, axis=1)
-    return float(max(0.0, -normal.min(), (tangential - limits[0] - limits[1] * normal).max()))
+    return float(np.max([0.0, -normal.min(), (tangential - limits[0] - limits[1] * normal).max()]))
 
 
 def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.ndarray, np.ndarray]) -> float:
@@ -216,8 +216,8 @@ def _flow_violation(assembly: Assembly, twists: np.ndarray, limits: tuple[np.nda
     unlimited, slope = np.isinf(limits[0]), np.maximum(limits[1], 0.0)
     held = np.where(unlimited, sliding, (slope * sliding - parting) / np.hypot(1.0, slope))
     violation = np.where((limits[1] < 0.0) & ~unlimited, 0.0, np.maximum(held, -parting))
-    fastest = block_speeds(assembly.blocks, twists).max()
-    return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
+    fastest = float(block_speeds(assembly.blocks, twists).max())
+    return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0
 
 
 def _value_of_mechanism(

@@ -1,4 +1,7 @@
-"""Residuals of contact forces and mechanisms, recomputed from the answer and independent of the solver."""
+"""Residuals of contact forces and mechanisms, recomputed from the answer and independent of the solver.
+
+Of forces or twists that are undefined, every residual is NaN: numpy's maximum keeps a NaN, Python's loses it.
+"""
 
 import numpy as np
 
@@ -37,7 +40,7 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
     """
     normal, friction = assembly.split(forces)
     excess = np.zeros(1) if assembly.effects.sliding_excluded else np.linalg.norm(friction, axis=1) - assembly.points.friction * normal
-    return float(max(0.0, -normal.min(), excess.max()) / assembly.mean_weight)
+    return float(np.max([0.0, -normal.min(), excess.max()]) / assembly.mean_weight)
 
 
 def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
@@ -45,16 +48,22 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
 
     The largest relative velocity is no measure, because it is zero where blocks move along with their support.
     """
-    (normal, tangential), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
+    normal, tangential = contact_speeds(assembly, twists)
     if assembly.effects.sliding_excluded:
         violation = np.maximum(tangential, -normal)
     else:
         excess = (assembly.points.friction * tangential - normal) / np.hypot(1.0, assembly.points.friction)
         violation = np.maximum(excess, -normal)  # a large mu must not hide penetration
-    return float(max(0.0, violation.max()) / fastest) if fastest > 0.0 else 0.0
+    return _over_fastest(assembly, twists, violation)
 
 
 def penetration(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest speed at which blocks penetrate each other, over the largest speed of a block, for twists (B, 6)."""
-    (normal, _), fastest = contact_speeds(assembly, twists), float(block_speeds(assembly.blocks, twists).max())
-    return float(max(0.0, -normal.min()) / fastest) if fastest > 0.0 else 0.0
+    normal, _ = contact_speeds(assembly, twists)
+    return _over_fastest(assembly, twists, -normal)
+
+
+def _over_fastest(assembly: Assembly, twists: np.ndarray, violation: np.ndarray) -> float:
+    """Largest violation (C,), at least 0, over the largest speed of a block; 0 where all blocks rest."""
+    fastest = float(block_speeds(assembly.blocks, twists).max())
+    return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0

@@ -11,6 +11,7 @@ from runs import coulomb_run, perfect_run, with_answers
 from comparison.judge.run_checks import check_run
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
+from comparison.yade.run_parts import Poses
 from la_core.analysis.result import LimitAnalysis
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
@@ -67,6 +68,17 @@ def test_the_interval_of_one_mechanism_does_not_bind_another(wall: tuple[Scene, 
     found = check_run(Results(analysis, run))
     assert verdict_of("reaction within the mechanism's interval", found) is Verdict.INCONCLUSIVE
     assert verdict_of("mechanism similarity", found) is Verdict.INCONCLUSIVE
+
+
+def test_a_mechanism_that_yade_does_not_show_is_not_called_another_one(wall: tuple[Scene, LimitAnalysis]) -> None:
+    """One stored state on the plateau shows no motion, and so no number to compare."""
+    _scene, analysis = wall
+    assert analysis.coulomb is not None
+    run = coulomb_run(analysis, reaction=1.3 * analysis.coulomb.value)
+    few = dataclasses.replace(run, poses=Poses(**{name: values[[0, -1]] for name, values in vars(run.poses).items()}))
+    check = next(c for c in check_run(Results(analysis, few)) if c.name == "reaction within the mechanism's interval")
+    assert check.verdict is Verdict.INCONCLUSIVE
+    assert check.reason.startswith("YADE's mechanism is unknown") and "nan" not in check.reason
 
 
 def test_stick_slip_is_named_where_the_reaction_scatters(wall: tuple[Scene, LimitAnalysis]) -> None:

@@ -1,13 +1,17 @@
 """Doubt that a method states never grows into an agreement."""
 
+from dataclasses import replace
+
 import pytest
 import scenes
 from judged_runs import REACTION, coulomb_of, judged, named
 from runs import coulomb_run, perfect_run, with_answers
 
+from comparison.judge.reduced_model import check_displacement, largest_displacements
 from comparison.judge.tolerances import FLOOR, UNCERTAIN
 from comparison.verdict.check import Verdict
-from la_core.analysis.result import LimitAnalysis
+from comparison.yade import Results
+from la_core.analysis.result import AccuracyRecord, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
 from la_core.model.joints import TRAVEL_OVER_SIZE
@@ -49,6 +53,21 @@ def test_in_doubt_only_the_floor_makes_an_agreement(wall: LimitAnalysis, off: fl
     assert check.verdict is verdict and check.reason.startswith("Limit analysis states an uncertainty")
 
 
+@pytest.mark.parametrize(
+    ("asked", "off", "verdict"),
+    [
+        (0.001, 0.9 * FLOOR, Verdict.AGREE),  # the floor does not shrink with it
+        (0.001, 1.1 * FLOOR, Verdict.DISAGREE),
+        (0.01, 0.019, Verdict.AGREE),
+        (0.01, 0.021, Verdict.DISAGREE),
+    ],
+)
+def test_the_floor_is_at_least_twice_a_requested_accuracy(wall: LimitAnalysis, asked: float, off: float, verdict: Verdict) -> None:
+    analysis = replace(stating(wall, 0.0), accuracy=AccuracyRecord(asked))
+    run = coulomb_run(analysis, reaction=coulomb_of(wall).value / (1.0 - off), uncertainty=0.0)
+    assert named(REACTION, judged(analysis, run)).verdict is verdict
+
+
 def test_where_both_are_in_doubt_the_cheaper_one_comes_first(wall: LimitAnalysis) -> None:
     value = coulomb_of(wall).value
     check = named(REACTION, judged(stating(wall, 0.05), coulomb_run(wall, reaction=1.02 * value, uncertainty=0.05 * value)))
@@ -70,3 +89,15 @@ def test_the_tolerance_is_both_uncertainties_and_a_floor_alike_where_joints_slid
 def test_the_floor_is_what_the_travel_changes_in_a_lever_arm_of_half_a_block() -> None:
     assert pytest.approx(TRAVEL_OVER_SIZE / 0.5) == FLOOR
     assert UNCERTAIN >= FLOOR
+
+
+@pytest.mark.parametrize(("gaps", "verdict"), [(2.1, Verdict.AGREE), (1.9, Verdict.INCONCLUSIVE)])
+def test_contacts_may_be_missed_where_a_block_moves_by_more_than_half_the_least_gap(
+    wall: LimitAnalysis, gaps: float, verdict: Verdict
+) -> None:
+    """Two blocks may come towards each other. gaps: the least gap over the largest displacement."""
+    run = coulomb_run(wall)
+    small = wall.with_effects(wall.assembly.effects.with_effect("displacement", "small", "nothing is near"))
+    largest = float(largest_displacements(wall.assembly.blocks, run).max())
+    (check,) = check_displacement(Results(replace(small, least_gap=gaps * largest), run))
+    assert largest > 0.0 and check.verdict is verdict

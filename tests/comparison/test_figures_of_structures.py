@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from scenes import shipped
+from scenes import box, build, shipped
 
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction_figure, report_figures, save, scene_figures, structure
@@ -20,6 +20,7 @@ from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
 from la_core.measures import ContactState, joint_forces, thrust_line
+from la_core.model.assembly import assemble
 
 TITLE = r"Costs $5 and $\badmacro"
 FRAME = 4  # pixels, more than the width of an axes' frame
@@ -117,6 +118,15 @@ def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path
     pairs = thrust_line(arch)
     assert len(pairs) == 11 and set(pairs.ravel().tolist()) == set(range(12))  # every voussoir, from springer to springer
     assert len(thrust_line(wall)) == 0
+
+
+@pytest.mark.parametrize(("beside", "found"), [(0, 4), (1, 4), (2, 0)])
+def test_the_thrust_follows_a_line_where_two_thirds_of_the_blocks_have_two_joints(beside: int, found: int) -> None:
+    """A tower of five, of which four are passed through; the top one and blocks beside the tower are not."""
+    tower = [box(f"tower {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(5)]
+    others = [box(f"other {k}", (2.0 * k + 2.0, 0.0, 0.0), (2.0 * k + 3.0, 1.0, 1.0)) for k in range(beside)]
+    scene = build(box("ground", (0.0, 0.0, -1.0), (9.0, 1.0, 0.0), "support"), *tower, *others)
+    assert len(thrust_line(assemble(scene))) == found
 
 
 def test_friction_that_dissipates_nothing_has_no_figure(tmp_path: Path) -> None:

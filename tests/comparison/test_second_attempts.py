@@ -101,6 +101,14 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
     assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, float(limit[2])) is not None
 
 
+def test_it_keeps_the_multiplier_of_a_live_load_too(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:
+    content = first("inconclusive")
+    content["limit_analysis"]["coulomb"] = {"multiplier": 0.4, "shared_inset": {"multiplier": 0.3, "uncertainty": 0.01}, "seconds": 1.0}
+    harder.try_harder(content, la_core.load("ferris_tin_loi_1"), tmp_path, Told(), True)
+    kept = runs[0][-1]["first_verdict"]
+    assert (kept["coulomb"], kept["coulomb_uncertainty"]) == (0.3, 0.01)
+
+
 def test_a_high_effort_is_finer_paths() -> None:
     default, high = PredictionSettings(), finer_paths()
     assert high.viscosities[-1] < default.viscosities[-1] and high.finer > default.finer and high.effort > default.effort

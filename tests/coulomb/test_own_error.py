@@ -12,7 +12,7 @@ from la_core.coulomb import (
     PredictionSettings,
     predict,
 )
-from la_core.coulomb.certificate import certify
+from la_core.coulomb.certificate import Certificate, certify
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest
 from la_core.coulomb.tangent import Tangent
@@ -65,3 +65,10 @@ def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     early = certify(joints, path.before, path.last)
     assert early.power > 100.0 * ACCEPTED_RESIDUAL and early.equilibrium > ACCEPTED_RESIDUAL  # strain still changes, the drag acts
     assert max(early.cone, early.parting, early.sliding) <= ACCEPTED_RESIDUAL  # the law of the joints holds in every state
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_an_undefined_residual_certifies_nothing(place: int) -> None:
+    residuals = [0.0] * 5
+    residuals[place] = float("nan")
+    assert np.isnan(Certificate(*residuals).worst)

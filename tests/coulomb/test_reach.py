@@ -154,6 +154,22 @@ def test_a_region_too_small_has_another_answer_and_is_refused() -> None:
     assert "on the support" in reach.why_not_valid(whole, part, wrong.twists, wrong.forces)
 
 
+def test_a_mechanism_that_comes_near_what_is_set_aside_refuses_the_region() -> None:
+    """A block at rest beside the blocks set aside, made to move by more than 5 % of the support's speed, and by less."""
+    part = analyse(end_settles())
+    assert part.coulomb is not None
+    whole, region, forces = assemble(part.scene), part.assembly, part.coulomb.forces
+    assert reach.why_not_valid(whole, region, part.coulomb.twists, forces) == ""
+    a, b = whole.interfaces.block_a, whole.interfaces.block_b
+    pairs = (*zip(a, b, strict=True), *zip(b, a, strict=True))
+    beside = next(two for one, two in pairs if region.aside[one] and region.blocks.free[two])
+    for speed, refused in ((0.06, True), (0.04, False)):
+        twists = part.coulomb.twists.copy()
+        twists[beside] = [0.0, 0.0, -speed, 0.0, 0.0, 0.0]
+        words = f'block "{whole.blocks.names[beside]}" moves within {reach.MARGIN} layers of the blocks set aside'
+        assert reach.why_not_valid(whole, region, twists, forces) == (words if refused else "")
+
+
 def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
     whole, part = reduced(pushed_row(), reach.LAYERS[0])
     assert part.aside.any()

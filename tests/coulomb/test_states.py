@@ -1,6 +1,8 @@
 """States at the end of a prediction: equilibrium, cones, no dilation, the balance of work, and the interval of their mechanism."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -132,3 +134,26 @@ def test_interval_does_not_depend_on_the_threshold_within_a_decade(mu, split, ex
 @pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
 def test_interval_of_a_plane_wall_is_the_same_in_3d(plane) -> None:
     assert bounds(great_wall(0.6, 1.6, plane)) == pytest.approx((0.0613, 0.0833), abs=DIGIT)
+
+
+@pytest.mark.parametrize(
+    ("ends", "stated"),
+    [
+        ([(0.9, 1.2), (0.9, 1.2), (0.9, 1.2)], (0.9, 1.2)),
+        ([(0.9, math.inf), (0.9, math.inf), (0.9, math.inf)], (0.9, math.inf)),
+        ([(0.9, 1.2), (0.9, 1.22), (0.9, 1.2)], None),  # it moves with the threshold
+        ([(0.9, 1.2), (0.9, 1.2), (0.88, 1.2)], None),  # and with the mechanism
+        ([(1.1, 1.2), (1.1, 1.2), (1.1, 1.2)], None),  # it does not hold the value, 1.0
+    ],
+)
+def test_an_interval_that_is_not_sure_is_not_stated(
+    ends: list[tuple[float, float]], stated: tuple[float, float] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ends by both thresholds for the first of two mechanisms, then for the second; they may differ by 1 % of the value."""
+    found = iter(ends)
+    monkeypatch.setattr(interval, "joint_rates", lambda *_: None)
+    monkeypatch.setattr(interval, "reaction_interval", lambda *_: next(found))
+    state: Any = SimpleNamespace(joints=None)
+    joints: Any = SimpleNamespace(value_in_units=lambda scaled: scaled)
+    low, high = interval.stated_interval(joints, [(state, state), (state, state)], 1.0, 0.01)
+    assert (low, high) == stated if stated else math.isnan(low) and math.isnan(high)

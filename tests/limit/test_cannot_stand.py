@@ -1,5 +1,8 @@
 """Structures without equilibrium: the status says so and names the blocks that fall; and supports that nothing lets move."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 import scenes
@@ -7,6 +10,7 @@ import scenes
 from comparison.judge import conclusion_of
 from comparison.verdict import Verdict
 from la_core.analysis.stage import analyse
+from la_core.limit import associated
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import Assembly, assemble
@@ -140,6 +144,45 @@ def test_jammed_support_bears_any_push(plane) -> None:
     jammed = solve_associated(assembly, Drive.PUSHING)
     assert jammed.status is Status.UNBOUNDED and without_value(jammed) and jammed.falling == ()
     assert solve_associated(assembly, Drive.YIELDING).status is Status.SOLVED
+
+
+def test_only_a_thorough_attempt_says_that_nothing_limits_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quick one may be wrong: where no thorough one ends with an answer, there is none."""
+    assembly = assemble(scenes.shipped("two_pads"))
+    solved = solve_associated(assembly, Drive.YIELDING)
+    inaccurate = replace(solved, status=Status.INACCURATE)
+
+    def status_after(*statuses: Status) -> Status:
+        given = iter(replace(inaccurate, status=status, cone_violation=float("nan")) for status in statuses)
+
+        def attempt(*_: Any) -> Solution:
+            return next(given)
+
+        monkeypatch.setattr(associated, "_attempt", attempt)
+        return solve_associated(assembly, Drive.YIELDING).status
+
+    assert status_after(Status.UNBOUNDED, Status.UNBOUNDED) is Status.UNBOUNDED  # the second attempt confirms the first
+    assert status_after(Status.UNBOUNDED, Status.FAILED, Status.FAILED) is Status.FAILED
+    assert status_after(Status.UNBOUNDED, Status.INACCURATE, Status.INACCURATE) is Status.INACCURATE
+
+
+def test_the_cost_of_an_answer_holds_that_of_looking_for_a_fall(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under a live load every answer is followed by the question whether the structure stands without it."""
+    assembly = assemble(scenes.build(*scenes.wall(3, 2, first="half"), live=(1.0, 0.0, 0.0)))
+    spent: list[int] = []
+
+    def counted(solver: Any) -> Any:
+        def solve(*arguments: Any) -> Any:
+            answer = solver(*arguments)
+            spent.append(answer.iterations)
+            return answer
+
+        return solve
+
+    for name in ("maximise", "optimum"):
+        monkeypatch.setattr(associated, name, counted(getattr(associated, name)))
+    solution = solve_associated(assembly, Drive.LIVE)
+    assert solution.status is Status.SOLVED and len(spent) == 2 and solution.iterations == sum(spent)
 
 
 @both_models

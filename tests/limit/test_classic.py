@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ import scenes
 from comparison.figures import save
 from comparison.studies.figure_of_sensitivity import sensitivity_figure
 from comparison.studies.sensitivity import Trial, sensitivity_dict, sensitivity_table, study
+from la_core.limit import classic_iteration
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, dilation, solve_sequentially
 from la_core.limit.problem import Drive
+from la_core.limit.static import StaticSolution
 from la_core.model.assembly import Assembly, assemble
 
 MU = 0.6
@@ -124,6 +127,18 @@ def test_too_few_iterations_are_called_inaccurate() -> None:
     solution = solve_sequentially(two_blocks(), Drive.YIELDING, ClassicParameters(iterations=3))
     assert (solution.status, solution.iterations) == (Status.INACCURATE, 3)
     assert np.isfinite(solution.value)
+
+
+def test_a_steady_value_with_large_residuals_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
+    assembly = two_blocks()
+    solved = classic_iteration.solve_static
+
+    def inaccurate(*arguments: Any) -> StaticSolution:
+        return replace(solved(*arguments), status=Status.INACCURATE)
+
+    monkeypatch.setattr(classic_iteration, "solve_static", inaccurate)
+    solution = solve_sequentially(assembly, Drive.YIELDING)
+    assert solution.status is Status.INACCURATE and solution.iterations < DEFAULT.iterations
 
 
 def test_same_question_same_answer() -> None:

@@ -13,7 +13,7 @@ from comparison.figures import save
 from comparison.figures.dissipation import POWER, dissipation_figure
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.problem import Drive
-from la_core.measures import dissipation, mechanism
+from la_core.measures import dissipation, joint_states, mechanism
 from la_core.measures.dissipation import ContactState, MechanismMeasures, measure, participation_index
 from la_core.model.assembly import Assembly, assemble
 from la_core.scene import shipped
@@ -139,6 +139,26 @@ def test_a_point_that_parts_opens_unless_it_slides_under_load() -> None:
     assert states(0.3, 0.0, along=0.0) == {ContactState.OPENING}
     assert states(0.0, 1.0, along=0.0) == {ContactState.STICKING}
     assert states(0.0, 0.0, along=0.0) == {ContactState.IDLE}
+
+
+@pytest.mark.parametrize(
+    ("points", "loaded", "joint"),
+    [
+        ("sliding opening", (1.0, 0.0), "sliding"),
+        ("sliding opening", (0.0, 0.0), "opening"),
+        ("sliding sticking", (0.0, 1.0), "sliding"),
+        ("opening sticking", (0.0, 1.0), "opening"),
+        ("sticking idle", (1.0, 0.0), "sticking"),
+        ("idle idle", (0.0, 0.0), "idle"),
+        ("unknown idle", (1.0, 0.0), "unknown"),
+    ],
+)
+def test_a_joint_slides_where_friction_works_before_it_opens(points: str, loaded: tuple[float, float], joint: str) -> None:
+    """The state of a joint of two contact points, which are pressed by these shares of the weight."""
+    assembly = assemble(scenes.build(*SLIDER, live=(1.0, 0.0, 0.0), plane=True))
+    states = np.array([ContactState[name.upper()] for name in points.split()])
+    forces = np.array(loaded)[:, None] * assembly.weight * assembly.normal
+    assert [ContactState(state).name.lower() for state in joint_states(assembly, states, forces)] == [joint]
 
 
 def test_sliding_without_load_dissipates_nothing() -> None:

@@ -1,5 +1,7 @@
 """Laws of one answer: equilibrium, cones, flow rule and duality by hand, and an independent linear programme."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scenes
@@ -131,3 +133,24 @@ def test_great_friction_does_not_hide_a_penetration() -> None:
     sinking = np.zeros((len(scene.blocks), 6))
     sinking[scene.blocks.free, 2] = -1.0
     assert residuals.flow_rule_violation(assembly, sinking) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("options", [{"friction": 0.0}, {"friction": 0.6}, {"model": "none-slides"}])
+def test_tension_counts_in_full_whatever_the_friction(options: dict[str, Any]) -> None:
+    """Without friction, or with friction without limit, there is no excess of friction that a tension would show in."""
+    scene = scenes.build(*scenes.base(0.5, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), **options)
+    assembly = assemble(scene)
+    forces = np.zeros((len(assembly.points), 3))
+    forces[0] = -0.1 * assembly.mean_weight * assembly.normal[0]
+    assert residuals.cone_violation(assembly, forces) == pytest.approx(0.1)
+
+
+def test_the_residuals_of_undefined_forces_and_motions_are_undefined() -> None:
+    """One undefined number among defined ones: a residual of 0 would pass every tolerance."""
+    assembly = assemble(scenes.shipped("two_pads"))
+    forces, twists = np.zeros((len(assembly.points), 3)), np.zeros((len(assembly.blocks), 6))
+    assert residuals.cone_violation(assembly, forces) == residuals.penetration(assembly, twists) == 0.0
+    forces[1, 0] = twists[-1, 2] = np.nan
+    found = [residuals.equilibrium_residual(assembly, forces), residuals.cone_violation(assembly, forces)]
+    found += [residuals.flow_rule_violation(assembly, twists), residuals.penetration(assembly, twists)]
+    assert np.isnan(found).all()

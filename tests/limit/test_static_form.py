@@ -1,12 +1,15 @@
 """Laws of the static form: it is the dual of the kinematic form, and exact where a strength is given."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
 import scenes
 
+from la_core.limit import static
 from la_core.limit.associated import Status, solve_associated
+from la_core.limit.conic import ProgrammeAnswer, maximise
 from la_core.limit.problem import ACCEPTED, Drive
 from la_core.limit.static import StaticSolution, consistent_reaction, coulomb_limits, solve_static
 from la_core.measures import residuals
@@ -139,6 +142,23 @@ def test_no_admissible_state_lies_below_its_consistent_reaction(name: str, drive
     state = coulomb(assembly, drive)
     loose = assembly.split(state.forces)[0] + 1e-8 * assembly.weight
     assert consistent_reaction(assembly, loose).value <= state.value + 1e-6 * assembly.weight
+
+
+@pytest.mark.parametrize(
+    ("error", "status"), [(0.0, Status.SOLVED), (1e-4, Status.INACCURATE), (1e-2, Status.FAILED), (1e200, Status.FAILED)]
+)
+def test_an_answer_that_misses_equilibrium_by_far_is_none(error: float, status: Status, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A solver may break off and return any numbers as its optimum."""
+
+    def broken_off(*arguments: Any) -> ProgrammeAnswer:
+        answer = maximise(*arguments)
+        return dataclasses.replace(answer, x=(1.0 + error) * answer.x, multipliers=(1.0 + error) * answer.multipliers)
+
+    monkeypatch.setattr(static, "maximise", broken_off)
+    assembly = two_blocks()
+    solution = solve_static(assembly, Drive.YIELDING, *coulomb_limits(assembly))
+    assert solution.status is status
+    assert np.isnan(solution.value) == np.isnan(solution.forces).all() == (status is Status.FAILED)
 
 
 def test_result_is_frozen() -> None:

@@ -1,5 +1,8 @@
 """Laws of the plateau fit: what it recovers exactly, and how often its uncertainty covers the truth."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -180,6 +183,20 @@ def test_too_few_rows_give_no_value(rows: int) -> None:
     fit = fitted(settlement(rows) if rows else np.empty(0), np.full(rows, REACTION))
     assert np.isnan(fit.reaction)
     assert np.isnan(fit.uncertainty)
+
+
+def test_a_line_that_is_no_plateau_says_what_it_lacks() -> None:
+    """It is too short, it creeps, it is uncertain, or it changes: a number that does not exist is not said."""
+    exact = fitted(settlement(), np.full(ROWS, REACTION))
+
+    def lacks(**changed: Any) -> str:
+        return plateau.shortcoming(replace(exact, **changed), REACTION, 0.02)
+
+    assert plateau.shortcoming(plateau.NONE, REACTION, 0.02) == "the record is too short for a line, or undefined"
+    assert lacks(creeps=True, uncertainty=REACTION) == "the reaction still creeps"
+    assert lacks(uncertainty=0.05 * REACTION) == "the reaction is known only to 0.05 of itself"
+    assert lacks(drift=0.06 * REACTION) == "the reaction still changes by 0.06 of itself over the line"
+    assert plateau.shortcoming(replace(exact, reaction=0.0, uncertainty=3.0), 10.0, 0.02) == "the reaction is known only to 0.3 of itself"
 
 
 def test_undefined_reaction_gives_no_value() -> None:

@@ -250,6 +250,15 @@ def test_steps_are_longer_while_the_support_moves_but_for_critical_dashpots_and_
         settings.derive(replace(one, overrides={"settling_step": 2.0 * usual.settling_step}))
 
 
+def test_joints_without_dashpots_have_a_time_step(tmp_path: Path) -> None:
+    """Nothing decays then, so that the step is the longest that the swing allows."""
+    case_file.write_case(tmp_path / "case.h5", analyse(scenes.shipped("two_pads")), "test")
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
+    slight, none = (settings.derive(replace(one, overrides={"damping_ratio": ratio})) for ratio in (1e-9, 0.0))
+    assert none.normal_damping == none.shear_damping == 0.0
+    assert (none.time_step, none.settling_step) == pytest.approx((slight.time_step, slight.settling_step), rel=1e-6)
+
+
 def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the scene sets holds in both; a file without settings of a long run, as of version 0.2.0, has one set for both."""
     analysis = analyse(same_structure(scenes.shipped("wall_third"), {"yade.rattling": 0.03}, "set"))

@@ -11,7 +11,8 @@ _POWER_ITERATIONS = 300  # Rayleigh quotient then within about 1 % of the highes
 def highest_eigenvalue(system: Springs, inertia: Inertia) -> float:
     """Return the highest eigenvalue of M^-1 K, with the mass matrix M of the inertia, by power iteration from a fixed starting vector.
 
-    Of springs it is the square of the highest natural frequency (rad2/s2), of dashpots the fastest rate of decay (1/s).
+    Of springs it is the square of the highest natural frequency (rad2/s2), of dashpots the fastest rate of decay (1/s); 0 where all of
+    them have been set to 0.
     """
     twists = np.random.default_rng(0).standard_normal(system.freedoms.shape)
     twists[:, 3:] /= np.median(np.linalg.norm(np.concatenate([system.arm_a, system.arm_b]), axis=1))
@@ -19,6 +20,8 @@ def highest_eigenvalue(system: Springs, inertia: Inertia) -> float:
     eigenvalue = 0.0
     for _ in range(_POWER_ITERATIONS):
         forces = system.stiffness(twists)
+        if not forces.any():
+            return 0.0
         following = inertia.accelerations(forces)
         # |K x| in the metric of M^-1 over (x, K x): a Rayleigh quotient of the current vector, one product ahead.
         eigenvalue = float(np.vdot(forces, following) / np.vdot(twists, forces))

@@ -1,0 +1,43 @@
+"""Sums of contact forces over sections, by statics: weights above cuts, and what a support may push sideways."""
+
+import numpy as np
+import pytest
+import scenes
+
+from la_core.limit import section_forces
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.model.assembly import assemble
+
+X = np.array([1.0, 0.0, 0.0])
+SLACK = 1e-3  # of the weight: by which the reaction may differ from the one that is given
+
+both_models = pytest.mark.parametrize("plane", [True, False], ids=["plane", "3D"])
+
+
+@both_models
+def test_a_cut_carries_the_weight_above_it(plane: bool) -> None:
+    """Four blocks of one size, one on another: three, two and one of them lie above the cuts, and the force on them points up."""
+    base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support")
+    tower = [scenes.box(f"block {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(4)]
+    assembly = assemble(scenes.build(base, *tower, plane=plane))
+    solution = solve_associated(assembly, Drive.YIELDING)
+    assert solution.status is Status.SOLVED
+    sums = section_forces.level_sums(assembly, solution.forces)
+    assert sums == pytest.approx(np.outer([3.0, 2.0, 1.0], -assembly.down) * assembly.mean_weight, abs=1e-6 * assembly.weight)
+
+
+@both_models
+def test_a_support_pushes_sideways_only_against_what_resists_and_no_more_than_friction(plane: bool) -> None:
+    """A wall on the left and nothing on the right: the support may push the block to the left by its friction, and not to the right."""
+    parts = (
+        scenes.box("wall", (-1.0, 0.0, 0.0), (0.0, 1.0, 1.0), "fixed"),
+        scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support"),
+        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
+    )
+    assembly = assemble(scenes.build(*parts, friction=0.5, plane=plane))
+    weight = assembly.weight
+    limits = section_forces.support_force_range(assembly, X, weight, SLACK * weight)
+    assert limits == pytest.approx((-0.5 * weight, 0.0), abs=2.0 * SLACK * weight)
+    against_x = section_forces.support_force_range(assembly, -X, weight, SLACK * weight)
+    assert against_x == pytest.approx((-limits[1], -limits[0]), abs=1e-5 * weight)
