@@ -26,6 +26,7 @@ from comparison.report.viewer import embedded
 from comparison.verdict import VERDICTS, check_words
 from la_core.scene import change_rows
 
+OF_FORCES = {"reaction", "forces"}  # figures that are empty where blocks fall
 FIGURES = {  # in the order of the page: what happens first, then how much and why
     "mechanisms": ("Mechanism", "{moves}"),
     "reaction": ("Reaction", "{reaction}{record}{levels}"),
@@ -188,13 +189,19 @@ def _figures(folder: Path, scene: str, comparison: dict[str, Any]) -> Iterator[d
         "levels": _level_words(comparison),
         "thrust": " The line of thrust joins the centres of pressure." if _is_arch(comparison) else "",
     }
-    for name, (heading, caption) in FIGURES.items():
+    shown = {name: figure for name, figure in FIGURES.items() if not (_is_falling_alone(comparison) and name in OF_FORCES)}
+    for name, (heading, caption) in shown.items():
         kind = "gif" if name == "animation" else "png"
         path = folder / f"{name}.{kind}"
         if path.is_file():
             data = f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
             caption_text = caption.format(**words)
             yield {"name": name, "heading": heading, "caption": caption_text, "path": f"{quote(scene)}/{path.name}", "data": data}
+
+
+def _is_falling_alone(comparison: dict[str, Any]) -> bool:
+    """Return whether no method has forces to show: limit analysis says that blocks fall, and YADE did not run."""
+    return associated_of(comparison).get("status") == "infeasible" and not comparison.get("yade")
 
 
 def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:

@@ -1,5 +1,6 @@
 """Templates of every report page, with all texts escaped, and nested values as pairs of name and text."""
 
+import html
 import re
 from collections.abc import Iterator
 from typing import Any
@@ -23,13 +24,18 @@ def template_environment(name: str) -> jinja2.Environment:
         keep_trailing_newline=True,
     )
     environment.filters |= {"number": format_number, "md": markdown, "plural": plural, "first_sentence": first_sentence}
-    environment.filters |= {"uncertain": with_uncertainty, "plain": plain_number}
+    environment.filters |= {"uncertain": with_uncertainty, "plain": plain_number, "code": with_code}
     return environment
 
 
 def markdown(text: Any) -> str:
     """Return the text in one line, with every character escaped that Markdown or HTML would interpret."""
     return re.sub(r"([\\`*_{}\[\]<>#|~$&])", r"\\\1", " ".join(str(text).split()))
+
+
+def with_code(text: Any) -> str:
+    """Return the text escaped for HTML, with what stands between backticks, such as a command, as code; templates mark it as safe."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(str(text)))
 
 
 def flat(values: dict[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

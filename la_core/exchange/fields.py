@@ -115,7 +115,7 @@ FIRST_PREDICTION = Field(
 _SOLUTION = (
     ("status", "str", (), "", "solved, infeasible, unbounded, inaccurate or failed"),
     ("value", "f8", (), "N, N m or -", "reaction for a settlement, multiplier for a live load"),
-    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block, under a live load per N m of its work; NaN for none"),
     ("forces", "f8", ("C", 3), "N", "contact force on b, global axes; NaN where there is none"),
     ("equilibrium_residual", "f8", (), "-", "largest unbalanced force over the mean free-block weight"),
     ("cone_violation", "f8", (), "-", "largest friction-cone violation over the mean free-block weight"),
@@ -129,7 +129,7 @@ _COULOMB = (
     ("status", "str", (), "", "solved, inaccurate or failed; the status of the associated answer where that one has no value"),
     ("value", "f8", (), "N, N m or -", "reaction or multiplier with friction that does not dilate"),
     ("interval", "f8", (2,), "N, N m or -", "least and greatest value that the mechanism allows"),
-    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block; NaN where there is none"),
+    ("twists", "f8", ("B", 6), "m/s per unit motion", "mechanism, every block, under a live load per N m of its work; NaN for none"),
     ("forces", "f8", ("C", 3), "N", "contact force on b on the plateau, global axes; NaN where there is none"),
     ("at_rest", "f8", (), "N, N m or -", "value before the support moves"),
     ("drift", "f8", (), "-", "relative change of the mean value from the second quarter of the travel to its second half"),

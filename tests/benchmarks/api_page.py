@@ -1,5 +1,6 @@
 """Write the page of the Python interface from its docstrings: `.venv/bin/python tests/benchmarks/api_page.py`."""
 
+import on_path  # noqa: F401, I001  before what it makes importable
 import ast
 import dataclasses
 import enum

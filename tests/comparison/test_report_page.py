@@ -11,6 +11,8 @@ from made_up_comparisons import HOSTILE, comparison_of, frictional_comparison, p
 
 from comparison.report import report
 
+FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["block"]}, "coulomb": None}
+
 
 class Page(HTMLParser):
     """Tags, every attribute that could load something, and the text of table cells."""
@@ -53,6 +55,23 @@ def test_every_markdown_table_keeps_its_columns(tmp_path: Path) -> None:
     assert not re.search(r"\n\n\n\n", text)
 
 
+def test_a_command_in_a_sentence_is_code(tmp_path: Path) -> None:
+    page = report.write_report(tmp_path, [comparison_of(next_step="See `crosscheck show <b>` & look.")], {}).read_text(encoding="utf-8")
+    assert "See <code>crosscheck show &lt;b&gt;</code> &amp; look." in page
+
+
+@pytest.mark.parametrize(("yade", "headings"), [(None, ["Mechanism", "Structure"]), ({}, ["Mechanism", "Reaction", "Forces", "Structure"])])
+def test_no_figure_is_empty_where_blocks_fall(yade: Any, headings: list[str], tmp_path: Path) -> None:
+    falling = comparison_of(yade={"status": "collapsed"} if yade is not None else None, limit_analysis=FALLS)
+    (tmp_path / falling["scene"]).mkdir()
+    for name in ("mechanisms", "reaction", "forces", "assembly"):
+        (tmp_path / falling["scene"] / f"{name}.png").write_bytes(b"not looked into")
+    page = report.write_report(tmp_path, [falling], {}).read_text(encoding="utf-8")
+    assert [
+        heading for heading in re.findall(r"<h3[^>]*>([^<]*)</h3>", page) if heading in headings or heading in ("Reaction", "Forces")
+    ] == headings
+
+
 def test_what_is_missing_is_a_dash_and_never_zero(tmp_path: Path) -> None:
     bare = {"scene": "bare", "verdict": None}
     page = report.write_report(tmp_path, [bare], {}).read_text(encoding="utf-8")
@@ -93,9 +112,6 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
     page, markdown = page_and_markdown(tmp_path, frictional_comparison())
     assert "<figcaption>Where friction dissipates" in page
     assert "(two%20pads/dissipation.png)" in markdown
-
-
-FALLS = {"associated": {"status": "infeasible", "reaction": None, "falling": ["block"]}, "coulomb": None}
 
 
 @pytest.mark.parametrize(
