@@ -67,6 +67,27 @@ def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:
     assert max(early.cone, early.parting, early.sliding) <= ACCEPTED_RESIDUAL  # the law of the joints holds in every state
 
 
+BED = scenes.box("bed", (-1.0, 0.0, -0.1), (2.0, 0.5, 0.0), "fixed")
+ETA = 0.05  # of the weight at unit rate: a viscosity five times the greatest of a prediction
+BRAKED = {  # scene and exact value: a block pushed along a bed of friction 0.4; the column on a settling pad beside a fixed one
+    "pushed": (lambda: scenes.build(BED, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.5, 0.5)), friction=0.4, live=(1.0, 0.0, 0.0)), 0.4),
+    "settling": (lambda: scenes.shipped("two_blocks"), 0.5),
+}
+
+
+@pytest.mark.parametrize("name", BRAKED)
+def test_the_drag_is_taken_out_of_the_value_to_its_last_digits(name: str) -> None:
+    """On a steady mechanism at unit rate the drag raises a multiplier by eta, and takes eta times the moving share off a reaction."""
+    make, exact = BRAKED[name]
+    assembly, stiffness = problem(make())
+    joints = ElasticJoints(assembly, stiffness)
+    rest, _ = come_to_rest(joints, tangent := Tangent(joints))
+    assert rest is not None
+    *_, end = QuasiStaticPath(joints, tangent, rest, Falling(ETA, ETA, 1.0)).advance_to(1.0)
+    assert end.value == pytest.approx(exact, abs=1e-6 * ETA)
+    assert end.drag == pytest.approx(-ETA if assembly.has_live_load else 0.5 * ETA, abs=1e-6 * ETA)
+
+
 @pytest.mark.parametrize("place", range(5))
 def test_an_undefined_residual_certifies_nothing(place: int) -> None:
     residuals = [0.0] * 5
