@@ -9,6 +9,7 @@ from la_core.measures import mechanism
 from la_core.model import Assembly
 
 NAN = float("nan")
+SLIGHT = 1e-6  # of the value: less power of friction is round-off
 
 
 def _empty() -> np.ndarray:
@@ -112,16 +113,19 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     Returns
     -------
     CoulombSolution
-        The value at rest, the drift and the strain residual are NaN, because no path was followed. The uncertainty is
-        the duality gap of the associated answer, and what the little friction that still slides in its mechanism could change.
+        The value at rest, the drift and the strain residual are NaN, because no path was followed. The interval contains what
+        the little friction that still slides in the associated mechanism could change, and so does the uncertainty, beside the
+        duality gap.
     """
     if associated.status is not Status.SOLVED:
         return without_answer(assembly, associated.status)
     unit = 1.0 if assembly.has_live_load else assembly.mean_weight * assembly.support_speed
+    slight = _by_dilatancy(assembly, associated)
+    width = slight if slight > SLIGHT * abs(associated.value) else 0.0  # what is round-off leaves one point
     return CoulombSolution(
         Status.SOLVED,
         associated.value,
-        (associated.value, associated.value),
+        (associated.value - width, associated.value + width),
         associated.twists,
         associated.forces,
         at_rest=NAN,
@@ -132,7 +136,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         cone_violation=associated.cone_violation,
         seconds=seconds,
         iterations=iterations,
-        uncertainty=abs(associated.duality_gap) * unit + _by_dilatancy(assembly, associated),
+        uncertainty=abs(associated.duality_gap) * unit + slight,
     )
 
 

@@ -158,3 +158,5 @@ def test_little_friction_that_is_left_out_is_in_the_uncertainty(mu: float) -> No
     scene = scenes.build(wall, pad, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), friction=mu, model="auto")
     found = la_core.solve(scene)
     assert abs(found.coulomb - scene.weight) <= found.uncertainty <= 1e-3 * scene.weight
+    low, high = found.interval
+    assert low <= scene.weight <= high <= 1.001 * scene.weight
