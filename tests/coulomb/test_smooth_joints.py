@@ -78,7 +78,10 @@ def test_a_sharp_joint_remembers_the_friction_that_it_carries() -> None:
     assert np.array_equal(state.memory, state.force[:, 1:])
 
 
-@pytest.mark.parametrize(("per_course", "courses", "split", "friction"), [(10, 6, 2.8, 0.3), (10, 6, 2.0, 0.6), (12, 8, 3.2, 0.8)])
+@pytest.mark.parametrize(
+    ("per_course", "courses", "split", "friction"),
+    [(10, 6, 2.8, 0.3), (10, 6, 2.0, 0.6), pytest.param(12, 8, 3.2, 0.8, marks=pytest.mark.slow)],
+)
 def test_large_structures_state_an_uncertainty_that_holds(per_course, courses, split, friction, monkeypatch) -> None:
     """A wall that is small enough for sharp joints, predicted both ways.
 
@@ -142,6 +145,7 @@ def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypat
     assert path.joints.reaction(last.joints.force) == pytest.approx(path.points[-1].value, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_travel_is_doubled_until_the_plateau_is_known(monkeypatch) -> None:
     """A wall whose curve still falls over the first half of one travel."""
     scene = scenes.build(*scenes.wall(12, 8, split=2.4), friction=0.6)
