@@ -214,6 +214,8 @@ def shortcoming(fit: Plateau, scale: float, most: float) -> str:
         return "the record is too short for a line, or undefined"
     if fit.creeps:
         return "the reaction still creeps"
+    if fit.uncertainty > max(most * scale, abs(fit.reaction)):  # a share of next to nothing would be thousands
+        return "the reaction is uncertain by more than itself"
     if fit.uncertainty > most * scale:
         return f"the reaction is known only to {fit.uncertainty / scale:.2g} of itself"
     return f"the reaction still changes by {fit.drift / scale:.2g} of itself over the line"

@@ -49,7 +49,7 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
     step = "" if other is Verdict.AGREE else COMPARE_MECHANISMS
     same = alike >= SIMILAR
     reason = "" if same else f"The mechanisms differ (modal assurance {alike:.3f}, at least {SIMILAR} for agreement).{why}"
-    reason = "No block moves in either method: the support moves away alone." if at_rest else reason
+    reason = "No block moves in either method: only the support moves." if at_rest else reason
     numbers = 1.0, alike, alike - 1.0, 1.0 - SIMILAR
     yield Check("mechanism similarity", Verdict.AGREE if same else other, *numbers, "", reason, "" if same else step)
     same = mass <= SAME_MASS

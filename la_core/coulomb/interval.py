@@ -25,6 +25,7 @@ THRESHOLDS = (0.01, 0.003)
 LOADED = 1e-5  # of the weight: normal force of a loaded joint; residuals of an unloaded one are smaller
 # A friction coefficient below SLIGHT may act in any direction: it moves an end by no more, and exact directions contradict equilibrium.
 SLIGHT = 1e-5
+ROUND_OFF = 1e-6  # of a scaled value: accuracy of the programmes. A reaction of 0 is certain to far more digits than their two ends.
 FAN = 0.01  # rad: accuracy of the direction of slip; in 3D so many exact directions would contradict equilibrium
 
 
@@ -80,8 +81,9 @@ def stated_interval(
         before, last = mechanism
         return np.array(reaction_interval(joints, joint_rates(joints, before, last), last.joints, threshold)) / unit
 
-    low, high = stated = ends(mechanisms[0], THRESHOLDS[0])
-    if not low - uncertainty <= value <= high + uncertainty:
+    low, high = stated = np.sort(ends(mechanisms[0], THRESHOLDS[0]))  # equal ends may come in either order; NaN stays
+    within = uncertainty + ROUND_OFF * max(1.0, abs(value))
+    if not low - within <= value <= high + within:
         return float("nan"), float("nan")
     others = chain([(mechanisms[0], THRESHOLDS[1])], ((other, THRESHOLDS[0]) for other in mechanisms[1:]))
     allowed = plateau.ALIKE * plateau.reference_size(value)

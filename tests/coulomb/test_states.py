@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from coulomb_problems import (
     DIGIT,
     FOUND,
@@ -21,6 +22,7 @@ from coulomb_problems import (
     value,
 )
 
+import la_core
 from la_core.coulomb import (
     ACCEPTED_RESIDUAL,
     interval,
@@ -157,3 +159,18 @@ def test_an_interval_that_is_not_sure_is_not_stated(
     joints: Any = SimpleNamespace(value_in_units=lambda scaled: scaled)
     low, high = interval.stated_interval(joints, [(state, state), (state, state)], 1.0, 0.01)
     assert (low, high) == stated if stated else math.isnan(low) and math.isnan(high)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.6])
+def test_interval_of_a_reaction_of_zero_is_stated_although_its_ends_are_rounded(mu: float) -> None:
+    """A block that hangs in a dovetail stays when the pad below it leaves: no history of friction gives another reaction than 0."""
+    slot = [[-1, 0], [-0.2, 0], [-0.4, 0.5], [0.4, 0.5], [0.2, 0], [1, 0], [1, 1], [-1, 1]]
+    tail = [[-0.2, -1], [0.2, -1], [0.2, 0], [0.4, 0.5], [-0.4, 0.5], [-0.2, 0]]
+    bodies = [
+        scenes.block(name, role, prism=(profile, (0.0, 0.5))) for name, role, profile in (("slot", "fixed", slot), ("tail", "free", tail))
+    ]
+    pad = scenes.box("pad", (-0.2, 0.0, -1.5), (0.2, 0.5, -1.0), "support")
+    hung = la_core.solve(scenes.build(*bodies, pad, friction=mu, model="coulomb"))
+    low, high = hung.interval
+    assert low <= high
+    assert [hung.coulomb, low, high] == pytest.approx([0.0] * 3, abs=1e-6 * hung.scene.weight)

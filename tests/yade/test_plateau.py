@@ -196,7 +196,8 @@ def test_a_line_that_is_no_plateau_says_what_it_lacks() -> None:
     assert lacks(creeps=True, uncertainty=REACTION) == "the reaction still creeps"
     assert lacks(uncertainty=0.05 * REACTION) == "the reaction is known only to 0.05 of itself"
     assert lacks(drift=0.06 * REACTION) == "the reaction still changes by 0.06 of itself over the line"
-    assert plateau.shortcoming(replace(exact, reaction=0.0, uncertainty=3.0), 10.0, 0.02) == "the reaction is known only to 0.3 of itself"
+    # Of a reaction of 0, as of a support that turns about an axis below its block, no share says anything.
+    assert plateau.shortcoming(replace(exact, reaction=0.0, uncertainty=3.0), 10.0, 0.02) == "the reaction is uncertain by more than itself"
 
 
 def test_undefined_reaction_gives_no_value() -> None:
