@@ -1,6 +1,6 @@
 """Outlines made fit for blocks: enclosed by lines, without doubles, simplified within a tolerance."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,7 +59,7 @@ class Cleaned:
         return by_layer(one for one, is_inside in zip(self.idle, inside, strict=True) if is_inside)
 
 
-def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
+def cleaned(drawn: Drawn, tolerance: float, is_opening: Callable[[str, str], bool] = lambda _layer, _colour: False) -> Cleaned:
     """Find all outlines of a drawing and clean them.
 
     Parameters
@@ -68,6 +68,8 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
         Content of the drawing, m.
     tolerance : float
         Largest error of the coordinates, m; 0 for none.
+    is_opening : callable
+        Whether a layer with a colour holds openings: panes may fill these, and they stay.
 
     Raises
     ------
@@ -90,7 +92,7 @@ def cleaned(drawn: Drawn, tolerance: float) -> Cleaned:
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
-    contour = _contours(polygons, outlines, speck | double)
+    contour = _contours(polygons, outlines, speck | double) & ~np.array([is_opening(*outline.place) for outline in outlines])
     around = by_layer((*found.around, *((outlines[k].layer, outlines[k].points) for k in np.flatnonzero(contour))))
     polygons, straight = _without_dents(polygons, tolerance)
     kept = np.flatnonzero(~speck & ~double & ~contour)
@@ -214,11 +216,17 @@ def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.nd
     inner, outer = inner[smaller], outer[smaller]
     within = shapely.area(shapely.intersection(polygons[inner], polygons[outer])) >= DOUBLE * area[inner]
     inner, outer = inner[within], outer[within]
-    alike = np.array([outlines[j].place == outlines[k].place for j, k in zip(inner, outer, strict=True)], dtype=bool)
+    held: dict[int, list[int]] = {}  # outlines in each outline
+    holders: dict[int, set[int]] = {}  # outlines around each outline
+    for j, k in zip(inner.tolist(), outer.tolist(), strict=True):
+        held.setdefault(k, []).append(j)
+        holders.setdefault(j, set()).add(k)
     mask = np.zeros(len(area), dtype=bool)
-    for some, share in ((alike, FILLED), (np.ones_like(alike), FILLED_BY_ALL)):
-        filled, count = np.bincount(outer[some], area[inner[some]], len(area)), np.bincount(outer[some], minlength=len(area))
-        mask |= (filled >= share * area) & (count > 1)
+    for k in sorted(held, key=lambda k: float(area[k])):  # the smallest first, because what lies in a contour counts for those around it
+        stones = {j for j in held[k] if not mask[j]}
+        some = [j for j in stones if stones.isdisjoint(holders.get(j, ()))]  # the bevel of a bevel fills nothing more
+        alike = [j for j in some if outlines[j].place == outlines[k].place]
+        mask[k] = any(len(these) > 1 and area[these].sum() >= share * area[k] for these, share in ((alike, FILLED), (some, FILLED_BY_ALL)))
     return mask
 
 

@@ -46,7 +46,7 @@ def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     scale = unit or own
     if scale is None:
         raise ValueError('does not say its unit, such as width = "2000mm"; state it: unit = "mm"')
-    named = {element.get("id", ""): element for element in reversed(list(root.iter()))}
+    named = {name: element for element in reversed(list(root.iter())) if (name := element.get("id"))}
     reader = _Reader(Drawn(scale), sheet_of(root), sagitta, named)
     try:
         reader.walk(root, _Around(np.diag([scale * stretch[0], -scale * stretch[1], 1.0]), viewport), 0)

@@ -38,9 +38,11 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
     pair, face_a, face_b = opposite_faces(parts, pairs, ALL_BUT * smaller, size, ANGLE)
     both = owner[pairs[pair]] @ np.array([len(blocks), 1])  # one number for each pair of blocks, also of several parts
     on_plane = _largest_distance(parts, face_a, face_b) <= TOUCH * smaller[pair]
-    doubtful = ~np.isin(both, both[on_plane])  # nearly all faces lie on one plane; their overlaps need not be found again
+    # Nearly all parts meet on one plane, and then nowhere else: their overlaps need not be found again. Other parts of their blocks may.
+    doubtful = np.isin(both, both[~np.isin(pair, pair[on_plane])])
     pair, face_a, face_b, both = pair[doubtful], face_a[doubtful], face_b[doubtful], both[doubtful]
-    overlap, _, _, gap = face_overlaps(parts, face_a, face_b, TOUCH * smaller[pair])
+    # A narrower overlap is no joint: where four corners meet, those across from each other overlap by the error of the coordinates.
+    overlap, _, _, gap = face_overlaps(parts, face_a, face_b, ALL_BUT * smaller[pair])
     both, smaller = both[overlap], smaller[pair[overlap]]
     missed = (gap <= ALL_BUT * smaller) & ~np.isin(both, both[gap <= TOUCH * smaller])
     order = np.lexsort((gap[missed], both[missed]))

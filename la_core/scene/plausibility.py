@@ -8,6 +8,7 @@ import numpy as np
 from la_core.geometry import ROLES, Blocks, missed_joints
 from la_core.scene.loads.plausibility import FRICTION
 
+MARGIN = 1.5  # faces within twice the tolerance are closed, but corners of several faces are off together
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
 SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
 WEIGHT = (0.1, 1e9)  # N: a model of wooden pieces, and a hundred thousand tonnes, more than a tower or a dome
@@ -86,7 +87,7 @@ def _of_gaps(blocks: Blocks) -> Iterator[str]:
     ]
     named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
     what = f"blocks {named} all but touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks all but touch ({named})"
-    yield f"{what}, but no joint connects them; [geometry] tolerance = {_rounded_up(widest / 2.0):g} closes such gaps."
+    yield f"{what}, but no joint connects them; [geometry] tolerance = {_rounded_up(MARGIN * widest / 2.0):g} closes such gaps."
 
 
 def _rounded_up(length: float) -> float:

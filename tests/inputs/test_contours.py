@@ -1,10 +1,14 @@
 """A contour drawn around stones is no stone; an outline around one mark, or around a few of another layer, is."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from la_core.drawing import Cleaned, Drawn, cleaned
 from la_core.drawing.outlines import Outline
+from la_core.scene.generators.drawings import drawing_blocks, read_drawing
+from la_core.scene.schema.drawing import Drawing
 
 STONES = [((x, z), (x + 0.5, z + 0.25)) for z in (0.0, 0.25) for x in (0.0, 0.5)]
 CONTOUR = ((0.0, 0.0), (1.0, 0.5))
@@ -55,6 +59,7 @@ def test_contours_within_a_contour_are_left_out_with_it() -> None:
     [
         [rectangle(((0.1, 0.1), (0.9, 0.4)))],  # one bevel
         [rectangle(((0.1, 0.1), (0.2, 0.2))), rectangle(((0.7, 0.1), (0.8, 0.2)))],  # two holes for lifting
+        [rectangle(((0.06, 0.06), (0.94, 0.44))), rectangle(((0.14, 0.14), (0.86, 0.36)))],  # a bevel in a bevel
         [rectangle(stone, layer="OPENINGS") for stone in STONES[:3]],
         [rectangle(stone, colour="1") for stone in STONES[:3]],
         [rectangle(((x, 0.0), (x + 1.0, 0.5))) for x in (-1.0, 1.0)],  # neighbours
@@ -64,3 +69,23 @@ def test_other_outlines_leave_a_stone_as_it_is(others: list[Outline]) -> None:
     found = clean(rectangle(CONTOUR), *others)
     assert len(found.outlines) == 1 + len(others)
     assert not found.around
+
+
+def test_an_opening_is_no_contour_of_its_panes() -> None:
+    panes = [rectangle(((x, 0.03), (x + 0.46, 0.47)), layer="GLASS") for x in (0.03, 0.51)]
+    drawn = Drawn(1.0, [rectangle(CONTOUR, layer="WINDOW"), *panes])
+    found = cleaned(drawn, 0.0, lambda layer, _: layer == "WINDOW")
+    assert len(found.outlines) == 3
+    assert not found.around
+    assert cleaned(drawn, 0.0).around
+
+
+def test_panes_in_a_listed_opening_become_no_blocks(tmp_path: Path) -> None:
+    shapes = {"SILL": [(0, 500, 3000, 200)], "JAMBS": [(0, 0, 1000, 500), (2000, 0, 1000, 500)]}
+    shapes |= {"WINDOW": [(1000, 0, 1000, 500)], "GLASS": [(1000, 0, 480, 500), (1520, 0, 480, 500)]}
+    rows = [f'<rect x="{x}" y="{y}" width="{w}" height="{h}" class="{layer}"/>' for layer, some in shapes.items() for x, y, w, h in some]
+    groups = [f'<g id="{layer}">{"".join(row for row in rows if layer in row)}</g>' for layer in shapes]
+    (tmp_path / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="3000mm" height="700mm">{"".join(groups)}</svg>')
+    table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",), ground=("SILL",))
+    shapes_built, counts = drawing_blocks(table, read_drawing(table, tmp_path), 0.0)
+    assert [len(shapes_built), counts.openings, counts.in_openings] == [3, 1, 2]

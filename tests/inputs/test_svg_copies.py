@@ -78,7 +78,7 @@ def test_a_hidden_copy_is_counted_and_not_read() -> None:
     assert sum(drawn.ignored.values()) == 2
 
 
-@pytest.mark.parametrize("link", ["other.svg#stone", "#missing", ""])
+@pytest.mark.parametrize("link", ["other.svg#stone", "#missing", "#", ""])
 def test_a_copy_of_what_is_not_there_is_counted(link: str) -> None:
     drawn = read(f'{STONE}<use href="{link}"/>')
     assert not drawn.outlines

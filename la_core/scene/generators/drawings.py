@@ -109,7 +109,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     try:
         drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta)
         _refuse_unmatched(table, drawn.places)
-        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance)
+        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _names(table.openings, place))
     except ValueError as error:
         raise SceneError(_at(table), str(error)) from error
     lists = _lists(table, clean)
