@@ -59,7 +59,7 @@ class Cleaned:
         return by_layer(one for one, is_inside in zip(self.idle, inside, strict=True) if is_inside)
 
 
-def cleaned(drawn: Drawn, tolerance: float, is_opening: Callable[[str, str], bool] = lambda _layer, _colour: False) -> Cleaned:
+def cleaned(drawn: Drawn, tolerance: float, list_of: Callable[[str, str], str] = lambda _layer, _colour: "blocks") -> Cleaned:
     """Find all outlines of a drawing and clean them.
 
     Parameters
@@ -68,8 +68,8 @@ def cleaned(drawn: Drawn, tolerance: float, is_opening: Callable[[str, str], boo
         Content of the drawing, m.
     tolerance : float
         Largest error of the coordinates, m; 0 for none.
-    is_opening : callable
-        Whether a layer with a colour holds openings: panes may fill these, and they stay.
+    list_of : callable
+        Name of the list that a layer with a colour belongs to: outlines in "blocks" alone may be contours, and those in "ignore" fill none.
 
     Raises
     ------
@@ -92,7 +92,8 @@ def cleaned(drawn: Drawn, tolerance: float, is_opening: Callable[[str, str], boo
     speck = area <= max(SPECK * float(np.median(area)), 4.0 * tolerance**2)
     speck |= shapely.is_empty(shapely.buffer(polygons, -0.5 * tolerance)) if tolerance > 0.0 else False
     double = _doubles(polygons, speck)
-    contour = _contours(polygons, outlines, speck | double) & ~np.array([is_opening(*outline.place) for outline in outlines])
+    lists = np.array([list_of(*outline.place) for outline in outlines])
+    contour = _contours(polygons, outlines, speck | double | (lists == "ignore")) & (lists == "blocks")
     around = by_layer((*found.around, *((outlines[k].layer, outlines[k].points) for k in np.flatnonzero(contour))))
     polygons, straight = _without_dents(polygons, tolerance)
     kept = np.flatnonzero(~speck & ~double & ~contour)

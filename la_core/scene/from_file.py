@@ -94,7 +94,7 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
         drawn = read_outlines(source.suffix, content, UNITS.get(unit), CURVE)
         layers = sorted({layer for layer, _ in drawn.places})
         lists = {key: [layer for layer in layers if _list_of(layer) == key] for key in WORDS}
-        clean = cleaned(drawn.without(lambda layer, _: layer in lists["ignore"]), TOLERANCE, lambda layer, _: layer in lists["openings"])
+        clean = cleaned(drawn.without(lambda layer, _: layer in lists["ignore"]), TOLERANCE, lambda layer, _: _list_of(layer) or "blocks")
     except ValueError as error:
         raise SceneError(str(source), str(error)) from error
     if not clean.outlines:

@@ -71,10 +71,12 @@ def test_other_outlines_leave_a_stone_as_it_is(others: list[Outline]) -> None:
     assert not found.around
 
 
-def test_an_opening_is_no_contour_of_its_panes() -> None:
-    panes = [rectangle(((x, 0.03), (x + 0.46, 0.47)), layer="GLASS") for x in (0.03, 0.51)]
-    drawn = Drawn(1.0, [rectangle(CONTOUR, layer="WINDOW"), *panes])
-    found = cleaned(drawn, 0.0, lambda layer, _: layer == "WINDOW")
+@pytest.mark.parametrize(("layer", "listed"), [("WINDOW", "openings"), ("BASE", "ground"), ("PAD", "support"), ("DETAIL", "ignore")])
+def test_only_a_block_is_a_contour_and_only_of_what_is_read(layer: str, listed: str) -> None:
+    """A window has panes and ground is hatched; what is ignored fills nothing."""
+    parts = [rectangle(((x, 0.03), (x + 0.46, 0.47)), layer="DETAIL") for x in (0.03, 0.51)]
+    drawn = Drawn(1.0, [rectangle(CONTOUR, layer="STONES" if layer == "DETAIL" else layer), *parts])
+    found = cleaned(drawn, 0.0, lambda name, _: listed if name == layer else "blocks")
     assert len(found.outlines) == 3
     assert not found.around
     assert cleaned(drawn, 0.0).around

@@ -109,10 +109,10 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     try:
         drawn = read_outlines(suffix, file.content, UNITS.get(table.unit or ""), table.sagitta)
         _refuse_unmatched(table, drawn.places)
-        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _names(table.openings, place))
+        clean = cleaned(drawn.without(lambda *place: _names(table.ignore, place)), tolerance, lambda *place: _list_of(table, place))
     except ValueError as error:
         raise SceneError(_at(table), str(error)) from error
-    lists = _lists(table, clean)
+    lists = [_list_of(table, outline.place) for outline in clean.outlines]
     opened = [outline for outline, place in zip(clean.outlines, lists, strict=True) if place == "openings"]
     built = [(outline, ROLES_OF[place]) for outline, place in zip(clean.outlines, lists, strict=True) if place in ROLES_OF]
     outside = _outside([outline for outline, _ in built], opened)
@@ -168,11 +168,10 @@ def _refuse_unmatched(table: Drawing, places: set[tuple[str, str]]) -> None:
                 raise SceneError(f"{_at(table)}.{key}", rule, value=pattern, hint=nearest(pattern, valid, "layers"))
 
 
-def _lists(table: Drawing, clean: Cleaned) -> list[str]:
-    """The list of the table that names each outline; "blocks" where none does and the table lists no blocks."""
+def _list_of(table: Drawing, place: tuple[str, str]) -> str:
+    """The list of the table that names a layer with a colour; "blocks" where none does and the table lists no blocks."""
     every = {key: getattr(table, key) for key in LISTS} | {"blocks": table.blocks or ("*",)}
-    places = [outline.place for outline in clean.outlines]
-    return [next((key for key, patterns in every.items() if _names(patterns, place)), "ignore") for place in places]
+    return next((key for key, patterns in every.items() if _names(patterns, place)), "ignore")
 
 
 def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
