@@ -1,7 +1,8 @@
 """Full disks, folders that cannot be written and memory at an end are named, leave nothing half written, and the next call recovers."""
 
+import os
 import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -70,13 +71,17 @@ def test_a_stop_in_any_file_leaves_none_half_written_and_the_next_call_recovers(
     assert files == 8  # scene, case, figure, view, comparison, three reports
 
 
-def limited(size: int) -> Callable[[], None]:
-    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+def limited(size: int) -> dict[str, Any]:
+    """Options of a process whose files cannot grow larger; Python would leave its compiled modules cut off where all look for them."""
+    return {
+        "preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+        "env": {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+    }
 
 
 def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
     """No file may be larger than the limit, which is what a full disk does to whoever writes."""
-    with crosscheck("run", "two_pads", "-o", str(tmp_path / "out"), preexec_fn=limited(100)) as process:
+    with crosscheck("run", "two_pads", "-o", str(tmp_path / "out"), **limited(100)) as process:
         _, said = process.communicate()
     assert process.returncode == TOOL
     one_message(said, "scene.toml: File too large")
@@ -85,7 +90,7 @@ def test_a_disk_that_fills_up_is_named_with_the_file(tmp_path: Path) -> None:
 
 def test_a_disk_that_fills_up_leaves_no_empty_scene_that_a_new_one_would_spare(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    with crosscheck("new", "arch", "-o", str(path), preexec_fn=limited(100)) as process:
+    with crosscheck("new", "arch", "-o", str(path), **limited(100)) as process:
         _, said = process.communicate()
     assert process.returncode == TOOL
     one_message(said, "mine.toml: File too large")
@@ -101,7 +106,7 @@ def test_a_disk_that_fills_up_under_yade_is_named_with_the_file(plain_figures: N
     assert main(["run", str(scene), "-o", str(undisturbed), "-q"]) == 0
     case, run = ((undisturbed / "two_pads" / name).stat().st_size for name in ("case.h5", "run.h5"))
     assert case < run
-    with crosscheck("run", str(scene), "-o", str(out), preexec_fn=limited(run - 1)) as process:
+    with crosscheck("run", str(scene), "-o", str(out), **limited(run - 1)) as process:
         _, said = process.communicate()
     assert process.returncode == TOOL and "Traceback" not in said
     assert said.count("YADE: failed") == 1 and "File too large" in said and "run.h5" in said
