@@ -9,7 +9,7 @@ from la_core.measures import mechanism
 from la_core.model import Assembly
 
 NAN = float("nan")
-SLIGHT = 1e-6  # of the value: less power of friction is round-off
+ONE_POINT = 1e-6  # of the value: an interval that is no wider to either side is one point but for round-off
 
 
 def _empty() -> np.ndarray:
@@ -121,7 +121,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         return without_answer(assembly, associated.status)
     unit = 1.0 if assembly.has_live_load else assembly.mean_weight * assembly.support_speed
     slight = _by_dilatancy(assembly, associated)
-    width = slight if slight > SLIGHT * abs(associated.value) else 0.0  # what is round-off leaves one point
+    width = slight if slight > ONE_POINT * abs(associated.value) else 0.0
     return CoulombSolution(
         Status.SOLVED,
         associated.value,
@@ -141,9 +141,10 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
 
 
 def _by_dilatancy(assembly: Assembly, associated: Solution) -> float:
-    """Power of friction in the associated mechanism per unit of the motion or of the load's power, which it dissipates without dilatancy.
+    """Power of friction in the associated mechanism, per unit of the support's motion (N, N m) or of the live load's power.
 
-    A search for sliding leaves out joints that slide so little; the value may still be as much too small.
+    The search for sliding leaves out joints that slide so little. Their dilatancy may still make a least reaction too small, or a
+    multiplier too large, by this power.
     """
     power = mechanism.friction_power(assembly, associated.twists, associated.forces)
     driven = float(np.sum(assembly.live_load * associated.twists)) if assembly.has_live_load else 1.0

@@ -147,7 +147,7 @@ def test_jammed_support_bears_any_push(plane) -> None:
 
 
 def test_only_a_thorough_attempt_says_that_nothing_limits_a_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quick one may be wrong: where no thorough one ends with an answer, there is none."""
+    """A quick attempt may be wrong. Where no thorough one confirms it, the bound has no answer."""
     assembly = assemble(scenes.shipped("two_pads"))
     solved = solve_associated(assembly, Drive.YIELDING)
     inaccurate = replace(solved, status=Status.INACCURATE)
