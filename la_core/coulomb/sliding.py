@@ -26,7 +26,7 @@ from la_core.model import Assembly, JointStiffness
 
 LESS_FRICTION = 0.98  # of the scene's: a joint this close to its limit counts as sliding
 SLIDING_SHARE = 1e-3  # of the exchanged power: below this no loaded joint slides in a mechanism
-SLIGHT_WORK = 1e-3  # of the elastic energy: below this friction's work on the way changes no force
+SLIGHT_WORK = 1e-3  # of the elastic energy, at rest or now, where larger: below this friction's work on the way changes no force
 SAME_VALUE = 1e-3  # of the value: for elastic joints this close to the bound their strain does not matter
 VISCOSITY = 1e-2  # at the start of the search
 
@@ -113,12 +113,12 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
         return True, "the blocks do not come to rest on elastic joints", iterations
     end = first_travel(joints)
     path = QuasiStaticPath(joints, tangent, rest, Falling(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
-    work = np.zeros(len(joints.friction))
+    work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # a block that is lifted off leaves no energy behind
     for _ in path.advance_to(end / 2.0):
         pass
     for _ in path.advance_to(end):
         work += _friction_work(joints, path.before, path.last)
-        if work.sum() > SLIGHT_WORK * _energy(joints, path.last):
+        if work.sum() > SLIGHT_WORK * max(at_rest, _energy(joints, path.last)):
             return True, f"{_joint(joints.assembly, work)} slides while the support moves", iterations + path.iterations
     iterations += path.iterations
     if path.last.progress < end:

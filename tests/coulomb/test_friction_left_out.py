@@ -120,3 +120,14 @@ def test_friction_is_left_out_only_where_that_changes_nothing(friction: float, t
     assert short.coulomb is not None and full.coulomb is not None
     if full.coulomb.status is Status.SOLVED:
         assert short.coulomb.value == pytest.approx(full.coulomb.value, rel=1e-3, abs=1e-3 * short.assembly.mean_weight)
+
+
+def test_blocks_that_are_lifted_off_do_not_slide_by_rounding_errors() -> None:
+    """Once the load is the weight, the joints hold no energy, and any rounding error of friction's work would be large beside it."""
+    ground = scenes.box("ground", (0.0, 0.0, -0.1), (1.0, 0.2, 0.0), "fixed")
+    blocks = scenes.box("lower", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), scenes.box("upper", (0.1, 0.0, 0.5), (0.8, 0.2, 1.0))
+    answer = analyse(scenes.build(ground, *blocks, inset=0.001, live=(0.0, 0.0, 1.0), model="auto"))
+    assert answer.assembly.effects.friction == "none-slides"
+    assert answer.coulomb is not None and answer.coulomb.status is Status.SOLVED
+    assert answer.coulomb.value == pytest.approx(1.0, abs=SOLVER)
+    assert answer.coulomb.uncertainty <= SOLVER
