@@ -5,17 +5,21 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from comparison.judge.curves import curves_summary
 from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.verdict import Check, Conclusion, conclusion
+from comparison.verdict import Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
+from la_core.geometry import nearest_gap
 from la_core.limit import Status
 from la_core.measures import measure
+from la_core.model import Assembly, connected_to_held
 from la_core.scene import Scene, geometry_changes, tilt_angles
 
 
@@ -88,7 +92,19 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
     is_loaded = len(scene.loads) > 0 or scene.ties is not None
     stands_sharp = analysis.sharp.bounds[analysis.main].status is Status.SOLVED
     rounded = analysis.assembly.inset if falling is not None and stands_sharp else 0.0
-    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded)
+    cause = "" if falling is None else _missing_joints(analysis.whole, falling)
+    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded, cause)
+
+
+def _missing_joints(assembly: Assembly, falling: tuple[str, ...]) -> str:
+    """Return a sentence on the blocks that no joint connects with the ground or a support, not even through others; "" without any."""
+    loose = np.flatnonzero(assembly.blocks.free & ~connected_to_held(assembly))
+    if not len(loose):
+        return ""
+    others = np.setdiff1d(np.arange(len(assembly.blocks)), loose)
+    names = [assembly.blocks.names[block] for block in loose]
+    blocks = "them" if set(names) == set(falling) else named_blocks(names)
+    return f"No joint connects {blocks} with the ground or a support: {nearest_gap(assembly.blocks, loose, others)}."
 
 
 def comparison_summary(

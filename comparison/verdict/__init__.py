@@ -2,7 +2,7 @@
 
 from comparison.verdict.check import Check, Verdict, finite_or_none, inside, overall, stored_check, within
 from comparison.verdict.check_table import Checks
-from comparison.verdict.conclusion import HARDER, Conclusion, conclusion
+from comparison.verdict.conclusion import HARDER, Conclusion, conclusion, named_blocks
 from comparison.verdict.verdict_table import VERDICT_HEADINGS, VERDICTS, check_words, mark_of, verdict_cells, verdict_title
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "finite_or_none",
     "inside",
     "mark_of",
+    "named_blocks",
     "overall",
     "stored_check",
     "verdict_cells",

@@ -56,6 +56,7 @@ def conclusion(
     is_finest: bool = False,
     is_loaded: bool = False,
     rounded: float = 0.0,
+    cause: str = "",
 ) -> Conclusion:
     """Return the conclusion from every check.
 
@@ -73,12 +74,14 @@ def conclusion(
         Whether dead loads or ties act on the structure, besides its weight.
     rounded : float
         Inset of the structure that falls, m, where it stands with sharp arrises; else 0.
+    cause : str
+        Sentence on why blocks fall, beside their names; "" where none is known.
     """
     verdict, reason = overall(checks)
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict is not Verdict.DISAGREE:
         step = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
-        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded), step, remarks)
+        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded, cause), step, remarks)
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]
@@ -96,16 +99,24 @@ def _after_second_attempt(step: str) -> str:
     return " ".join([*(one for one in said if one not in advised), TRIED]) if advised else step
 
 
-def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool, rounded: float) -> str:
-    named = ", ".join(f'"{name}"' for name in falling[:MOST_NAMES])
-    more = f" and {len(falling) - MOST_NAMES} more blocks" if len(falling) > MOST_NAMES else ""
+def named_blocks(names: Sequence[str]) -> str:
+    """Return the first names in quotes, and how many more blocks there are."""
+    quoted = ", ".join(f'"{name}"' for name in names[:MOST_NAMES])
+    return quoted + (f" and {len(names) - MOST_NAMES} more blocks" if len(names) > MOST_NAMES else "")
+
+
+def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool, rounded: float, cause: str) -> str:
     status = "" if yade is None else str(yade.get("status"))
     other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, f"YADE's run ended as {status}.")
     under = "weight, loads and ties" if is_loaded else "own weight"
     arrises = f" where arrises are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
     proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{arrises}"
-    sharp = " With sharp arrises it stands." if rounded else ""
-    return f"{proof}: {named}{more} would fall.{sharp} {other}" if falling else f"{proof}.{sharp} {other}"
+    said = [
+        f"{proof}: {named_blocks(falling)} would fall." if falling else f"{proof}.",
+        cause,
+        "With sharp arrises it stands." if rounded else "",
+    ]
+    return " ".join([*filter(None, said), other])
 
 
 def _alone(met: bool) -> str:

@@ -271,14 +271,18 @@ def face_overlaps(
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
     """The nearest pair of a block in `some` and one in `others` (indices), its gap, and how a gap as wide as mortar is closed."""
-    low, high = blocks.low[some][:, None], blocks.high[some][:, None]
-    gap = np.linalg.norm(np.maximum(np.maximum(blocks.low[others] - high, low - blocks.high[others]), 0.0), axis=2)
-    one, near = np.unravel_index(np.argmin(gap), gap.shape)
-    told = f'"{blocks.names[others[near]]}" is nearest to "{blocks.names[some[one]]}"'
-    if gap.min() <= NO_GAP:
+
+    def gaps(one: int) -> np.ndarray:
+        apart = np.maximum(blocks.low[others] - blocks.high[one], blocks.low[one] - blocks.high[others])
+        return np.linalg.norm(np.maximum(apart, 0.0), axis=1)
+
+    one = min(some, key=lambda block: gaps(block).min())  # block by block: a table of all pairs of a large scene takes gigabytes
+    near, gap = others[np.argmin(gaps(one))], gaps(one).min()
+    told = f'"{blocks.names[near]}" is nearest to "{blocks.names[one]}"'
+    if gap <= NO_GAP:
         return f"{told} and meets it at most in an edge or a corner, which carries nothing"
-    told += f", about {gap.min():.3g} m away"
-    return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else "")
+    told += f", about {gap:.3g} m away"
+    return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap <= MOST_MORTAR else "")
 
 
 def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:

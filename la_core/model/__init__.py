@@ -4,7 +4,7 @@ from la_core.model.assembly import PLANE_FREEDOMS, Assembly, assemble, per_lengt
 from la_core.model.contact_grid import with_grid
 from la_core.model.dem_effects import decide_dem_effects
 from la_core.model.effects import Effects
-from la_core.model.joints import JointStiffness, joint_stiffness
+from la_core.model.joints import JointStiffness, connected_to_held, joint_stiffness
 from la_core.model.mirrors import Image, images
 from la_core.model.scaling import columns, global_forces, local_forces, scaled_load, support_motion, twists_of
 
@@ -16,6 +16,7 @@ __all__ = [
     "JointStiffness",
     "assemble",
     "columns",
+    "connected_to_held",
     "decide_dem_effects",
     "global_forces",
     "images",

@@ -117,7 +117,7 @@ def _glued(assembly: Assembly) -> tuple[float, float, float]:
     The last number is the displacement (m) under weights that act sideways. Glued joints are stiffer than open ones: a scale, not a
     prediction. NaN where nothing holds the structure.
     """
-    plane, standing = assembly.effects.plane, _standing(assembly)
+    plane, standing = assembly.effects.plane, connected_to_held(assembly)
     if not standing.any():
         return math.nan, math.nan, math.nan
     freedoms, width = (len(PLANE_FREEDOMS), 2) if plane else (6, 3)
@@ -140,8 +140,8 @@ def _glued(assembly: Assembly) -> tuple[float, float, float]:
     return largest(down), force, max(largest(moved(pushed, SWAY_TOLERANCE)) for pushed in sideways)
 
 
-def _standing(assembly: Assembly) -> np.ndarray:
-    """Mask (B,) of the free blocks that joints connect to a held block; all others fall, however stiff the joints are."""
+def connected_to_held(assembly: Assembly) -> np.ndarray:
+    """Mask (B,) of the free blocks that joints connect to a held block, also through other blocks; all others fall."""
     free, size = assembly.blocks.free, len(assembly.blocks)
     a, b = assembly.interfaces.block_a, assembly.interfaces.block_b
     joined = sparse.coo_matrix((np.ones(len(a)), (a, b)), shape=(size, size))

@@ -13,7 +13,7 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
 from comparison.judge.run_checks import check_answer, check_expected, check_run
-from comparison.judge.summary import comparison_summary
+from comparison.judge.summary import comparison_summary, conclusion_of
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.verdict import VERDICTS, Check, Verdict, conclusion, inside, mark_of, stored_check
@@ -75,6 +75,28 @@ def test_what_cannot_stand_says_so_with_the_blocks_that_fall(yade: dict[str, Any
     assert found.verdict is Verdict.CANNOT_STAND and found.next_step
     assert '"block 0"' in found.reason and "3 more blocks would fall" in found.reason and words in found.reason
     assert EXIT_OF_VERDICT[found.verdict] == CANNOT_STAND != 0
+
+
+PIER_AND_PAD = (
+    scenes.box("pier", (0.0, 0.0, -0.5), (1.0, 1.0, 0.0), "fixed"),
+    scenes.box("pad", (2.0, 0.0, -0.5), (3.0, 1.0, 0.0), "support"),
+    scenes.box("on the pier", (0.0, 0.0, 0.0), (0.5, 1.0, 0.5)),
+    scenes.box("on the pad", (2.0, 0.0, 0.0), (3.0, 1.0, 0.5)),
+)
+
+
+def test_blocks_that_meet_the_rest_in_edges_only_fall_for_want_of_a_joint() -> None:
+    """Two blocks, one upon the other, whose lower one meets the pier in an edge: each block has a joint, so nothing is refused."""
+    lower, upper = scenes.box("lower", (1.0, 0.0, 0.0), (1.5, 1.0, 0.5)), scenes.box("upper", (1.0, 0.0, 0.5), (1.5, 1.0, 1.0))
+    found = conclusion_of(analyse(scenes.build(*PIER_AND_PAD, lower, upper)), [], None)
+    assert found.verdict is Verdict.CANNOT_STAND
+    words = 'would fall. No joint connects them with the ground or a support: "pier" is nearest to "lower" and meets it at most in an edge'
+    assert words in found.reason
+
+
+def test_what_falls_although_joints_connect_it_has_no_such_cause() -> None:
+    found = conclusion_of(analyse(scenes.build(*PIER_AND_PAD, scenes.box("beam", (0.6, 0.0, 0.0), (1.8, 1.0, 0.2)))), [], None)
+    assert found.verdict is Verdict.CANNOT_STAND and '"beam" would fall' in found.reason and "No joint" not in found.reason
 
 
 def test_a_structure_that_stands_in_yade_although_it_cannot_is_a_disagreement() -> None:
