@@ -47,7 +47,7 @@ def has_plateau(run: Run | None) -> bool:
 def obstacle_of(analysis: LimitAnalysis) -> str:
     """Return why limit analysis has no reaction to draw, or ""."""
     scene = analysis.scene
-    status, value = analysis.bounds[analysis.main].status, analysis.bounds[analysis.main].value
+    status, value = analysis.bounds[analysis.main].status, analysis.main_answer.value
     if status is Status.INFEASIBLE:
         return f"Limit analysis: the structure cannot stand; no {scene.quantity} exists."
     return "" if np.isfinite(value) else f"Limit analysis ended with the status {status}; no {scene.quantity} is known."

@@ -19,10 +19,10 @@ IN_SPACE = 1e-5  # of the mean block weight, or of the fastest block's speed: te
 
 def check_plane(analysis: LimitAnalysis) -> Iterator[Check]:
     """Yield the check that the answer of a plane model also solves the model in space; nothing for a model in space."""
-    least = analysis.bounds[analysis.main]
-    if not analysis.assembly.effects.plane or least.status is not Status.SOLVED:
+    answer = analysis.main_answer
+    if not analysis.assembly.effects.plane or answer.status is not Status.SOLVED:
         return
-    worst = residual_in_space(analysis.assembly, least.twists, least.forces)
+    worst = residual_in_space(analysis.assembly, answer.twists, answer.forces)
     holds = worst <= IN_SPACE
     misses = f"In space the plane answer is out of equilibrium or lets blocks penetrate by {worst:.1e} of a block ({IN_SPACE:g} accepted)"
     verdict, reason, step = (Verdict.AGREE, "", "") if holds else (Verdict.INCONCLUSIVE, f"{misses}.", IN_SPACE_STEP)

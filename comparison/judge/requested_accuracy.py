@@ -15,6 +15,7 @@ METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 
 
 COARSER = "Request a coarser accuracy, or allow more seconds with --time-limit."
+UNKNOWN_ERROR = "Request no accuracy: a part of the error is unknown. The verdict then rests on the uncertainties that both methods state."
 
 
 def percent(share: float | None) -> str:
@@ -67,7 +68,9 @@ def check_accuracy(results: Results) -> Iterator[Check]:
         reason = f"The requested accuracy of {percent(requested)} is not reached: {name} estimates its own error as {estimate}."
         error = finite_or_none(last.error)
         errors: tuple[float | None, float | None] = (error, None) if method == "limit_analysis" else (None, error)
-        verdict, reason, step = (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, COARSER)
+        verdict, reason, step = (
+            (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, COARSER if error is not None else UNKNOWN_ERROR)
+        )
         yield Check(f"accuracy of {name}", verdict, *errors, None, requested, "of the answer", reason, step)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from comparison.judge.energy import check_energy
 from comparison.judge.prediction import FINER_PATHS, SLOWER_RUN, check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
-from comparison.judge.sections import check_sections
+from comparison.judge.sections import check_sections, plateau_multiplier
 from comparison.judge.tolerances import accuracy_share, reaction_tolerance, unbalanced
 from comparison.numbers import format_number, plural
 from comparison.verdict import Check, Verdict, inside, within
@@ -26,9 +26,9 @@ REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load: no mechanism with dilatant friction follows it, so no bound exists. "
-    "If it is right, the blocks lock as they dilate. Limit analysis makes no prediction then, although friction without dilatancy may "
-    "have a value."
+    "If it is right, the blocks lock as they dilate"
 )
+JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
 OTHER_THRUST = (
     "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source: with little "
@@ -86,18 +86,21 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
 def check_answer(analysis: LimitAnalysis) -> Iterator[Check]:
     """Yield a check that says why limit analysis has no answer, or an uncertain one; nothing where it is solved, or nothing can stand."""
     associated, coulomb = analysis.bounds[analysis.main], analysis.coulomb
-    if associated.status not in (Status.SOLVED, Status.INFEASIBLE):
+    if associated.status not in (Status.SOLVED, Status.INFEASIBLE) and not analysis.is_without_bound:
         reason = f"Limit analysis ended as {associated.status}, so it has no answer."
-        yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(associated.status))
+        yield Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(analysis))
     elif coulomb is not None and coulomb.status in (Status.INACCURATE, Status.FAILED):
         reason = f"Coulomb limit analysis ended as {coulomb.status}{_doubt(coulomb, analysis.scene.unit)}."
         step = _thrust(analysis.scene) if math.isinf(coulomb.uncertainty) else FINER_PATHS
         yield Check("Coulomb limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
 
-def _next_step(status: Status) -> str:
-    """Return what to do where limit analysis ended with this status and without a value."""
-    return OTHER_DIRECTION if status is Status.UNBOUNDED else PLAIN_SCENE
+def _next_step(analysis: LimitAnalysis) -> str:
+    """Return what to do where limit analysis ended without a value."""
+    if analysis.bounds[analysis.main].status is not Status.UNBOUNDED:
+        return PLAIN_SCENE
+    was_followed = analysis.coulomb is not None and analysis.coulomb.iterations > 0
+    return f"{OTHER_DIRECTION}{JAM if was_followed else ''}."
 
 
 def _thrust(scene: Scene) -> str:
@@ -118,7 +121,7 @@ def _doubt(coulomb: CoulombSolution, unit: str) -> str:
 def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    least = analysis.bounds[analysis.main]
+    least, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in ("plateau", "no plateau", "collapsed"):
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
         step = MORE_TIME if run.status == "timeout" else REPAIR_YADE
@@ -128,9 +131,9 @@ def check_run(results: Results) -> list[Check]:
     moved = list(check_displacement(results))
     if run.status == "collapsed":
         return [*(check for check in moved if check.reason), _check_standing(results)]
-    if least.status is not Status.SOLVED:
+    if answer.status is not Status.SOLVED:
         reason = f"Limit analysis ended as {least.status}, so YADE's {scene.quantity} cannot be compared."
-        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(least.status))]
+        return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(analysis))]
     driven = _check_settlement(scene, run) if scene.live is None else _check_speed(results)
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
     checks += [*check_plane(analysis), *check_energy(analysis.assembly, run)]
@@ -144,7 +147,7 @@ def check_run(results: Results) -> list[Check]:
 
 def _check_reaction(results: Results) -> Iterator[Check]:
     """Yield the checks of a reaction that belongs to a state of equilibrium."""
-    yield _check_bounds(results)
+    yield from _check_bounds(results)
     yield from check_reach(results)
     yield from check_prediction(results)
     yield from check_sections(results)
@@ -212,7 +215,7 @@ def _check_contacts(results: Results) -> Check:
 def _check_equilibrium(results: Results) -> Check:
     analysis, run = results.analysis, results.recorded
     forces = run.plateau_forces()
-    residual = residuals.equilibrium_residual(analysis.assembly, forces, _multiplier(results))
+    residual = residuals.equilibrium_residual(analysis.assembly, forces, plateau_multiplier(results))
     violation = residuals.cone_violation(analysis.assembly, forces)
     worst = max(residual, violation)
     state = f"YADE's mean state on the plateau is out of equilibrium or breaks the friction law by {worst:.2g} of the mean block weight"
@@ -232,9 +235,9 @@ def _check_balance(results: Results) -> Check:
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly = analysis.assembly
-    unbalanced = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
+    unbalanced = run.plateau_wrenches(assembly) + assembly.dead_load + plateau_multiplier(results) * assembly.live_load
     free = assembly.blocks.free
-    power = float(np.sum(unbalanced[free] * analysis.bounds[analysis.main].twists[free]))
+    power = float(np.sum(unbalanced[free] * analysis.main_answer.twists[free]))
     tolerance = reaction_tolerance(results)
     sizes = [f"{size:.3g} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
@@ -243,29 +246,23 @@ def _check_balance(results: Results) -> Check:
     return replace(check, verdict=Verdict.AGREE if check.verdict is Verdict.AGREE else Verdict.INCONCLUSIVE)
 
 
-def _multiplier(results: Results) -> float:
-    """Return the mean multiplier of YADE's live load on the plateau; 0 without one."""
-    if results.scene.live is None:
-        return 0.0
-    run = results.recorded
-    stored = run.poses.settlement[run.poses.settlement >= run.result.plateau_start]  # the states of `Run.plateau_forces`
-    at = stored if len(stored) else run.poses.settlement[-1:]
-    return float(np.interp(at, run.settling("settlement"), run.settling("reaction")).mean())
+def _check_bounds(results: Results) -> Iterator[Check]:
+    """Yield the check that a reaction lies between the bounds: any quasi-static state on the same contact points is statically admissible.
 
-
-def _check_bounds(results: Results) -> Check:
-    """Any quasi-static state on the same contact points is statically admissible, so its reaction lies between the bounds.
-
-    For the same reason no multiplier of a live load is above the associated one.
+    For the same reason no multiplier of a live load is above the associated one; nothing where that is unlimited.
     """
     if results.scene.live is not None:
+        if results.analysis.is_without_bound:
+            return
         greatest_multiplier = results.analysis.bounds[Drive.LIVE].value
         reason = "YADE's multiplier is above the associated one, an upper bound on these contact points, so one of the models is wrong."
         range_below = (-math.inf, greatest_multiplier)
-        return inside(BELOW, range_below, results.recorded.result.reaction, reaction_tolerance(results), "", reason)
+        yield inside(BELOW, range_below, results.recorded.result.reaction, reaction_tolerance(results), "", reason)
+        return
     scene, analysis, run = results.scene, results.analysis, results.recorded
     reaction, tolerance = run.result.reaction, reaction_tolerance(results)
-    least, greatest = analysis.bounds[Drive.YIELDING].value, analysis.bounds[Drive.PUSHING]
+    least = -math.inf if analysis.is_without_bound else analysis.bounds[Drive.YIELDING].value
+    greatest = analysis.bounds[Drive.PUSHING]
     above = math.inf if greatest.status is Status.UNBOUNDED else greatest.value if greatest.status is Status.SOLVED else math.nan
     reason = "YADE's reaction lies outside the bounds of equilibrium and friction on these contact points, so one of the models is wrong."
-    return inside("reaction within bounds", (least, above), reaction, tolerance, scene.unit, reason)
+    yield inside("reaction within bounds", (least, above), reaction, tolerance, scene.unit, reason)

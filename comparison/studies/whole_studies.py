@@ -62,7 +62,7 @@ def _unanswered(scene: Scene, status: Status, so: str) -> SceneError:
     """Return the error for a structure without an answer; `so` says what follows."""
     if status is Status.INFEASIBLE:
         return CannotStandError(str(scene.path), f"the structure cannot stand under its weight and dead loads, so {so}")
-    return SceneError(str(scene.path), f"limit analysis ends as {status}, so {so}")
+    return SceneError(str(scene.path), f"associated limit analysis ends as {status}, so {so}")
 
 
 def _end_if(stopped: threading.Event) -> None:

@@ -34,7 +34,7 @@ def initial_settings(analysis: LimitAnalysis) -> LimitAnalysis:
     """
     scene = analysis.scene
     record = analysis.accuracy
-    if record is None or record.settings or analysis.bounds[analysis.main].status is not Status.SOLVED:
+    if record is None or record.settings or analysis.main_answer.status is not Status.SOLVED:
         return analysis
     accuracy = record.asked
     pace, stop = min(max(1.0, FASTEST * accuracy / FAST_ACCURACY), FASTEST), STOP_SHARE * accuracy

@@ -47,7 +47,7 @@ def _of_bounds_only(analysis: LimitAnalysis) -> LimitAnalysis:
 def _followed(model: StructuralModel, answers: Answers, settings: AnalysisSettings) -> EquilibriumPath | None:
     """Follow the path of the whole structure if the scene or the caller requests it and the structure has an answer."""
     is_requested = settings.follow_path or answers.assembly.effects.elasticity == "path"
-    has_answer = answers.bounds[answers.main].status is Status.SOLVED
+    has_answer = answers.bounds[answers.main].status is Status.SOLVED or answers.is_without_bound
     if not (is_requested and has_answer and model.assembly.effects.friction == "coulomb"):
         return None
     request = model.scene.path_asked or RequestedPath()

@@ -138,9 +138,12 @@ def _without_history(at_inset: Answers, sharp: Answers) -> CoulombSolution | Non
     It has none where no loaded joint slides in either mechanism, and both laws give one value at the inset.
     """
     coulomb, associated = at_inset.coulomb, sharp.bounds[sharp.main]
-    if coulomb is None or coulomb.status is not Status.SOLVED or slides_in_mechanism(sharp.assembly, associated):
+    bounds = at_inset.bounds[at_inset.main], associated
+    if coulomb is None or any(answer.status is not Status.SOLVED for answer in (coulomb, *bounds)):
         return None
-    rounded = at_inset.bounds[at_inset.main].value
+    if slides_in_mechanism(sharp.assembly, associated):
+        return None
+    rounded = bounds[0].value
     if abs(coulomb.value - rounded) > SAME_VALUE * abs(rounded) + coulomb.uncertainty:  # slip on the way changed it
         return None
     if mechanism.sliding_share(at_inset.assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE:

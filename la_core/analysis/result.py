@@ -105,6 +105,12 @@ class Answers:
         """Prediction, or the bound of the main drive where there is no prediction."""
         return self.coulomb or self.bounds[self.main]
 
+    @property
+    def is_without_bound(self) -> bool:
+        """Whether only the prediction has a value: blocks that dilate lock, and without dilatancy they move."""
+        locks = self.bounds[self.main].status is Status.UNBOUNDED
+        return locks and self.coulomb is not None and self.coulomb.status is Status.SOLVED
+
 
 @dataclass(frozen=True)
 class LimitAnalysis:
@@ -169,6 +175,16 @@ class LimitAnalysis:
     def coulomb(self) -> CoulombSolution | None:
         """Prediction at the shared inset; None where only bounds are computed."""
         return self.at_inset.coulomb
+
+    @property
+    def is_without_bound(self) -> bool:
+        """Whether only the prediction has a value at the shared inset, see `Answers.is_without_bound`."""
+        return self.at_inset.is_without_bound
+
+    @property
+    def main_answer(self) -> Solution | CoulombSolution:
+        """Bound of the main drive at the shared inset, or the prediction where only that has a value."""
+        return self.at_inset.sharpest if self.is_without_bound else self.bounds[self.main]
 
     def with_effects(self, effects: Effects) -> "LimitAnalysis":
         """Copy the analysis with these effects, and their reasons, in all of its assemblies."""

@@ -53,7 +53,9 @@ def predict(
     stiffness : JointStiffness
         Stiffness of the joints, and the travel.
     associated : Solution
-        Associated answer of the same assembly; without a value the prediction has none either, and the same status.
+        Associated answer of the same assembly. Where it is UNBOUNDED, blocks that dilate lock; without dilatancy they may move, and
+        only a certain plateau is an answer, and none is sought where joints are rigid. Elsewhere, unless it is SOLVED, the prediction
+        has no value, and the same status.
     wedging : float
         Motion of the support against its settlement before gravity acts, m or rad.
     settings : PredictionSettings, optional
@@ -61,9 +63,28 @@ def predict(
     report : callable, optional
         Receives the progress of the paths.
     """
-    if associated.status is not Status.SOLVED:
+    if associated.status is Status.SOLVED:
+        return _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
+    if associated.status is not Status.UNBOUNDED or assembly.effects.elasticity == "none":
         return without_answer(assembly, associated.status)
-    start, settings = time.perf_counter(), settings or PredictionSettings()
+    solution = _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
+    if solution.status is Status.SOLVED and not _is_locked_in(solution):
+        return solution
+    return without_answer(assembly, Status.UNBOUNDED, solution.seconds, solution.iterations)
+
+
+def _is_locked_in(solution: CoulombSolution) -> bool:
+    """Whether a value lies far from every limit of its mechanism: it is then one of stresses that the blocks locked in on their way."""
+    ends = [end for end in solution.interval if math.isfinite(end)]
+    nearest = min((abs(end - solution.value) for end in ends), default=math.inf)
+    return nearest > BROAD * abs(solution.value)
+
+
+def _followed_from_rest(
+    assembly: Assembly, stiffness: JointStiffness, wedging: float, settings: PredictionSettings, report: Reporter | None
+) -> CoulombSolution:
+    """Return the state on the plateau of a structure that stands; the parameters are those of `predict`."""
+    start = time.perf_counter()
     joints = ElasticJoints(assembly, stiffness)
     tangent = Tangent(joints)
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)

@@ -85,7 +85,8 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
         Motion of the support against its settlement before gravity acts, m or rad.
     """
     if associated.status is not Status.SOLVED:
-        return Sliding(True, f"the associated answer is {associated.status}", known=False)
+        locks = ", because blocks that dilate lock" if associated.status is Status.UNBOUNDED else ""
+        return Sliding(True, f"the associated answer is {associated.status}{locks}", known=False)
     if not assembly.points.friction.any():
         reason = "joints without friction slide without dilating, so the associated answer is Coulomb's"
         return Sliding(False, reason, "associated")

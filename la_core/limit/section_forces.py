@@ -66,14 +66,25 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
 def level_sums(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
     """Force (levels, 3), N, on the blocks above each level from the blocks below it and from held blocks.
 
-    forces (C, 3): contact forces, N. A free block is above a level if its centroid is. LEVELS are shares of the
-    height of the free blocks' centroids, against gravity.
+    forces (C, 3): contact forces, N.
+    """
+    a, b = assembly.contact_blocks
+    above = _above(assembly).astype(float)
+    return (above[:, b] - above[:, a]) @ forces
+
+
+def sums_in_equilibrium(assembly: Assembly, multiplier: float) -> np.ndarray:
+    """Force (levels, 3), N, that `level_sums` has in equilibrium with the loads. multiplier: that of the live load, 0 without one."""
+    loads = assembly.dead_load[:, :3] + multiplier * assembly.live_load[:, :3]
+    return -(_above(assembly).astype(float) @ loads)
+
+
+def _above(assembly: Assembly) -> np.ndarray:
+    """Mask (levels, B) of the free blocks whose centroid lies above each level.
+
+    LEVELS are shares of the height of the free blocks' centroids, against gravity.
     """
     height = assembly.blocks.centroid @ -assembly.down
     free_height = height[assembly.blocks.free]
-    a, b = assembly.contact_blocks
-    sums = []
-    for level in LEVELS:
-        above = assembly.blocks.free & (height > free_height.min() + level * np.ptp(free_height))
-        sums.append(((above[b].astype(float) - above[a].astype(float))[:, None] * forces).sum(axis=0))
-    return np.array(sums)
+    levels = free_height.min() + np.array(LEVELS) * np.ptp(free_height)
+    return np.asarray(assembly.blocks.free & (height > levels[:, None]))

@@ -155,3 +155,23 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
     told = " ".join((captured.out + captured.err).split())
     assert "Limit analysis ended as unbounded, so it has no answer." in told
     assert "next: Look at the direction of the settlement or of the live load" in told
+    assert "they may jam" in told
+
+
+def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A block pulled aslant out of a slot: lambda W / sqrt 2 = W + mu lambda W / sqrt 2. Bounds alone have no answer."""
+    path, walls = tmp_path / "slot.toml", [((-1.0, 0.0, 0.0), (0.0, 0.2, 0.5)), ((1.0, 0.0, 0.0), (2.0, 0.2, 0.5))]
+    held = [scenes.box(f"wall {k}", *corners, "fixed") for k, corners in enumerate(walls)]
+    parts = [
+        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
+        *held,
+        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)),
+    ]
+    path.write_text(scenes.text(*parts, friction=0.3, inset=0.001, live=(1.0, 0.0, 1.0), model="auto"))
+    assert main(["solve", str(path), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)["limit_analysis"]
+    assert (answer["associated"]["status"], answer["associated"]["multiplier"]) == ("unbounded", None)
+    assert answer["coulomb"]["status"] == "solved"
+    assert answer["coulomb"]["multiplier"] == pytest.approx(2.0**0.5 / 0.7, rel=1e-3)
+    assert answer["coulomb"]["multiplier_interval"][1] is None and answer["coulomb"]["interval_status"] == "unlimited"
+    assert main(["solve", str(path), "--bounds", "-q"]) == 4

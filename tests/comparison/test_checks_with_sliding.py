@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from judged_runs import case_of, verdict_of
 from runs import coulomb_run, perfect_run, with_answers
 
@@ -13,6 +14,7 @@ from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from comparison.yade.run_parts import Poses
 from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -133,3 +135,21 @@ def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene,
         found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis)))
         tolerances_of.append(next(c.tolerance for c in found if c.name == "reaction against prediction"))
     assert tolerances_of[1] - tolerances_of[0] == pytest.approx(0.02 * analysis.coulomb.value, rel=1e-6)
+
+
+def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
+    """A pad lifts a block out of a slot: joints that dilate would lock. Only the greatest reaction bounds what YADE may give."""
+    sides = [scenes.box(f"side {x:g}", (x, 0.0, -0.2), (x + 1.0, 0.2, 0.5), "fixed") for x in (-1.0, 1.0)]
+    pad, block = scenes.box("pad", (0.0, 0.0, -0.2), (1.0, 0.2, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    lift = (0.3, 0.0, 1.0)  # it presses the block against a side, too
+    analysis = analyse(scenes.build(*sides, pad, block, friction=0.4, inset=0.001, settlement=lift, model="auto"))
+    assert analysis.is_without_bound and analysis.coulomb is not None
+    found = check_run(Results(analysis, coulomb_run(analysis)))
+    assert {check.verdict for check in found} == {Verdict.AGREE}
+    assert {"reaction within bounds", "reaction against prediction", "balance along the mechanism", "plane answer in space"} <= {
+        check.name for check in found
+    }
+    other = coulomb_run(analysis, reaction=1.02 * analysis.coulomb.value)
+    assert verdict_of("reaction against prediction", check_run(Results(analysis, other))) is Verdict.DISAGREE
+    pulled = coulomb_run(analysis, reaction=-analysis.coulomb.value)
+    assert verdict_of("reaction within bounds", check_run(Results(analysis, pulled))) is Verdict.DISAGREE

@@ -15,6 +15,7 @@ from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
+from la_core.coulomb.solution import without_answer
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import mechanism
@@ -174,7 +175,10 @@ def test_an_answer_without_a_limit_asks_for_another_direction(arch: tuple[Scene,
     steps = {}
     for status in (Status.UNBOUNDED, Status.INACCURATE):
         least = dataclasses.replace(analysis.bounds[analysis.main], status=status)
-        (check,) = check_run(Results(with_answers(analysis, bounds={**analysis.bounds, analysis.main: least}), perfect_run(analysis)))
+        answers = with_answers(
+            analysis, bounds={**analysis.bounds, analysis.main: least}, coulomb=without_answer(analysis.assembly, status)
+        )
+        (check,) = check_run(Results(answers, perfect_run(analysis)))
         assert check.verdict is Verdict.INCONCLUSIVE
         steps[status] = check.next_step
     assert "direction" in steps[Status.UNBOUNDED] and "direction" not in steps[Status.INACCURATE]

@@ -1,5 +1,6 @@
 """What a prediction states where there is no answer, or an uncertain one."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,30 +9,108 @@ import scenes
 from coulomb_problems import FOUND, PLATEAU, UNSLIDING, answer, great_wall, problem, small_wall
 
 from la_core.analysis.modelling import wedging
-from la_core.coulomb import (
-    PredictionSettings,
-    predict,
-)
+from la_core.coulomb import CoulombSolution, PredictionSettings, predict, prediction
 from la_core.coulomb.followed_path import SHARPENED
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
-from la_core.scene import variant
+from la_core.scene import Scene, variant
+
+
+def has_no_numbers(solution: CoulombSolution) -> bool:
+    """Whether every number of a prediction is undefined."""
+    scalars = [solution.value, *solution.interval, solution.at_rest, solution.drift, solution.dilatancy_residual, solution.uncertainty]
+    return bool(np.isnan(scalars).all() and np.isnan(solution.forces).all() and np.isnan(solution.twists).all())
+
+
+def test_what_cannot_stand_is_not_followed() -> None:
+    assembly, stiffness = problem(scenes.build(scenes.arch(15, 0.05)))
+    solution = predict(assembly, stiffness, solve_associated(assembly, Drive.YIELDING))
+    assert (solution.status, solution.iterations) == (Status.INFEASIBLE, 0) and has_no_numbers(solution)
+
+
+# --- blocks that lock where they dilate -----------------------------------------------------------------------------------------
+
+
+def in_a_slot(direction: tuple[float, ...], height: float = 0.5, friction: float = 0.4) -> Scene:
+    """A block of 1 by 0.5 m on the ground between two held walls of this height, which it touches, under a live load."""
+    held = [
+        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
+        scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 0.2, height), "fixed"),
+        scenes.box("right", (1.0, 0.0, 0.0), (2.0, 0.2, height), "fixed"),
+    ]
+    return scenes.build(
+        *held, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), friction=friction, inset=0.001, live=direction, model="coulomb"
+    )
+
+
+def locked(scene: Scene) -> CoulombSolution:
+    """The prediction for a structure whose bound must lock."""
+    assembly, stiffness = problem(scene)
+    bound = solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING)
+    assert bound.status is Status.UNBOUNDED
+    return predict(assembly, stiffness, bound)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.45])
+def test_a_block_that_is_pulled_aslant_out_of_a_slot_slides_up_one_wall(friction: float) -> None:
+    """It presses the wall with N = lambda W / sqrt 2 and slides up it: lambda W / sqrt 2 = W + mu N. Dilating, it would lock."""
+    solution = locked(in_a_slot((1.0, 0.0, 1.0), friction=friction))
+    assert solution.status is Status.SOLVED
+    assert solution.value == pytest.approx(2.0**0.5 / (1.0 - friction), rel=PLATEAU)
+    assert abs(solution.value - 2.0**0.5 / (1.0 - friction)) <= solution.uncertainty
+    assert solution.interval[0] == pytest.approx(solution.value, rel=PLATEAU) and solution.interval[1] == math.inf
+
+
+def test_a_block_that_is_pushed_along_a_channel_slides_on_its_bed_and_one_wall() -> None:
+    """In space: mu (W + lambda sin a W) = lambda cos a W for a push at the angle a to the channel, which locks a block that dilates."""
+    walls = scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.5), "fixed"), scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 0.5), "fixed")
+    ground, block = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
+    scene = scenes.build(ground, *walls, block, friction=0.5, inset=0.001, live=(0.5, 1.0, 0.0), plane=False, model="coulomb")
+    solution = locked(scene)
+    assert solution.value == pytest.approx(0.5 / (1.0 - 0.25) * 1.25**0.5, rel=PLATEAU)
+    assert abs(solution.value - 0.5 / (1.0 - 0.25) * 1.25**0.5) <= solution.uncertainty
+
+
+def test_a_block_that_is_lifted_out_of_a_slot_by_its_pad_weighs_on_it() -> None:
+    sides = [scenes.box(f"side {x:g}", (x, 0.0, -0.2), (x + 1.0, 0.2, 0.5), "fixed") for x in (-1.0, 1.0)]
+    pad, block = scenes.box("pad", (0.0, 0.0, -0.2), (1.0, 0.2, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    scene = scenes.build(*sides, pad, block, friction=0.5, inset=0.001, settlement=(0.0, 0.0, 1.0), model="coulomb")
+    solution = locked(scene)
+    assert solution.status is Status.SOLVED and solution.value == pytest.approx(-scene.weight, rel=PLATEAU)  # against the motion
 
 
 @pytest.mark.parametrize(
-    ("scene", "status"),
+    "scene",
     [
-        (lambda: scenes.build(scenes.arch(15, 0.05)), Status.INFEASIBLE),
-        (lambda: scenes.build(*scenes.wall(4, 3), live=(0.0, 0.0, -1.0)), Status.UNBOUNDED),
+        lambda: in_a_slot((1.0, 0.0, 1.0), height=0.2),
+        lambda: scenes.build(*scenes.wall(4, 3), live=(0.0, 0.0, -1.0), model="coulomb"),
     ],
-    ids=["cannot stand", "nothing limits the load"],
+    ids=["jammed", "pressed into the ground"],
 )
-def test_where_the_associated_answer_has_no_value_neither_has_this(scene, status) -> None:
-    assembly, stiffness = problem(scene())
-    solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE if assembly.has_live_load else Drive.YIELDING))
-    assert (solution.status, solution.iterations) == (status, 0)
-    assert np.isnan([solution.value, *solution.interval, solution.at_rest, solution.drift, solution.dilatancy_residual]).all()
-    assert np.isnan(solution.forces).all() and np.isnan(solution.twists).all()
+def test_blocks_that_jam_without_dilatancy_too_have_no_value(scene) -> None:
+    """A low slot jams: the couple of both walls presses the block harder than the load lifts it."""
+    solution = locked(scene())
+    assert solution.status is Status.UNBOUNDED and solution.iterations > 0 and has_no_numbers(solution)
+
+
+def test_a_value_far_from_every_limit_of_its_mechanism_is_one_of_locked_in_stresses() -> None:
+    known = locked(in_a_slot((1.0, 0.0, 1.0)))
+    assert not prediction._is_locked_in(known)
+    for interval, is_locked_in in (
+        ((0.5 * known.value, math.inf), True),
+        ((0.9 * known.value, math.inf), False),
+        ((-math.inf, math.inf), True),
+    ):
+        assert prediction._is_locked_in(replace(known, interval=interval)) is is_locked_in
+
+
+def test_rigid_joints_have_no_prediction_where_the_bound_locks() -> None:
+    assembly, stiffness = problem(in_a_slot((1.0, 0.0, 1.0)))
+    rigid = replace(assembly, effects=replace(assembly.effects, elasticity="none"))
+    assert predict(rigid, stiffness, solve_associated(rigid, Drive.LIVE)).iterations == 0
+
+
+# --- uncertain answers ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("effort", [1e3, 3e3])
