@@ -276,7 +276,8 @@ def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
     one, near = np.unravel_index(np.argmin(gap), gap.shape)
     told = f'"{blocks.names[others[near]]}" is nearest to "{blocks.names[some[one]]}"'
     if gap.min() <= NO_GAP:
-        return f"{told} and meets it at most in an edge or a corner, which carries nothing"
+        edge = "at most in an edge or a corner, which carries nothing, or in faces that do not fit each other"
+        return f"{told} and meets it {edge}; [geometry] tolerance fits faces that are apart or overlap by up to twice the tolerance"
     told += f", about {gap.min():.3g} m away"
     return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap.min() <= MOST_MORTAR else "")
 
