@@ -8,6 +8,7 @@ from scipy import sparse
 from la_core.exchange import SUPPORT
 from la_core.limit.conic import ProgrammeOutcome, optimum
 from la_core.limit.problem import scaled_problem
+from la_core.measures import residuals
 from la_core.model import Assembly, columns
 
 LEVELS = (0.25, 0.5, 0.75)  # of the height of the structure: horizontal cuts
@@ -63,17 +64,20 @@ def support_force_range(assembly: Assembly, direction: np.ndarray, reaction: flo
     return -ends[1], -ends[0]
 
 
-def level_sums(assembly: Assembly, forces: np.ndarray) -> np.ndarray:
+def level_sums(assembly: Assembly, forces: np.ndarray, multiplier: float | None = None) -> np.ndarray:
     """Force (levels, 3), N, on the blocks above each level from the blocks below it and from held blocks.
 
     forces (C, 3): contact forces, N. A free block is above a level if its centroid is. LEVELS are shares of the
-    height of the free blocks' centroids, against gravity.
+    height of the free blocks' centroids, against gravity. multiplier: of the live load, at which the sums are wanted;
+    None for that of the forces. Equilibrium fixes how they change with it.
     """
     height = assembly.blocks.centroid @ -assembly.down
     free_height = height[assembly.blocks.free]
     a, b = assembly.contact_blocks
+    further = 0.0 if multiplier is None else multiplier - residuals.multiplier(assembly, forces)
     sums = []
     for level in LEVELS:
         above = assembly.blocks.free & (height > free_height.min() + level * np.ptp(free_height))
-        sums.append(((above[b].astype(float) - above[a].astype(float))[:, None] * forces).sum(axis=0))
+        carried = ((above[b].astype(float) - above[a].astype(float))[:, None] * forces).sum(axis=0)
+        sums.append(carried - further * assembly.live_load[above, :3].sum(axis=0))
     return np.array(sums)

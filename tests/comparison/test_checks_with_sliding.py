@@ -1,18 +1,22 @@
 """Where joints slide, a run is judged by the prediction, whose interval and doubt excuse nothing."""
 
 import dataclasses
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from judged_runs import case_of, verdict_of
 from runs import coulomb_run, perfect_run, with_answers
 
 from comparison.judge.run_checks import check_run
+from comparison.judge.sections import check_sections
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from comparison.yade.run_parts import Poses
 from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.stage import analyse
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -133,3 +137,16 @@ def test_a_stated_uncertainty_widens_the_tolerance_by_as_much(wall: tuple[Scene,
         found = check_run(Results(with_answers(analysis, coulomb=coulomb), coulomb_run(analysis)))
         tolerances_of.append(next(c.tolerance for c in found if c.name == "reaction against prediction"))
     assert tolerances_of[1] - tolerances_of[0] == pytest.approx(0.02 * analysis.coulomb.value, rel=1e-6)
+
+
+def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:
+    """Two columns pushed and lifted: the associated multiplier is 0.56, that of friction without dilatancy is 0.35, as in YADE."""
+    columns = scenes.box("left", (0.0, 0.0, 0.0), (1.0, 1.0, 3.0)), scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 2.5))
+    ground, load = scenes.box("ground", (-1.0, 0.0, -0.2), (4.0, 1.0, 0.0), "fixed"), (1.0, 0.0, 0.5)
+    scene = scenes.build(ground, *columns, friction=0.9, inset=0.001, settlement=None, live=load, model="coulomb")
+    analysis = analyse(scene)
+    assert analysis.coulomb is not None
+    assert analysis.coulomb.value < 0.8 * analysis.bounds[analysis.main].value
+    for forces, verdict in ((analysis.coulomb.forces, Verdict.AGREE), (1.1 * analysis.coulomb.forces, Verdict.DISAGREE)):
+        found = check_sections(SimpleNamespace(scene=scene, analysis=analysis, recorded=SimpleNamespace(plateau_forces=lambda f=forces: f)))
+        assert [check.verdict for check in found] == [verdict]

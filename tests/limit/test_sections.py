@@ -28,6 +28,20 @@ def test_a_cut_carries_the_weight_above_it(plane: bool) -> None:
 
 
 @both_models
+def test_a_cut_carries_the_push_on_what_lies_above_it_at_any_multiplier(plane: bool) -> None:
+    base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed")
+    tower = [scenes.box(f"block {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(4)]
+    push = np.array([0.6, 0.0, -0.8])
+    assembly = assemble(scenes.build(base, *tower, plane=plane, settlement=None, live=push.tolist()))
+    solution = solve_associated(assembly, Drive.LIVE)
+    assert solution.status is Status.SOLVED
+    for multiplier in (solution.value, 0.5 * solution.value, 0.0):
+        sums = section_forces.level_sums(assembly, solution.forces, multiplier)
+        carried = np.outer([3.0, 2.0, 1.0], -assembly.down - multiplier * push) * assembly.mean_weight
+        assert sums == pytest.approx(carried, abs=1e-6 * assembly.weight)
+
+
+@both_models
 def test_a_support_pushes_sideways_only_against_what_resists_and_no_more_than_friction(plane: bool) -> None:
     """A wall on the left and nothing on the right: the support may push the block to the left by its friction, and not to the right."""
     parts = (
