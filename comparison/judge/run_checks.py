@@ -34,6 +34,10 @@ OTHER_THRUST = (
     "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source: with little "
     "friction no thrust may hold them once the support yields."
 )
+NO_THRUST = (
+    "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Under a "
+    "live load no support can give the blocks a thrust."
+)
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."
@@ -102,6 +106,8 @@ def _next_step(status: Status) -> str:
 
 def _thrust(scene: Scene) -> str:
     """Return what to do where blocks slide although a thrust could hold them."""
+    if scene.live is not None:
+        return NO_THRUST
     return OTHER_THRUST if scene.yade.get("wedging") else GIVE_THRUST
 
 

@@ -10,13 +10,14 @@ import scenes
 from judged_runs import case_of, verdict_of
 from runs import coulomb_run, perfect_run, with_answers
 
-from comparison.judge.run_checks import check_run
+from comparison.judge.run_checks import check_answer, check_run
 from comparison.judge.sections import check_sections
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from comparison.yade.run_parts import Poses
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
+from la_core.coulomb.solution import without_answer
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -150,3 +151,13 @@ def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:
     for forces, verdict in ((analysis.coulomb.forces, Verdict.AGREE), (1.1 * analysis.coulomb.forces, Verdict.DISAGREE)):
         found = check_sections(SimpleNamespace(scene=scene, analysis=analysis, recorded=SimpleNamespace(plateau_forces=lambda f=forces: f)))
         assert [check.verdict for check in found] == [verdict]
+
+
+@pytest.mark.parametrize(("live", "advice"), [(None, "[yade] wedging"), ((1.0, 0.0, 0.0), "slides out and falls")])
+def test_a_thrust_is_advised_only_where_a_support_can_give_it(live: tuple[float, float, float] | None, advice: str) -> None:
+    base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support" if live is None else "fixed")
+    scene = scenes.build(base, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), settlement=None if live else scenes.DOWN, live=live)
+    analysis = analyse(scene)
+    fallen = without_answer(analysis.assembly, Status.FAILED)
+    (check,) = check_answer(with_answers(analysis, coulomb=dataclasses.replace(fallen, uncertainty=np.inf)))
+    assert "slide and fall" in check.reason and advice in check.next_step
