@@ -13,6 +13,7 @@ from la_core.coulomb import PathProgress
 from la_core.errors import visible
 from la_core.limit import Drive, Status
 from la_core.scene import Scene, tilt_angles
+from la_core.text_table import without_round_off
 
 LINE_EVERY = 10.0  # s between progress lines where there is no terminal that can show a bar
 LONG = 60.0  # s: an attempt of YADE is announced once as much time is left
@@ -208,9 +209,8 @@ def bounds_words(analysis: LimitAnalysis) -> str:
     if scene.live is not None:
         return f"bound: {value_words(scene, main.value)}{arrises}"
     greatest = bounds[Drive.PUSHING]
-    values, shares = (
-        value_range(main.value / unit, greatest.value / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight)
-    )
+    lowest, highest = (without_round_off(value, scene.weight) for value in (main.value, greatest.value))
+    values, shares = (value_range(lowest / unit, highest / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight))
     return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}{arrises}"
 
 
@@ -245,7 +245,7 @@ def _state(report: dict[str, Any]) -> str:
         return moved
     if report.get("quantity") == "multiplier":
         return f"{moved}, multiplier {reaction:.5g}"
-    return f"{moved}, reaction {reaction:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"
+    return f"{moved}, reaction {reaction + 0.0:.5g} {'N m' if report.get('unit') == 'mrad' else 'N'}"
 
 
 def narration(quiet: bool) -> Narration:

@@ -13,16 +13,21 @@ from yade_scripts.recorder import GRAVITY, Record, Row, Status
 from yade_scripts.settings import Settings, rattling_of
 
 
+def settlement_words(case: Case, settlement: float) -> str:
+    """Return a settlement with its unit, for reasons why a run ended. settlement: m, or rad for a support that turns."""
+    return f"a settlement of {settlement:.3g} {'rad' if case.is_rotation else 'm'}"
+
+
 def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Status, str] | None:
     """Return how and why a run is lost at a row, None where it goes on. began: when it began, on the monotonic clock, s."""
     if not all(map(math.isfinite, (row.reaction, row.kinetic_energy, row.unbalanced))):
         return Status.FAILED, f"undefined forces at {row.time:.3g} s: the integration is unstable"
     if row.speed > settings.fall_speed:
-        return Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after a settlement of {row.settlement:.3g}"
+        return Status.COLLAPSED, f"a block falls at {row.speed:.3g} m/s after {settlement_words(case, row.settlement)}"
     if row.stage == GRAVITY and row.displacement > settings.max_travel * case.support_speed:
         return Status.COLLAPSED, f"a block has moved {row.displacement:.3g} m under gravity alone"
     if time.monotonic() - began > settings.time_limit:
-        return Status.TIMEOUT, f"the time limit was reached at a settlement of {row.settlement:.3g}"
+        return Status.TIMEOUT, f"the time limit was reached at {settlement_words(case, row.settlement)}"
     return None
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from yade_scripts import plateau
 from yade_scripts.case import Case
+from yade_scripts.faults import settlement_words
 from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
 from yade_scripts.recorder import GRAVITY, Record, Status
 from yade_scripts.settings import Settings, is_content
@@ -67,7 +68,7 @@ class PlateauSearch:
             self.plateau = replace(fit, creeps=False)
             return Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}", asked
         why = plateau.shortcoming(fit, self._scale(fit), self.settings.plateau_uncertainty)
-        return Status.NO_PLATEAU, f"the whole travel of {reached:.3g} is covered and {why}", asked
+        return Status.NO_PLATEAU, f"the whole travel is covered at {settlement_words(self.case, reached)} and {why}", asked
 
     @property
     def outcome(self) -> Outcome:

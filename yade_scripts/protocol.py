@@ -12,7 +12,7 @@ from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, swing_damper
-from yade_scripts.faults import jumps, loss_of, rattles
+from yade_scripts.faults import jumps, loss_of, rattles, settlement_words
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
 from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
@@ -224,7 +224,9 @@ class Protocol:
         """Whether a sphere may have met a face that the case does not list; the run then ends."""
         if self.near is not None and self.near.are_met(*self.record.motion()):
             self.met_face = True
-            self._end(Status.FAILED, f"a block comes to a face that it did not touch, at a settlement of {self.record.settlement():.3g}")
+            self._end(
+                Status.FAILED, f"a block comes to a face that it did not touch, at {settlement_words(self.case, self.record.settlement())}"
+            )
         return self.met_face
 
     def _load(self, elapsed: float) -> bool:
@@ -290,7 +292,7 @@ class Protocol:
             self._end(status, message)
 
     def _end_rattling(self) -> None:
-        self._end(Status.NO_PLATEAU, f"blocks rattle at a settlement of {self.record.settlement():.3g}")
+        self._end(Status.NO_PLATEAU, f"blocks rattle at {settlement_words(self.case, self.record.settlement())}")
 
     def _end(self, status: Status, message: str) -> None:
         if status in (Status.COLLAPSED, Status.TIMEOUT, Status.FAILED):

@@ -23,7 +23,8 @@ def check_sections(results: Results) -> Iterator[Check]:
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly, forces = analysis.assembly, run.plateau_forces()
-    expected = section_forces.sums_in_equilibrium(assembly, plateau_multiplier(results))
+    multiplier = 0.0 if scene.live is None else residuals.multiplier(assembly, forces)
+    expected = section_forces.sums_in_equilibrium(assembly, multiplier)
     difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
     reason = f"The force sums over horizontal cuts differ by {difference:.4g} N: the two methods do not carry the same weight."
     largest = float(np.linalg.norm(expected, axis=1).max())
@@ -37,16 +38,6 @@ def check_sections(results: Results) -> Iterator[Check]:
         component = float(section_forces.support_force(assembly, forces) @ direction)
         reason = f"In YADE the support's force along {label} lies outside the range that equilibrium and friction allow."
         yield inside(f"support's force along {label}, in its range", (low, high), component, slack, "N", reason)
-
-
-def plateau_multiplier(results: Results) -> float:
-    """Return the mean multiplier of YADE's live load at the stored states of its plateau; 0 without a live load."""
-    if results.scene.live is None:
-        return 0.0
-    run = results.recorded
-    stored = run.poses.settlement[run.poses.settlement >= run.result.plateau_start]  # the states of `Run.plateau_forces`
-    at = stored if len(stored) else run.poses.settlement[-1:]
-    return float(np.interp(at, run.settling("settlement"), run.settling("reaction")).mean())
 
 
 def _transverse_directions(scene: Scene, plane: bool) -> Iterator[tuple[str, np.ndarray]]:

@@ -16,7 +16,7 @@ from la_core.geometry.blocks import Blocks
 from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygon_areas, polygons_of, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
-MOST_MORTAR = 0.05  # m: a wider gap is no joint
+MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
 NO_GAP = 1e-9  # m
 MOST_NAMED = 4  # overlaps that one message names
 OPPOSITE = 1e-3  # rad: largest angle between candidate faces; then the distance at every corner of the overlap decides
@@ -163,7 +163,8 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     raise SceneError(
         f'blocks "{pair[0]}" and "{pair[1]}"',
         rule,
-        hint="blocks may touch but not share volume; [geometry] tolerance removes overlaps of up to twice the tolerance",
+        hint="blocks may touch but not share volume"
+        + ("; [geometry] tolerance removes overlaps of up to twice the tolerance" if depth <= MOST_MORTAR else ""),
         blocks=pair,
         spots=[middle for _, middle in found.values()],
     )
@@ -280,7 +281,8 @@ def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
     near, gap = others[np.argmin(gaps(one))], gaps(one).min()
     told = f'"{blocks.names[near]}" is nearest to "{blocks.names[one]}"'
     if gap <= NO_GAP:
-        return f"{told} and meets it at most in an edge or a corner, which carries nothing"
+        edge = "at most in an edge or a corner, which carries nothing, or in faces that do not fit each other"
+        return f"{told} and meets it {edge}; [geometry] tolerance fits faces that are apart or overlap by up to twice the tolerance"
     told += f", about {gap:.3g} m away"
     return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap <= MOST_MORTAR else "")
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from la_core.geometry import ROLES, Blocks, missed_joints
+from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
@@ -18,7 +19,12 @@ NAMED = 3  # blocks named in one warning
 
 
 def implausible(
-    blocks: Blocks, densities: Sequence[float | None], friction: float, gravity: np.ndarray, twists: np.ndarray | None
+    blocks: Blocks,
+    densities: Sequence[float | None],
+    friction: float,
+    gravity: np.ndarray,
+    twists: np.ndarray | None,
+    repairs: Repairs | None,
 ) -> tuple[str, ...]:
     """Return one sentence for each value of a scene that is probably a slip.
 
@@ -34,12 +40,14 @@ def implausible(
         Acceleration of gravity, m/s2.
     twists : ndarray, shape (B, 6), or None
         Unit motion of the supports: velocity of the origin, then angular velocity. None for a live load.
+    repairs : Repairs or None
+        Changes of the geometry within its tolerance. None where none was asked for.
     """
     return (
         *_of_friction(friction),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
         *_of_sizes(blocks),
-        *_of_gaps(blocks),
+        *_of_gaps(blocks, repairs.tolerance if repairs else 0.0),
         *_of_gravity(gravity),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
@@ -76,18 +84,18 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
         yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
 
 
-def _of_gaps(blocks: Blocks) -> Iterator[str]:
+def _of_gaps(blocks: Blocks, tolerance: float) -> Iterator[str]:
     missed = missed_joints(blocks)
     if not len(missed.gap):
         return
-    widest = float(missed.gap.max())
+    closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than what has left these gaps
     pairs = [
         f'"{blocks.names[a]}" and "{blocks.names[b]}" across {1e3 * gap:.2g} mm'
         for (a, b), gap in zip(missed.pairs, missed.gap, strict=True)
     ]
     named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
     what = f"blocks {named} all but touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks all but touch ({named})"
-    yield f"{what}, but no joint connects them; [geometry] tolerance = {_rounded_up(MARGIN * widest / 2.0):g} closes such gaps."
+    yield f"{what}, but no joint connects them there; [geometry] tolerance = {closing:g} closes such gaps."
 
 
 def _rounded_up(length: float) -> float:

@@ -135,6 +135,14 @@ def test_bounds_without_an_upper_one_in_words() -> None:
     assert progress.bounds_words(changed) == "bounds: R at least 363.3 N, R/W at least 0.1683"
 
 
+def test_a_bound_of_round_off_is_zero() -> None:
+    analysis = analyse(load("two_pads"))
+    bounds = dict(analysis.bounds)
+    bounds[Drive.YIELDING] = dataclasses.replace(bounds[Drive.YIELDING], value=6.4e-7)  # of a slab that tips off its support
+    changed = dataclasses.replace(analysis, at_inset=dataclasses.replace(analysis.at_inset, bounds=bounds))
+    assert progress.bounds_words(changed) == "bounds: R 0 to 2154 N, R/W 0 to 0.9980"
+
+
 def test_bounds_of_sharp_arrises_are_called_so() -> None:
     sharp = analyse(variant(load("two_pads"), {"joint.inset": 0.0}))
     assert progress.bounds_words(sharp) == "bounds: R 359.7 to 2158 N, R/W 0.1667 to 1.000, for sharp arrises"

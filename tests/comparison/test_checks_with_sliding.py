@@ -1,6 +1,7 @@
 """Where joints slide, a run is judged by the prediction, whose interval and doubt excuse nothing."""
 
 import dataclasses
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,14 @@ import scenes
 from judged_runs import case_of, verdict_of
 from runs import coulomb_run, perfect_run, with_answers
 
-from comparison.judge.run_checks import check_run
+from comparison.judge.run_checks import check_answer, check_run
+from comparison.judge.sections import check_sections
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from comparison.yade.run_parts import Poses
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
+from la_core.coulomb.solution import without_answer
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.scene.scene import Scene
@@ -153,3 +156,26 @@ def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
     assert verdict_of("reaction against prediction", check_run(Results(analysis, other))) is Verdict.DISAGREE
     pulled = coulomb_run(analysis, reaction=-analysis.coulomb.value)
     assert verdict_of("reaction within bounds", check_run(Results(analysis, pulled))) is Verdict.DISAGREE
+
+
+def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:
+    """Two columns pushed and lifted: the associated multiplier is 0.56, that of friction without dilatancy is 0.35, as in YADE."""
+    columns = scenes.box("left", (0.0, 0.0, 0.0), (1.0, 1.0, 3.0)), scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 2.5))
+    ground, load = scenes.box("ground", (-1.0, 0.0, -0.2), (4.0, 1.0, 0.0), "fixed"), (1.0, 0.0, 0.5)
+    scene = scenes.build(ground, *columns, friction=0.9, inset=0.001, settlement=None, live=load, model="coulomb")
+    analysis = analyse(scene)
+    assert analysis.coulomb is not None
+    assert analysis.coulomb.value < 0.8 * analysis.bounds[analysis.main].value
+    for forces, verdict in ((analysis.coulomb.forces, Verdict.AGREE), (1.1 * analysis.coulomb.forces, Verdict.DISAGREE)):
+        found = check_sections(SimpleNamespace(scene=scene, analysis=analysis, recorded=SimpleNamespace(plateau_forces=lambda f=forces: f)))
+        assert [check.verdict for check in found] == [verdict]
+
+
+@pytest.mark.parametrize(("live", "advice"), [(None, "[yade] wedging"), ((1.0, 0.0, 0.0), "slides out and falls")])
+def test_a_thrust_is_advised_only_where_a_support_can_give_it(live: tuple[float, float, float] | None, advice: str) -> None:
+    base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "support" if live is None else "fixed")
+    scene = scenes.build(base, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), settlement=None if live else scenes.DOWN, live=live)
+    analysis = analyse(scene)
+    fallen = without_answer(analysis.assembly, Status.FAILED)
+    (check,) = check_answer(with_answers(analysis, coulomb=dataclasses.replace(fallen, uncertainty=np.inf)))
+    assert "slide and fall" in check.reason and advice in check.next_step

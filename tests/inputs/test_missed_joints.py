@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import scenes
 
+from la_core.analysis import solve
 from la_core.geometry import find_interfaces, missed_joints
 from la_core.scene import Scene, build
 
@@ -88,6 +89,23 @@ def test_a_gap_is_told_where_other_parts_of_both_blocks_lie_on_one_plane_side_by
         settlement=scenes.DOWN,
     ).warnings
     assert told.startswith('blocks "step" and "notched" across 0.1 mm all but touch')
+
+
+@pytest.mark.parametrize("corner", [1e-3, 1e-4, 3e-5, -3e-5])
+def test_a_bent_underside_is_told_until_its_tolerance_closes_it(corner: float) -> None:
+    """One corner of a stone on level ground is off, m: the stone would turn over an edge between two halves of its underside."""
+    slab = {"name": "ground", "role": "fixed", "box": {"from": [-1.0, -1.0, -0.2], "to": [2.0, 2.0, 0.0]}}
+    corners = [[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
+    corners[6][2] = corner
+    tables = {"stone": {"density": 2000.0}, "joint": {"friction": 0.6, "inset": 0.0}, "live": {"direction": [1.0, 0.0, 0.0]}}
+    tables["block"] = [slab, {"name": "stone", "polyhedron": {"vertices": corners}}]
+    scene, told = build(tables, "bent"), []
+    while scene.warnings:
+        told += [float(re.search(r"tolerance = (\S+) closes such gaps", scene.warnings[0])[1])]
+        assert told == sorted(set(told)), "a tolerance that left the gap is not told again"
+        scene = build(tables | {"geometry": {"tolerance": told[-1]}}, "bent")
+    assert 1 <= len(told) <= 3
+    assert solve(scene).multiplier == pytest.approx(0.6, rel=1e-3)  # it slides as a stone on a plane face
 
 
 def test_blocks_across_from_each_other_at_a_corner_are_told_nothing() -> None:

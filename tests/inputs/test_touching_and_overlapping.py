@@ -36,7 +36,7 @@ def test_tilt_within_and_beyond_tolerance(angle, touches) -> None:
     if touches:
         assert len(find_interfaces(blocks).polygon) == 4
     else:
-        with pytest.raises(SceneError, match="touches nothing"):
+        with pytest.raises(SceneError, match=r"touches nothing.*faces that do not fit each other; \[geometry\] tolerance fits"):
             find_interfaces(blocks)
 
 
@@ -89,8 +89,9 @@ def test_boxes_typed_with_few_digits_share_the_interfaces_they_were_meant_to(dig
 @pytest.mark.parametrize("depth", [1e-3, 0.1, 0.5])
 def test_overlap_is_refused_with_its_depth(depth) -> None:
     below, above = box((0.0, 0.0, -1.0), (1.0, 1.0, 0.0)), box((0.2, 0.2, -depth), (0.8, 0.8, 1.0))
-    with pytest.raises(SceneError, match=f'blocks "a" and "b": overlap by about {depth:.3g} m'):
+    with pytest.raises(SceneError, match=f'blocks "a" and "b": overlap by about {depth:.3g} m') as refused:
         find_interfaces(gathered(below, above))
+    assert ("[geometry] tolerance removes" in str(refused.value)) == (depth < 0.05)  # a deeper one is no error of coordinates
 
 
 def test_block_inside_a_block_is_refused() -> None:

@@ -28,15 +28,19 @@ def test_a_cut_carries_the_weight_above_it(plane: bool) -> None:
     assert sums == pytest.approx(np.outer([3.0, 2.0, 1.0], -assembly.down) * assembly.mean_weight, abs=1e-6 * assembly.weight)
 
 
-def test_a_live_load_adds_to_what_a_cut_carries_by_its_multiplier() -> None:
+@both_models
+def test_a_cut_carries_the_push_on_what_lies_above_it_at_any_multiplier(plane: bool) -> None:
     base = scenes.box("base", (0.0, 0.0, -0.1), (1.0, 1.0, 0.0), "fixed")
     tower = [scenes.box(f"block {k}", (0.0, 0.0, float(k)), (1.0, 1.0, k + 1.0)) for k in range(4)]
-    assembly = assemble(scenes.build(base, *tower, live=(1.0, 0.0, 0.0)))
-    sums = section_forces.sums_in_equilibrium(assembly, 0.25)
-    assert sums == pytest.approx(np.outer([3.0, 2.0, 1.0], (-0.25, 0.0, 1.0)) * assembly.mean_weight)
+    push = np.array([0.6, 0.0, -0.8])
+    assembly = assemble(scenes.build(base, *tower, plane=plane, settlement=None, live=push.tolist()))
     solution = solve_associated(assembly, Drive.LIVE)
+    assert solution.status is Status.SOLVED
+    for multiplier in (solution.value, 0.5 * solution.value, 0.0):
+        carried = np.outer([3.0, 2.0, 1.0], -assembly.down - multiplier * push) * assembly.mean_weight
+        assert section_forces.sums_in_equilibrium(assembly, multiplier) == pytest.approx(carried, abs=1e-9 * assembly.weight)
     at_collapse = section_forces.sums_in_equilibrium(assembly, solution.value)
-    assert section_forces.level_sums(assembly, solution.forces) == pytest.approx(at_collapse, abs=1e-5 * assembly.weight)
+    assert section_forces.level_sums(assembly, solution.forces) == pytest.approx(at_collapse, abs=1e-6 * assembly.weight)
 
 
 @both_models
