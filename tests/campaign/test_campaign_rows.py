@@ -44,6 +44,17 @@ def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp
     assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
 
 
+def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_itself(tmp_path: Path) -> None:
+    """The floor is 1e-4 of the weight of 1,000 N: 0.1 N; a multiplier is over the weight already, and so is its floor."""
+    row = campaign(tmp_path).rows[0] | {"yade_uncertainty": 0.0}
+    for sign in (1.0, -1.0):
+        assert deviation(row | {"yade": sign * 1.0, "coulomb": sign * 0.9}) == pytest.approx(1.0)
+        assert deviation(row | {"yade": sign * 400.0, "coulomb": sign * 396.0}) == pytest.approx(2.0)
+        multiplier = row | {"unit": "", "yade": sign * 0.4, "coulomb": sign * 0.396}
+        assert deviation(multiplier) == pytest.approx(2.0)
+        assert deviation(multiplier | {"yade": sign * 1e-3, "coulomb": sign * 0.9e-3}) == pytest.approx(1.0)
+
+
 def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
     table = changed(changed(campaign(tmp_path), 0, verdict="disagree"), 1, state="failed", verdict=None)
     found = {item["word"]: item["count"] for item in report_rows.counts(table)}
