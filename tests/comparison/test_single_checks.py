@@ -10,7 +10,7 @@ from judged_runs import REACTION, SIMILARITY, coulomb_of, judged, named
 from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
 
 from comparison.judge.run_checks import check_expected
-from comparison.judge.sections import check_sections
+from comparison.judge.sections import SECTION, check_sections
 from comparison.verdict.check import Verdict, overall
 from comparison.yade import Results, Run
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis
@@ -96,6 +96,13 @@ def test_the_force_sums_under_a_live_load_are_those_of_the_prediction(share: flo
         assert check.verdict is verdict
 
 
+def test_a_mechanism_against_the_load_has_no_measure_per_power_of_the_load() -> None:
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4)), friction=0.35)
+    results, twists = Results(analysis), analysis.bounds[Drive.LIVE].twists
+    np.testing.assert_allclose(results.per_drive(results.per_motion(twists)), twists)
+    assert np.isnan(results.per_drive(-twists)).all() and np.isnan(results.per_drive(0.0 * twists)).all()
+
+
 # --- states, mechanisms and scatter -------------------------------------------------------------------------------------------------
 
 
@@ -115,6 +122,27 @@ def test_a_state_that_breaks_the_friction_law_is_seen_although_it_is_in_equilibr
     found = judged(pads, run)
     assert named("balance along the mechanism", found).verdict is Verdict.AGREE
     assert named("equilibrium of the YADE state", found).verdict is Verdict.INCONCLUSIVE
+
+
+def test_the_wrenches_of_a_state_act_where_the_run_has_moved_blocks_and_points(pads: LimitAnalysis) -> None:
+    """A block that has slid and turned over resting pads: each contact point is midway between its places on pad and block."""
+    assembly, run = pads.assembly, perfect_run(pads)
+    (block,) = np.flatnonzero(assembly.blocks.free)
+    slid, turned = np.array([0.02, 0.0, -0.01]), np.array([0.0, 0.03, 0.0])
+    run.poses.displacement[:], run.poses.rotation[:] = 0.0, 0.0
+    run.poses.displacement[-2:, block], run.poses.rotation[-2:, block] = slid, turned
+    last = dataclasses.replace(run, result=dataclasses.replace(run.result, plateau_start=run.poses.settlement[-2]))
+    found, centroid = last.plateau_wrenches(assembly), assembly.blocks.centroid[block]
+    sign = np.where(assembly.contact_blocks[1] == block, 1.0, -1.0)[:, None]
+    force, built = sign * run.poses.forces[-1], assembly.points.position - centroid
+    arm = built - 0.5 * slid + 0.5 * np.cross(turned, built)  # the block has gone the whole way, the point half of it
+    np.testing.assert_allclose(found[block], [*force.sum(axis=0), *np.cross(arm, force).sum(axis=0)], atol=1e-9)
+
+
+def test_the_forces_of_a_plateau_are_the_mean_of_its_states(pads: LimitAnalysis) -> None:
+    run = perfect_run(pads)
+    run.poses.forces[:] *= np.array([9.0, 9.0, 1.0, 2.0, 6.0])[:, None, None]  # two states before the plateau, three on it
+    np.testing.assert_allclose(run.plateau_forces(), 3.0 * pads.bounds[Drive.YIELDING].forces)
 
 
 def test_joints_that_slide_in_yade_alone_leave_the_mechanism_undetermined(pads: LimitAnalysis) -> None:
@@ -166,6 +194,12 @@ def test_a_fall_after_a_block_that_moved_far_says_that_contacts_may_have_been_mi
     for gap, named_checks in ((1e-5, 2), (1.0, 1)):
         found = judged(dataclasses.replace(small, least_gap=gap), run)
         assert len(found) == named_checks and found[-1].name == "the structure stands"
+
+
+def test_a_transverse_force_may_miss_its_range_by_a_share_of_the_weight(pads: LimitAnalysis) -> None:
+    """The reaction of a support that leaves alone is 0, while its blocks weigh as much as others."""
+    check = named("support's force along", judged(pads, perfect_run(pads)))
+    assert check.tolerance == pytest.approx(SECTION * pads.scene.weight)
 
 
 def test_an_expected_value_below_zero_is_met_to_a_requested_accuracy_of_its_size(pads: LimitAnalysis) -> None:
