@@ -14,7 +14,7 @@ from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
-from comparison.campaign.row_values import bounds, deviation, title_of_values, value_cells, worst_first
+from comparison.campaign.row_values import bounds, deviation, over_weight, title_of_values, value_cells, worst_first
 from comparison.verdict import verdict_title
 
 pytestmark = pytest.mark.slow
@@ -53,6 +53,12 @@ def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_
         multiplier = row | {"unit": "", "yade": sign * 0.4, "coulomb": sign * 0.396}
         assert deviation(multiplier) == pytest.approx(2.0)
         assert deviation(multiplier | {"yade": sign * 1e-3, "coulomb": sign * 0.9e-3}) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("weight", [None, 0.0])
+def test_a_reaction_over_no_weight_is_undefined_and_a_multiplier_needs_none(weight: float | None, tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0] | {"weight": weight, "coulomb": 0.4}
+    assert over_weight(row, "coulomb") is None and over_weight(row | {"unit": ""}, "coulomb") == 0.4
 
 
 def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
