@@ -170,6 +170,22 @@ def test_noise_is_no_creep() -> None:
     assert np.mean([fit.creeps for fit in fits]) < 0.05
 
 
+def test_noise_with_memory_is_no_creep() -> None:
+    """Its slopes scatter more than those of as many independent rows."""
+    rng, geometry = np.random.default_rng(5), plateau.Geometry(turning=0.0, lever=np.inf)
+    creeping = [fitted(settlement(), REACTION + autocorrelated(rng, 0.9, 1.0), geometry).creeps for _ in range(DRAWS)]
+    assert np.mean(creeping) < 0.03
+
+
+def test_a_support_that_pulls_has_the_plateau_of_one_that_is_pressed() -> None:
+    noise = autocorrelated(np.random.default_rng(2), 0.5, 0.1)
+    record = REACTION + 0.9 * REACTION / STIFF.lever * settlement() + noise  # less steep than sliding blocks may make it
+    pressed, pulled = (fitted(settlement(), sign * record, STIFF) for sign in (1.0, -1.0))
+    assert not pressed.creeps and not pulled.creeps
+    assert (pulled.reaction, pulled.slope) == pytest.approx((-pressed.reaction, -pressed.slope))
+    assert (pulled.uncertainty, pulled.drift, pulled.start) == pytest.approx((pressed.uncertainty, pressed.drift, pressed.start))
+
+
 def test_strain_that_may_be_left_is_stated() -> None:
     """Where a curve of the slope that sliding may give is creep after all, its limit lies within the uncertainty."""
     s = settlement()[1:]
