@@ -4,10 +4,14 @@ import math
 import random
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 from made_up_campaigns import INSET, MU, campaign, changed
 
+from comparison.campaign import mechanism_labels
 from comparison.campaign.columns import METHODS
 from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.report import rows as report_rows
@@ -90,6 +94,29 @@ def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_bo
         share = 1.002 if change.method == "yade" else 1.0
         assert change.slope_before == pytest.approx(-0.3 * share, rel=ROUND_OFF)
         assert change.slope_after == pytest.approx(-0.1 * share, rel=ROUND_OFF)
+
+
+def test_between_two_mechanisms_there_is_no_slope(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    rows = [row | {"yade_mechanism": name} for row, name in zip(table.rows, "ABBAACCC", strict=True)]
+    found = [change for change in mechanism_changes_along(sweeps_of(replace(table, rows=rows))) if change.method == "yade"]
+    assert [(change.before, change.after) for change in found] == [("A", "B"), ("B", "A")]
+    assert [(change.slope_before is None, change.slope_after is None) for change in found] == [(True, False), (False, False)]
+    alone = [row | {"yade_mechanism": name} for row, name in zip(table.rows, "ABABACCC", strict=True)]
+    for change in mechanism_changes_along(sweeps_of(replace(table, rows=alone))):
+        assert change.method != "yade" or (change.slope_before, change.slope_after) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "moving"), [([1.0, 0.05, 0.0], 1), ([1.0, 0.07, 0.0], 2), ([1.0, 0.1, 0.03], 2), ([1.0, 0.055, 0.045], 1)]
+)
+def test_the_widest_gap_between_speeds_parts_what_moves_from_what_only_strains(
+    speeds: list[float], moving: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mechanism_labels, "block_speeds", lambda *_: np.array(speeds))
+    blocks: Any = SimpleNamespace(free=np.ones(3, dtype=bool), names=["a", "b", "c"])
+    label = mechanism_labels.mechanism_label(blocks, np.zeros((3, 6)))
+    assert label is not None and label.startswith(f"{moving}-")
 
 
 def test_a_parameter_that_does_not_vary_or_goes_with_another_is_no_axis(tmp_path: Path) -> None:
