@@ -81,7 +81,8 @@ def deviation(row: Row) -> float | None:
     if apart is None or not exists(weight):
         return None
     stated = [row.get("yade_uncertainty"), row.get("coulomb_uncertainty") if prediction(row) == "coulomb" else None]
-    allowed = max(FLOOR * abs(row["yade"]), LEAST_REACTION * weight) + sum(value for value in stated if exists(value))
+    least = LEAST_REACTION * (weight if row.get("unit") else 1.0)  # a multiplier is over the weight already
+    allowed = max(FLOOR * abs(row["yade"]), least) + sum(value for value in stated if exists(value))
     return abs(apart) / allowed if allowed > 0.0 else None
 
 

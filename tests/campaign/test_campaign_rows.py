@@ -4,17 +4,21 @@ import math
 import random
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 from made_up_campaigns import INSET, MU, campaign, changed
 
+from comparison.campaign import mechanism_labels
 from comparison.campaign.columns import METHODS
 from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
-from comparison.campaign.row_values import bounds, deviation, title_of_values, value_cells, worst_first
+from comparison.campaign.row_values import bounds, deviation, over_weight, title_of_values, value_cells, worst_first
 from comparison.verdict import verdict_title
 
 pytestmark = pytest.mark.slow
@@ -42,6 +46,23 @@ def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp
     assert deviation(row) == pytest.approx(1.0)
     assert deviation(row | {"coulomb_uncertainty": 4.0}) == pytest.approx(0.5)
     assert deviation(row | {"coulomb": None, "least": 396.0, "coulomb_uncertainty": 4.0}) == pytest.approx(1.0)  # that of another value
+
+
+def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_itself(tmp_path: Path) -> None:
+    """The floor is 1e-4 of the weight of 1,000 N: 0.1 N; a multiplier is over the weight already, and so is its floor."""
+    row = campaign(tmp_path).rows[0] | {"yade_uncertainty": 0.0}
+    for sign in (1.0, -1.0):
+        assert deviation(row | {"yade": sign * 1.0, "coulomb": sign * 0.9}) == pytest.approx(1.0)
+        assert deviation(row | {"yade": sign * 400.0, "coulomb": sign * 396.0}) == pytest.approx(2.0)
+        multiplier = row | {"unit": "", "yade": sign * 0.4, "coulomb": sign * 0.396}
+        assert deviation(multiplier) == pytest.approx(2.0)
+        assert deviation(multiplier | {"yade": sign * 1e-3, "coulomb": sign * 0.9e-3}) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("weight", [None, 0.0])
+def test_a_reaction_over_no_weight_is_undefined_and_a_multiplier_needs_none(weight: float | None, tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0] | {"weight": weight, "coulomb": 0.4}
+    assert over_weight(row, "coulomb") is None and over_weight(row | {"unit": ""}, "coulomb") == 0.4
 
 
 def test_cases_are_counted_by_how_they_ended(tmp_path: Path) -> None:
@@ -73,6 +94,29 @@ def test_a_change_of_mechanism_lies_between_its_neighbours_with_the_slopes_of_bo
         share = 1.002 if change.method == "yade" else 1.0
         assert change.slope_before == pytest.approx(-0.3 * share, rel=ROUND_OFF)
         assert change.slope_after == pytest.approx(-0.1 * share, rel=ROUND_OFF)
+
+
+def test_between_two_mechanisms_there_is_no_slope(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    rows = [row | {"yade_mechanism": name} for row, name in zip(table.rows, "ABBAACCC", strict=True)]
+    found = [change for change in mechanism_changes_along(sweeps_of(replace(table, rows=rows))) if change.method == "yade"]
+    assert [(change.before, change.after) for change in found] == [("A", "B"), ("B", "A")]
+    assert [(change.slope_before is None, change.slope_after is None) for change in found] == [(True, False), (False, False)]
+    alone = [row | {"yade_mechanism": name} for row, name in zip(table.rows, "ABABACCC", strict=True)]
+    for change in mechanism_changes_along(sweeps_of(replace(table, rows=alone))):
+        assert change.method != "yade" or (change.slope_before, change.slope_after) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "moving"), [([1.0, 0.05, 0.0], 1), ([1.0, 0.07, 0.0], 2), ([1.0, 0.1, 0.03], 2), ([1.0, 0.055, 0.045], 1)]
+)
+def test_the_widest_gap_between_speeds_parts_what_moves_from_what_only_strains(
+    speeds: list[float], moving: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mechanism_labels, "block_speeds", lambda *_: np.array(speeds))
+    blocks: Any = SimpleNamespace(free=np.ones(3, dtype=bool), names=["a", "b", "c"])
+    label = mechanism_labels.mechanism_label(blocks, np.zeros((3, 6)))
+    assert label is not None and label.startswith(f"{moving}-")
 
 
 def test_a_parameter_that_does_not_vary_or_goes_with_another_is_no_axis(tmp_path: Path) -> None:

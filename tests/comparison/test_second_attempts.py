@@ -91,7 +91,7 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
     scene, told = la_core.load("wall_third"), Told()
     harder.try_harder(first("inconclusive"), scene, tmp_path, told, True, 200.0)
     *_, with_yade, seconds, named = runs[0]
-    assert with_yade and 0.0 < seconds <= 200.0
+    assert with_yade and seconds == 200.0 - harder.DEARER_PATHS * 1.0  # what the prediction leaves
     kept = named["first_verdict"]
     assert (kept["scene"], kept["verdict"], kept["reason"]) == ("wall_third", "inconclusive", "why")
     assert (kept["coulomb"], kept["yade"]) == (1.2, 1.0)
@@ -99,6 +99,26 @@ def test_it_keeps_the_first_verdict_and_its_time(runs: list[tuple[Any, ...]], tm
     limit = re.search(r"about (\d+) minutes; --try-harder-limit (\d+) \(s\) allows it", told.lines[-1])
     assert limit is not None and int(limit[2]) == 60 * int(limit[1]) and len(runs) == 1
     assert harder.try_harder(first("inconclusive", seconds=1e3), scene, tmp_path, told, True, float(limit[2])) is not None
+
+
+@pytest.mark.parametrize(
+    ("of_yade", "of_prediction", "with_yade", "is_made"),
+    [(24.0, 0.9, True, True), (26.0, 0.9, True, False), (24.0, 1.1, True, False), (1e3, 24.0, False, True), (0.0, 26.0, False, False)],
+)
+def test_its_time_is_that_of_both_methods_and_of_yade_only_where_it_runs(
+    of_yade: float, of_prediction: float, with_yade: bool, is_made: bool, runs: list[tuple[Any, ...]], tmp_path: Path
+) -> None:
+    """Eight times the seconds of the first attempt, of 200 s."""
+    content = first("inconclusive", seconds=of_yade)
+    content["limit_analysis"]["coulomb"]["seconds"] = of_prediction
+    harder.try_harder(content, la_core.load("wall_third"), tmp_path, Told(), with_yade, 200.0)
+    assert bool(runs) is is_made
+
+
+def test_stiffnesses_of_the_scene_become_stiffer_each() -> None:
+    given = la_core.variant(la_core.load("wall_third"), {"yade.normal_stiffness": 2e6, "yade.shear_stiffness": 1e6})
+    finer = harder.finer_settings(given, {"stiffening": 1.0, "normal_stiffness": 2e6, "shear_stiffness": 1e6})
+    assert (finer["yade.normal_stiffness"], finer["yade.shear_stiffness"]) == (8e6, 4e6) and "yade.stiffening" not in finer
 
 
 def test_it_keeps_the_multiplier_of_a_live_load_too(runs: list[tuple[Any, ...]], tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from comparison.verdict.check import Verdict
 from comparison.workflow import stages
 from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_record import Run
+from la_core.analysis import shared_parts
 from la_core.analysis.accuracy import with_accuracy
 from la_core.analysis.result import LimitAnalysis
 from la_core.analysis.stage import analyse
@@ -57,7 +58,44 @@ def test_a_run_that_misses_is_repeated_slower_and_then_tells_the_change() -> Non
     assert slower.accuracy.settings["travel_periods"] >= 2.0 * analysis.accuracy.settings["travel_periods"]
     second = accuracy_settings.attempt_of(Results(slower, run_of(slower, change=0.004)))
     assert second.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
+    less = accuracy_settings.attempt_of(Results(slower, run_of(slower, change=-0.004)))
+    assert less.parts["friction's history"] == pytest.approx(0.004, rel=0.05)
     assert accuracy_settings.slower_settings(Results(slower, run_of(slower, change=0.004)), LIMIT) is None
+
+
+@pytest.mark.parametrize(("uncertainty", "factor"), [(0.011, 2.0), (0.045, 0.0), (0.5, 8.0)])
+def test_a_run_that_misses_is_slower_by_as_much_as_it_misses_and_knows_its_plateau_better_by_as_much(
+    uncertainty: float, factor: float
+) -> None:
+    analysis = made_up()
+    results = Results(analysis, run_of(analysis, uncertainty=uncertainty))
+    slower = accuracy_settings.slower_settings(results, LIMIT)
+    assert slower is not None and slower.accuracy is not None and analysis.accuracy is not None
+    before, after = analysis.accuracy.settings, slower.accuracy.settings
+    expected = factor or accuracy_settings.attempt_of(results).error / 0.01
+    assert 2.0 <= expected <= 8.0 and after["travel_periods"] == pytest.approx(expected * before["travel_periods"])
+    assert after["stop_uncertainty"] == pytest.approx(before["stop_uncertainty"] / expected)
+
+
+def test_a_run_that_ran_out_of_time_is_not_repeated_slower() -> None:
+    analysis = made_up("two_pads")
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="no plateau")), LIMIT) is not None
+    assert accuracy_settings.slower_settings(Results(analysis, run_of(analysis, status="timeout")), LIMIT) is None
+
+
+def test_without_sliding_a_run_is_as_fast_as_the_accuracy_bears() -> None:
+    """Eight times as fast at 1 % and coarser, and less in proportion, but never slower than derived."""
+    for accuracy, pace in ((0.05, 8.0), (0.01, 8.0), (0.0025, 2.0), (0.001, 1.0)):
+        chosen = made_up("two_pads", accuracy).accuracy
+        assert chosen is not None and chosen.settings["travel_periods"] == pytest.approx(TRAVEL_PERIODS / pace)
+
+
+def test_the_estimated_error_is_a_share_of_the_prediction_and_has_the_parts_that_both_methods_share() -> None:
+    analysis = made_up()
+    fitted = accuracy_settings.attempt_of(Results(analysis, run_of(analysis, uncertainty=0.004, change=-0.5))).parts
+    assert fitted["fitted plateau"] == pytest.approx(0.002, rel=1e-6)
+    shared = shared_parts(analysis)
+    assert shared and shared.items() <= fitted.items()
 
 
 def test_a_run_without_a_plateau_is_repeated_only_where_it_was_fast() -> None:

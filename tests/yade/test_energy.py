@@ -65,6 +65,15 @@ def test_what_the_damping_of_the_swing_takes_counts_as_damping() -> None:
     assert plain.drift - found.drift == pytest.approx(taken / found.turnover)
 
 
+def test_energy_of_motion_is_accounted_for() -> None:
+    assembly, weight = sliding_column()
+    run = made_up(assembly, 0.2 * weight)
+    faster = 0.1 * weight * SINK
+    run.record.kinetic_energy[:] = np.append(0.0, np.linspace(0.0, faster, 9))
+    found = audit(assembly, run)
+    assert found.kinetic == pytest.approx(faster) and found.drift == pytest.approx(-faster / found.turnover)
+
+
 def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> None:
     assembly, weight = sliding_column()
     found = audit(assembly, made_up(assembly, 0.2 * weight))
@@ -73,6 +82,53 @@ def test_a_block_that_slides_down_gives_its_weight_to_support_and_friction() -> 
     assert found.friction == pytest.approx(0.2 * weight * SINK, rel=ADDS_UP)
     assert (found.elastic, found.kinetic) == (0.0, 0.0) and abs(found.viscous) <= ADDS_UP * weight * SINK
     assert abs(found.drift) <= ADDS_UP
+
+
+def test_energy_is_stored_across_and_along_the_joints_by_their_own_stiffness() -> None:
+    """The upright joint, which 16 N press and 16 N shear at rest, gives both up on the way."""
+    assembly, _ = sliding_column()
+    run = made_up(assembly, 16.0)
+    points = int((np.abs(assembly.normal[:, 0]) > 0.5).sum())
+    run.poses.forces[-1] = 0.0
+    found = audit(assembly, run)
+    across, along = (points * 0.5 * (16.0 / points) ** 2 / stiffness for stiffness in (NORMAL, SHEAR))
+    assert found.elastic == pytest.approx(-across - along)
+    assert found.viscous == pytest.approx(across)  # no point came nearer: all that was stored across is lost
+    assert found.friction == pytest.approx(
+        0.75 * 16.0 * SINK + along
+    )  # the force is 16 N over one half of the way, and falls over the other
+
+
+def test_work_that_a_rising_block_takes_and_a_sinking_one_gives_is_turned_over_twice() -> None:
+    assembly, _ = sliding_column()
+    run = made_up(assembly, 0.0)
+    free = np.flatnonzero(assembly.blocks.free)
+    plain = audit(assembly, run)
+    run.poses.displacement[1:, free[0], 2] = [0.5 * SINK, SINK]
+    found, risen = audit(assembly, run), -float(assembly.dead_load[free[0], 2]) * SINK
+    assert found.weights == pytest.approx(plain.weights - risen) and found.turnover == pytest.approx(plain.turnover + risen)
+
+
+def test_where_only_the_plateau_is_stored_the_balance_begins_there() -> None:
+    """Between rest and the plateau forces are known at two states that are far apart."""
+    assembly, weight = sliding_column()
+    kept = dataclasses.replace(assembly, effects=assembly.effects.with_effect("recording", "plateau", "many states"))
+    found = audit(kept, made_up(assembly, 0.2 * weight))
+    assert (found.weights, found.support) == pytest.approx((0.5 * weight * SINK, -0.4 * weight * SINK)) and abs(found.drift) <= ADDS_UP
+
+
+def test_the_load_works_by_its_mean_multiplier_between_two_states() -> None:
+    """Of a block that slides under a multiplier that rises from 0 to 0.4."""
+    ground = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.3, 0.0), "fixed")
+    assembly = assemble(scenes.build(ground, scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.3, 0.4)), inset=1e-3, live=(1.0, 0.0, 0.0)))
+    free = int(np.flatnonzero(assembly.blocks.free)[0])
+    still = {name: np.zeros((2, len(assembly.blocks), 3)) for name in ("displacement", "rotation")}
+    poses = still | {"settlement": np.array([0.0, SINK]), "forces": np.zeros((2, len(assembly.points), 3))}
+    poses["displacement"][1, free, 0] = SINK
+    record = {"stage": np.array([0, 1, 1]), "settlement": np.array([0.0, 0.0, SINK]), "reaction": np.array([0.0, 0.0, 0.4])}
+    run = made_up_run({}, record | {"kinetic_energy": np.zeros(3)}, poses, {"normal_stiffness": NORMAL, "shear_stiffness": SHEAR})
+    found = audit(assembly, run)
+    assert found.load == found.turnover == pytest.approx(0.2 * assembly.weight * SINK) and found.support == 0.0
 
 
 def test_energy_from_nowhere_is_seen() -> None:

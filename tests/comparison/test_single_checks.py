@@ -1,0 +1,237 @@
+"""What single checks count by: each number that a check uses is moved alone, and the check sees it."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import scenes
+from judged_runs import REACTION, SIMILARITY, coulomb_of, judged, named
+from runs import TRAVEL, coulomb_run, made_up_run, perfect_run, with_answers
+
+from comparison.judge.run_checks import check_expected
+from comparison.judge.sections import SECTION, check_sections
+from comparison.verdict.check import Verdict, overall
+from comparison.yade import Results, Run
+from la_core.analysis.result import AccuracyRecord, LimitAnalysis
+from la_core.analysis.stage import analyse
+from la_core.limit.problem import Drive
+from la_core.model.assembly import Assembly
+
+
+@pytest.fixture(scope="module")
+def wall() -> LimitAnalysis:
+    """A wall whose joints slide."""
+    return analyse(scenes.shipped("wall_third"))
+
+
+@pytest.fixture(scope="module")
+def pads() -> LimitAnalysis:
+    """A block on two pads; no joint slides."""
+    return analyse(scenes.shipped("two_pads"))
+
+
+def pushed(*blocks: str, **options: object) -> LimitAnalysis:
+    ground = scenes.box("ground", (-2.0, 0.0, -0.2), (3.0, 0.15, 0.0), "fixed")
+    given = {"inset": 1e-3, "model": "coulomb", "live": (1.0, 0.0, 0.0)} | options
+    return analyse(scenes.build(ground, *blocks, **given))
+
+
+def driven(analysis: LimitAnalysis, twists: np.ndarray, forces: np.ndarray, value: float) -> Run:
+    """A run under a live load with this mechanism per metre of mean displacement, at the speed that was set."""
+    run = perfect_run(with_answers(analysis, bounds={Drive.YIELDING: dataclasses.replace(
+        analysis.bounds[Drive.LIVE], twists=twists, forces=forces, value=value)}))  # fmt: skip
+    settlement = np.linspace(0.0, TRAVEL, 100)
+    free, mass = analysis.assembly.blocks.free, analysis.assembly.blocks.mass
+    along = twists[free, 0]
+    held = float(mass[free] @ along**2 / (mass[free] @ along))  # the servo holds the mean speed weighted by mass times speed
+    record = {"stage": np.ones(100, dtype=int), "time": settlement * held / 4e-4, "settlement": settlement, "reaction": np.full(100, value)}
+    return dataclasses.replace(run, record=made_up_run(record=record).record, settings={"speed": 4e-4})
+
+
+# --- a live load ------------------------------------------------------------------------------------------------------------------
+
+
+def test_the_speed_of_a_stack_that_tips_is_the_one_that_the_servo_holds() -> None:
+    """Its upper blocks are the faster ones: their mean speed by mass times speed is a fifth above the mean."""
+    stack = [scenes.box(f"block {k}", (0.0, 0.0, 0.25 * k), (0.5, 0.15, 0.25 * (k + 1))) for k in range(4)]
+    analysis = pushed(*stack, friction=0.7)
+    bound = analysis.bounds[Drive.LIVE]
+    run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
+    before = run.record.settlement < run.result.plateau_start
+    run.record.time[~before] += run.record.time[before].max()  # it took twice as long to come to its speed
+    run.record.time[before] *= 2.0
+    found = judged(analysis, run)
+    assert named("speed along the load", found).verdict is Verdict.AGREE
+    assert overall(found)[0] is Verdict.AGREE
+
+
+def test_one_of_two_like_columns_may_tip_alone() -> None:
+    """Both tip under the same multiplier, so no mechanism is the only one."""
+    columns = [scenes.box(f"column {k}", (1.2 * k, 0.0, 0.0), (1.2 * k + 0.5, 0.15, 0.7)) for k in range(2)]
+    analysis = pushed(*columns, friction=0.9)
+    bound, blocks = analysis.bounds[Drive.LIVE], analysis.assembly.blocks
+    alone = np.zeros_like(bound.twists)
+    alone[1, 4] = 1.0
+    alone[1, :3] = np.cross([0.0, 1.0, 0.0], blocks.centroid[1] - [0.5 - 1e-3, 0.075, 0.0])
+    alone *= blocks.free.sum() / alone[blocks.free, 0].sum()
+    check = named(SIMILARITY, judged(analysis, driven(analysis, alone, bound.forces, bound.value)))
+    assert check.verdict is Verdict.AGREE and "not unique" in check.reason
+
+
+def test_a_block_that_slides_under_a_live_load_has_the_friction_state_of_its_multiplier() -> None:
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4)), friction=0.35)
+    coulomb = coulomb_of(analysis)
+    run = driven(analysis, coulomb.twists * analysis.assembly.weight, coulomb.forces, coulomb.value)
+    check = named("YADE's friction state", judged(analysis, run))
+    assert check.verdict is Verdict.AGREE and (check.limit_analysis, check.yade) == pytest.approx((0.35, 0.35), rel=1e-3)
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_the_force_sums_under_a_live_load_are_those_of_the_prediction(share: float) -> None:
+    """They grow with the multiplier, and that of the associated answer may be another one."""
+    courses = [scenes.box(f"block {k}", (0.0, 0.0, 0.2 * k), (0.6, 0.15, 0.2 * (k + 1))) for k in range(2)]
+    analysis = pushed(*courses, friction=0.35)
+    other = coulomb_of(analysis).forces * [share, 1.0, 1.0]
+    predicted = with_answers(analysis, coulomb=coulomb_of(analysis, forces=other))
+    run = driven(analysis, coulomb_of(analysis).twists * analysis.assembly.weight, other, share * 0.35)
+    for judged_by, verdict in ((predicted, Verdict.AGREE), (analysis, Verdict.DISAGREE)):
+        (check,) = check_sections(Results(judged_by, run))
+        assert check.verdict is verdict
+
+
+def test_a_mechanism_against_the_load_has_no_measure_per_power_of_the_load() -> None:
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.6, 0.15, 0.4)), friction=0.35)
+    results, twists = Results(analysis), analysis.bounds[Drive.LIVE].twists
+    np.testing.assert_allclose(results.per_drive(results.per_motion(twists)), twists)
+    assert np.isnan(results.per_drive(-twists)).all() and np.isnan(results.per_drive(0.0 * twists)).all()
+
+
+# --- states, mechanisms and scatter -------------------------------------------------------------------------------------------------
+
+
+def twisted(assembly: Assembly, size: float) -> np.ndarray:
+    """Forces (C, 3), N, of two points of one joint along it and against each other: in equilibrium, whatever their size."""
+    interface = assembly.points.interface
+    pair = np.flatnonzero(interface == interface[0])[:2]
+    along = assembly.points.position[pair[1]] - assembly.points.position[pair[0]]
+    forces = np.zeros((len(interface), 3))
+    forces[pair] = np.outer([1.0, -1.0], size * along / np.linalg.norm(along))
+    return forces
+
+
+def test_a_state_that_breaks_the_friction_law_is_seen_although_it_is_in_equilibrium(pads: LimitAnalysis) -> None:
+    run = perfect_run(pads)
+    run.poses.forces[:] += twisted(pads.assembly, 0.5 * pads.assembly.mean_weight)
+    found = judged(pads, run)
+    assert named("balance along the mechanism", found).verdict is Verdict.AGREE
+    assert named("equilibrium of the YADE state", found).verdict is Verdict.INCONCLUSIVE
+
+
+def test_the_wrenches_of_a_state_act_where_the_run_has_moved_blocks_and_points(pads: LimitAnalysis) -> None:
+    """A block that has slid and turned over resting pads: each contact point is midway between its places on pad and block."""
+    assembly, run = pads.assembly, perfect_run(pads)
+    (block,) = np.flatnonzero(assembly.blocks.free)
+    slid, turned = np.array([0.02, 0.0, -0.01]), np.array([0.0, 0.03, 0.0])
+    run.poses.displacement[:], run.poses.rotation[:] = 0.0, 0.0
+    run.poses.displacement[-2:, block], run.poses.rotation[-2:, block] = slid, turned
+    last = dataclasses.replace(run, result=dataclasses.replace(run.result, plateau_start=run.poses.settlement[-2]))
+    found, centroid = last.plateau_wrenches(assembly), assembly.blocks.centroid[block]
+    sign = np.where(assembly.contact_blocks[1] == block, 1.0, -1.0)[:, None]
+    force, built = sign * run.poses.forces[-1], assembly.points.position - centroid
+    arm = built - 0.5 * slid + 0.5 * np.cross(turned, built)  # the block has gone the whole way, the point half of it
+    np.testing.assert_allclose(found[block], [*force.sum(axis=0), *np.cross(arm, force).sum(axis=0)], atol=1e-9)
+
+
+def test_the_forces_of_a_plateau_are_the_mean_of_its_states(pads: LimitAnalysis) -> None:
+    run = perfect_run(pads)
+    run.poses.forces[:] *= np.array([9.0, 9.0, 1.0, 2.0, 6.0])[:, None, None]  # two states before the plateau, three on it
+    np.testing.assert_allclose(run.plateau_forces(), 3.0 * pads.bounds[Drive.YIELDING].forces)
+
+
+def test_joints_that_slide_in_yade_alone_leave_the_mechanism_undetermined(pads: LimitAnalysis) -> None:
+    """Limit analysis modelled friction and found no sliding: YADE's state of friction is then asked for."""
+    modelled = pads.with_effects(pads.assembly.effects.with_effect("friction", "coulomb", "the scene says so"))
+    run = coulomb_run(pads)
+    names = [check.name for check in judged(modelled, run)]
+    assert REACTION in names and "YADE's friction state" not in names
+    run.poses.displacement[:, np.flatnonzero(pads.assembly.blocks.free), 0] += 0.5 * run.poses.settlement[:, None]
+    assert "YADE's friction state" in [check.name for check in judged(modelled, run)]
+
+
+def test_a_mechanism_that_does_the_same_work_but_penetrates_is_another_one() -> None:
+    """A voussoir that also moves into its neighbour across its weight is no mechanism of the arch."""
+    arch = analyse(scenes.shipped("arch_spreading"))
+    run = perfect_run(arch)
+    run.poses.displacement[:, np.flatnonzero(arch.assembly.blocks.free)[3], 0] += 3.0 * run.poses.settlement
+    check = named(SIMILARITY, judged(arch, run))
+    assert check.verdict is Verdict.DISAGREE and "not unique" not in check.reason
+
+
+def test_a_mechanism_that_yade_does_not_show_is_no_agreement_even_where_the_reactions_agree(wall: LimitAnalysis) -> None:
+    run = coulomb_run(wall)
+    kept = dataclasses.replace(run.poses, **{name: values[[0, -1]] for name, values in vars(run.poses).items()})
+    found = judged(wall, dataclasses.replace(run, poses=kept))
+    assert named(REACTION, found).verdict is Verdict.AGREE
+    assert named(SIMILARITY, found).verdict is Verdict.INCONCLUSIVE and overall(found)[0] is Verdict.INCONCLUSIVE
+
+
+def test_a_sloping_plateau_and_the_way_to_it_are_no_stick_slip(wall: LimitAnalysis) -> None:
+    value = coulomb_of(wall).value
+    run = coulomb_run(wall, slope=0.1 * value / TRAVEL)
+    settlement = run.record.settlement
+    run.record.reaction[:] = value * (1.0 + 0.1 * settlement / TRAVEL)
+    run.record.reaction[settlement < run.result.plateau_start] *= 1.5
+    check = named("steadiness of the plateau", judged(wall, run))
+    assert check.yade == pytest.approx(0.0, abs=1e-12) and check.reason == ""
+
+
+def test_the_state_of_friction_is_known_as_well_as_the_reaction(wall: LimitAnalysis) -> None:
+    first, second = (named("YADE's friction state", judged(wall, coulomb_run(wall, uncertainty=one))) for one in (0.0, 5.0))
+    assert first.tolerance is not None and second.tolerance == pytest.approx(first.tolerance + 5.0)
+
+
+# --- what stands and what falls -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("friction", "verdict"), [(0.0, Verdict.DISAGREE), (0.6, Verdict.INCONCLUSIVE)])
+def test_a_structure_without_friction_that_can_stand_must_stand(friction: float, verdict: Verdict) -> None:
+    """With friction an equilibrium that exists need not be found."""
+    pad = [scenes.box(f"pad {k}", (0.6 * k, 0.0, -0.1), (0.6 * k + 0.4, 0.2, 0.0), role) for k, role in enumerate(("fixed", "support"))]
+    analysis = analyse(scenes.build(*pad, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.4)), inset=1e-3, friction=friction))
+    found = judged(analysis, perfect_run(analysis, status="collapsed", reaction=math.nan))
+    assert named("the structure stands", found).verdict is verdict
+
+
+def test_a_fall_after_a_block_that_moved_far_says_that_contacts_may_have_been_missed(pads: LimitAnalysis) -> None:
+    small = pads.with_effects(pads.assembly.effects.with_effect("displacement", "small", "nothing is near"))
+    run = perfect_run(pads, status="collapsed", reaction=math.nan)
+    for gap, named_checks in ((1e-5, 2), (1.0, 1)):
+        found = judged(dataclasses.replace(small, least_gap=gap), run)
+        assert len(found) == named_checks and found[-1].name == "the structure stands"
+
+
+def test_a_transverse_force_may_miss_its_range_by_a_share_of_the_weight(pads: LimitAnalysis) -> None:
+    """The reaction of a support that leaves alone is 0, while its blocks weigh as much as others."""
+    check = named("support's force along", judged(pads, perfect_run(pads)))
+    assert check.tolerance == pytest.approx(SECTION * pads.scene.weight)
+
+
+def test_an_expected_value_below_zero_is_met_to_a_requested_accuracy_of_its_size(pads: LimitAnalysis) -> None:
+    assert pads.scene.expected is not None
+    expected = pads.scene.expected.model_copy(update={"reaction_over_weight": -0.5, "tolerance": 1e-6})
+    scene = dataclasses.replace(pads.scene, expected=expected)
+    check = next(iter(check_expected(dataclasses.replace(pads, scene=scene, accuracy=AccuracyRecord(0.01)))))
+    assert check.tolerance == pytest.approx(0.005)
+
+
+def test_the_multiplier_of_the_judged_states_is_the_one_that_acted_on_them() -> None:
+    """It rises over the plateau, and so do the forces: their mean state is in balance under the mean multiplier."""
+    analysis = pushed(scenes.box("block", (0.0, 0.0, 0.0), (0.5, 0.15, 0.7)), friction=0.9)
+    bound = analysis.bounds[Drive.LIVE]
+    run = driven(analysis, bound.twists * analysis.assembly.weight, bound.forces, bound.value)
+    kept = run.poses.settlement >= run.result.plateau_start
+    mean = run.poses.settlement[kept].mean()
+    run.record.reaction[:] = bound.value * (1.0 + 0.1 * (run.record.settlement - mean) / TRAVEL)
+    assert named("balance along the mechanism", judged(analysis, run)).verdict is Verdict.AGREE
+    assert Results(analysis, run).recorded.plateau_forces() == pytest.approx(bound.forces)

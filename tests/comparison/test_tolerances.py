@@ -1,0 +1,68 @@
+"""Tolerances and what a verdict allows, from plain numbers: units, signs and what a requested accuracy changes."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from comparison.judge import tolerances
+from comparison.judge.tolerances import FLOOR, LEAST_REACTION, UNBALANCED, UNCERTAIN
+from la_core.exchange import AT_STAKE
+from la_core.limit import Status
+
+WEIGHT, LENGTH = 2000.0, 0.4  # N, m
+
+
+def results(
+    reaction: float, uncertainty: float = 0.0, live: bool = False, turns: bool = False, asked: float | None = None, speed: float = 1.0
+) -> Any:
+    """Results of 100 blocks of 20 N. speed: of the support's fastest contact point per unit settlement, m where it turns."""
+    scene = SimpleNamespace(live=object() if live else None, weight=WEIGHT, is_rotation=turns)
+    assembly = SimpleNamespace(length=LENGTH, has_live_load=live, support_speed=speed, mean_weight=WEIGHT / 100.0)
+    accuracy = None if asked is None else SimpleNamespace(asked=asked)
+    analysis = SimpleNamespace(scene=scene, assembly=assembly, accuracy=accuracy)
+    recorded = SimpleNamespace(result=SimpleNamespace(reaction=reaction, uncertainty=uncertainty))
+    return SimpleNamespace(analysis=analysis, recorded=recorded, scene=scene)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_floor_is_a_share_of_the_size_of_a_reaction(sign: float) -> None:
+    """A support that pulls has a negative reaction."""
+    assert tolerances.floor(results(sign * 600.0)) == pytest.approx(FLOOR * 600.0)
+    assert tolerances.reaction_tolerance(results(sign * 600.0, 2.0), 1.0) == pytest.approx(FLOOR * 600.0 + 3.0)
+    assert tolerances.unsure_methods(results(sign * 600.0, 5.9), 5.9) == []
+    (unsure,) = tolerances.unsure_methods(results(sign * 600.0, 6.1), 5.9)
+    assert (unsure.method, unsure.allowed, unsure.share) == ("YADE", pytest.approx(6.0), pytest.approx(6.1 / 600.0))
+
+
+@pytest.mark.parametrize(("given", "least"), [({}, WEIGHT), ({"turns": True}, WEIGHT * LENGTH), ({"live": True}, 1.0)])
+def test_a_reaction_of_zero_is_measured_by_the_weight_a_moment_by_a_block_s_length_and_a_multiplier_by_itself(
+    given: dict[str, Any], least: float
+) -> None:
+    assert tolerances.floor(results(0.0, **given)) == pytest.approx(LEAST_REACTION * least)
+    assert tolerances.unsure_methods(results(0.0, 0.9 * LEAST_REACTION * least, **given), 0.0) == []
+    (unsure,) = tolerances.unsure_methods(results(0.0, 1.1 * LEAST_REACTION * least, **given), 0.0)
+    assert unsure.allowed == pytest.approx(LEAST_REACTION * least)
+
+
+def test_a_method_may_be_as_uncertain_as_the_accuracy_that_was_asked_for() -> None:
+    assert tolerances.unsure_methods(results(600.0, asked=0.03), 0.029 * 600.0) == []
+    (unsure,) = tolerances.unsure_methods(results(600.0, asked=0.03), 0.031 * 600.0)
+    assert unsure.method == "limit analysis" and unsure.allowed == pytest.approx(0.03 * 600.0)
+    assert len(tolerances.unsure_methods(results(600.0, asked=0.001), 0.9 * UNCERTAIN * 600.0)) == 0  # a finer one forbids nothing
+
+
+@pytest.mark.parametrize("reaction", [1e4, -1e4])
+def test_unbalanced_forces_are_small_beside_the_force_that_a_reaction_stands_for(reaction: float) -> None:
+    """A moment of 10 kN m on a support of 5 m is a force of 2 kN; beside a multiplier, which is no force, only a block's weight counts."""
+    assert tolerances.unbalanced(results(reaction)) == pytest.approx(UNBALANCED * AT_STAKE * 1e4 / 20.0)
+    assert tolerances.unbalanced(results(reaction, turns=True, speed=5.0)) == pytest.approx(UNBALANCED * AT_STAKE * 2e3 / 20.0)
+    assert tolerances.unbalanced(results(1.0)) == tolerances.unbalanced(results(reaction, live=True)) == UNBALANCED
+
+
+@pytest.mark.parametrize(("status", "stated"), [(Status.SOLVED, 3.0), (Status.INACCURATE, 3.0), (Status.FAILED, 0.0)])
+def test_a_prediction_states_its_uncertainty_where_it_has_a_value(status: Status, stated: float) -> None:
+    analysis: Any = SimpleNamespace(coulomb=SimpleNamespace(status=status, uncertainty=3.0))
+    assert tolerances.stated_uncertainty(analysis) == stated
+    analysis.coulomb = None
+    assert tolerances.stated_uncertainty(analysis) == 0.0

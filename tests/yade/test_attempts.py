@@ -1,0 +1,180 @@
+"""Which attempts a run in YADE makes, and what they come to: attempts that are made up, without YADE."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import scenes
+from yade_stand_in import without_yade
+
+from la_core import exchange
+from la_core.analysis import analyse, case_file
+from yade_scripts import case, settings
+from yade_scripts.plateau import Outcome
+
+attempts, protocol, recorder = (without_yade(name) for name in ("attempts", "protocol", "recorder"))
+STATUS = recorder.Status
+STEPS, SCATTER = 1000, 0.25
+Tried = tuple[float, float, float, float]  # speed over the run's, stiffening, damping ratio, damping of the swing
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory: pytest.TempPathFactory) -> case.Case:
+    path = tmp_path_factory.mktemp("wall") / "case.h5"
+    case_file.write_case(path, analyse(scenes.build(*scenes.wall(4, 3, split=0.8), inset=0.001)), "test")
+    return case.from_fields(exchange.read(path, (*exchange.CASE_FIELDS, exchange.SWAY)))
+
+
+def ended(reaction: float = 100.0, status: Any = STATUS.PLATEAU, creeps: bool = False, unrest: float = 0.0, steps: int = STEPS) -> Any:
+    """How an attempt ends. unrest: its mean unbalanced force, of a block's weight."""
+    record = SimpleNamespace(rows=[SimpleNamespace(reaction=0.0)], jumps=lambda _: False, rattles=lambda _, allowed: unrest > allowed)
+    outcome = Outcome(reaction, SCATTER, 0.0, 0.0)
+    plateau = SimpleNamespace(creeps=creeps)
+    return SimpleNamespace(status=status, plateau=plateau, outcome=outcome, record=record, steps=steps, dropped_steps=7, message="m")
+
+
+RATTLING, CREEPING = {"unrest": 0.1}, {"status": STATUS.NO_PLATEAU, "creeps": True}
+STICKING, FALLING = {"status": STATUS.NO_PLATEAU}, {"status": STATUS.COLLAPSED}
+
+
+def made(one: case.Case, *script: dict[str, Any]) -> tuple[list[Tried], Any]:
+    """Make attempts that end by a script, the last of it for all further ones; return their settings and what they came to."""
+    tried: list[Tried] = []
+    endings: Iterator[dict[str, Any]] = iter(script)
+    last: dict[str, Any] = {}
+
+    def run(which: case.Case, chosen: settings.Settings, pace: float) -> Any:
+        nonlocal last
+        last = next(endings, last)
+        tried.append((pace, chosen.stiffening, chosen.damping_ratio, chosen.swing_damping))
+        attempt = ended(**last)
+        attempt.case, attempt.settings = which, chosen
+        attempt.may_damp = protocol.Protocol.may_damp.fget(attempt)
+        return attempt
+
+    return tried, attempts.make(one, settings.derive(one), run)
+
+
+QUICK, OWN, SLOW = (2.0, 4.0, 0.3, 0.0), (1.0, 4.0, 0.3, 0.0), (0.25, 4.0, 0.3, 0.0)
+CALM, CRITICAL = (2.0, 4.0, 0.3, 0.5), (2.0, 4.0, 1.0, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("script", "expected"),
+    [
+        ([{}], [QUICK, OWN]),
+        ([{"reaction": 100.4}, {}], [QUICK, OWN]),  # 0.4 / (2^0.5 - 1) and the noise are 1.0 % of the reaction at most
+        ([{"reaction": 100.5}, {}], [QUICK, OWN, SLOW]),
+        ([{"reaction": -100.5}, {"reaction": -100.0}], [QUICK, OWN, SLOW]),
+        ([{"reaction": -100.3}, {"reaction": -100.0}], [QUICK, OWN]),
+        ([FALLING], [QUICK]),
+        ([CREEPING, {}], [QUICK, (2.0, 16.0, 0.3, 0.0), (1.0, 16.0, 0.3, 0.0)]),
+        ([CREEPING], [QUICK, (2.0, 16.0, 0.3, 0.0), (2.0, 64.0, 0.3, 0.0), (1.0, 64.0, 0.3, 0.0)]),
+        ([STICKING, {}], [QUICK, CALM, (1.0, 4.0, 0.3, 0.5)]),
+        ([STICKING], [QUICK, CALM, (1.0, 4.0, 0.3, 0.5), (0.25, 4.0, 0.3, 0.5)]),
+        ([RATTLING, {}], [QUICK, CALM, (1.0, 4.0, 0.3, 0.5)]),
+        ([RATTLING, RATTLING, {}], [QUICK, CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),
+        ([RATTLING], [QUICK, CALM, CRITICAL, (1.0, 4.0, 1.0, 0.5)]),  # it has its damping, and goes on
+        ([{}, RATTLING, {}], [QUICK, OWN, CALM, (1.0, 4.0, 0.3, 0.5)]),  # a quick one again
+    ],
+)
+def test_an_attempt_follows_from_how_the_one_before_ended(wall: case.Case, script: list[dict[str, Any]], expected: list[Tried]) -> None:
+    tried, outcome = made(wall, *script)
+    assert tried == expected
+    assert outcome.steps == len(tried) * (STEPS + 7)
+
+
+@pytest.mark.parametrize(
+    ("given", "script", "expected"),
+    [
+        ({"speed": 1e-5}, [{"reaction": 110.0}, {}], [QUICK, OWN]),  # as fast as the scene says
+        ({"normal_stiffness": 1e8}, [CREEPING], [2.0, 1.0]),
+        ({"wedging": 1e-6}, [CREEPING], [2.0, 1.0]),  # the thrust of a wedged structure is in proportion to its stiffness
+        ({"damping_ratio": 0.3}, [RATTLING], [2.0, 1.0]),
+        ({"swing_damping": 0.0}, [RATTLING, {}], [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),
+        ({"swing_damping": 0.0}, [{}, RATTLING, {}], [QUICK, OWN, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]),  # a quick one again
+        ({"quick_speed": 0.0}, [{}], [OWN]),
+    ],
+)
+def test_what_the_scene_sets_itself_no_attempt_changes(
+    wall: case.Case, given: dict[str, float], script: list[dict[str, Any]], expected: list[Any]
+) -> None:
+    tried, _ = made(replace(wall, overrides=given), *script)
+    assert tried == expected or [pace for pace, *_ in tried] == expected
+    assert len({one[1] for one in tried}) == 1
+
+
+def test_a_slender_structure_gets_time_in_place_of_a_damper(wall: case.Case) -> None:
+    """Its sway is slower than the damper's mean."""
+    slender = replace(wall, sway=100.0 * wall.sag)
+    assert made(slender, STICKING)[0] == [QUICK, OWN, SLOW]
+    assert made(slender, RATTLING, {})[0] == [QUICK, (2.0, 4.0, 1.0, 0.0), (1.0, 4.0, 1.0, 0.0)]
+
+
+def test_the_part_of_the_speed_is_that_of_a_reaction_that_follows_its_root(wall: case.Case) -> None:
+    """R(v) = R + c v^0.5: what is left at the speed of the last attempt follows from two of them, and the noise of the quicker is added."""
+
+    def reaction(pace: float) -> dict[str, float]:
+        return {"reaction": 100.0 - 3.0 * math.sqrt(pace)}
+
+    tried, outcome = made(wall, reaction(2.0), reaction(1.0), reaction(0.25))
+    assert [pace for pace, *_ in tried] == [2.0, 1.0, 0.25]
+    assert outcome.outcome.rate == pytest.approx(math.hypot(1.5, SCATTER))
+    assert outcome.outcome.reaction == 98.5 and outcome.outcome.scatter == SCATTER
+
+
+@pytest.mark.parametrize("script", [[STICKING, {}], [{}, RATTLING, {}], [RATTLING, {}]])
+def test_only_two_plateaus_with_the_same_damping_and_stiffness_say_what_the_speed_does(
+    wall: case.Case, script: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates = []
+    found = attempts._with_rate
+    monkeypatch.setattr(attempts, "_with_rate", lambda *given: rates.append(found(*given).rate) or found(*given))
+    tried, _ = made(wall, *script)
+    alike = [False, *(before[1:] == now[1:] for before, now in pairwise(tried))]
+    assert [math.isfinite(rate) for rate in rates] == alike and alike[-1]
+
+
+def test_no_plateau_before_says_nothing_of_the_speed(wall: case.Case) -> None:
+    tried, outcome = made(replace(wall, sway=100.0 * wall.sag), STICKING, {})
+    assert tried == [QUICK, OWN] and math.isnan(outcome.outcome.rate)
+
+
+@pytest.mark.parametrize(
+    ("ending", "share", "expected"),
+    [
+        (STICKING, 0.45, [QUICK, CALM]),
+        (STICKING, 0.6, [QUICK]),
+        (CREEPING, 0.45, [QUICK, (2.0, 16.0, 0.3, 0.0)]),
+        (CREEPING, 0.6, [QUICK]),
+        (RATTLING, 0.45, [QUICK, CALM]),
+        (RATTLING, 0.6, [QUICK]),
+    ],
+)
+def test_all_attempts_together_are_affordable_but_that_at_the_run_s_own_speed_is_made(
+    wall: case.Case, ending: dict[str, Any], share: float, expected: list[Tried]
+) -> None:
+    """share: of the most time steps, which an attempt takes."""
+    steps = int(share * settings.most_steps(len(wall.host)))
+    tried, _ = made(wall, ending | {"steps": steps})
+    assert tried == [*expected, (1.0, *expected[-1][1:])]
+
+
+def test_a_quicker_attempt_takes_less_time_over_its_ramp_and_its_travel(wall: case.Case) -> None:
+    usual = settings.derive(wall)
+    quick = attempts.settings_of(wall, usual, attempts.Plan(2.0))
+    assert (quick.speed, quick.ramp_time, quick.travel_periods) == pytest.approx(
+        (2.0 * usual.speed, 0.5 * usual.ramp_time, 0.5 * usual.travel_periods)
+    )
+    assert quick.time_step == usual.time_step
+
+
+def test_what_was_tried_before_is_told(wall: case.Case, tmp_path: Path) -> None:
+    _, outcome = made(wall, RATTLING, {})
+    assert outcome.message.count("before, at 2 times the speed, 4 times the stiffness and a damping ratio of 0.3") == 2
+    assert outcome.message.count("the swing damped") == 1

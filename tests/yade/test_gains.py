@@ -1,0 +1,75 @@
+"""Gains of the servo and of the damper, and the time steps that an attempt is expected to take: from plain settings, by hand."""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from yade_scripts.driving import LARGEST_MULTIPLIER, servo_of, swing_damper
+from yade_scripts.driving.servo import LAG, Servo
+from yade_scripts.expected_steps import RESTING, SETTLING, expected_steps
+
+GRAVITY, SAG = 9.81, 4.0e-5  # m/s2, m: at the stiffness of the case
+FREQUENCY = 2.0 * math.sqrt(GRAVITY / SAG)  # rad/s, of joints four times as stiff, which sag a quarter as far
+USUAL: dict[str, Any] = {
+    "normal_stiffness": 4e6, "settling_step": 2e-6, "time_step": 1e-6, "speed": 0.01, "ramp_time": 0.02, "servo_frequency": 0.1,
+    "servo_damping": 1.0, "swing_damping": 0.5, "gravity_ramp": 0.3, "wedging": 0.0, "max_travel": 1e-3, "plateau_travel": 2e-4,
+}  # fmt: skip
+
+
+def case_of(live: Any = None) -> Any:
+    gravity = np.array([0.0, 0.0, -GRAVITY])
+    return SimpleNamespace(gravity=gravity, sag=SAG, normal_stiffness=1e6, live=live, plane=True, free=np.array([0]))
+
+
+def settings_of(**changes: float) -> Any:
+    return SimpleNamespace(**(USUAL | changes))
+
+
+def test_the_servo_is_a_spring_and_a_dashpot_of_a_share_of_the_frequency_of_the_sag() -> None:
+    servo, frequency = servo_of(case_of(), settings_of()), 0.1 * FREQUENCY
+    assert servo.spring == pytest.approx(frequency**2 / GRAVITY) and servo.dashpot == pytest.approx(2.0 * frequency / GRAVITY)
+    assert servo.every == int(LAG / (2.0 * frequency * 2e-6)) and servo.window == pytest.approx(1.0 / frequency)
+
+
+def test_blocks_that_stand_bear_a_multiplier_after_its_loading_time() -> None:
+    servo = Servo(2.0, 0.0, 0.5, 0.0, 1, 1.0)
+    assert servo.multiplier(servo.loading_time(0.7), 0.0) == pytest.approx(0.7)
+
+
+def test_a_heavy_block_counts_by_its_mass_in_the_motion_that_the_servo_holds() -> None:
+    servo, masses = Servo(1.0, 1.0, 1.0, 0.0, 1, 1.0), np.array([9.0, 1.0])
+    for k in range(30):
+        servo.renew(float(k), masses, np.array([1.0 * k, 3.0 * k]))
+    assert servo.weighted(np.array([1.0, 3.0])) == pytest.approx((9.0 * 1.0 + 3.0 * 3.0) / (9.0 + 3.0), abs=1e-6)
+
+
+def test_the_damper_takes_its_share_of_a_swing_and_forgets_over_a_period_of_the_sag() -> None:
+    """Of a damping ratio of 0.5 a swing's velocity falls by exp(-w t); its mean follows within a period 2 pi / w."""
+    inertia: Any = SimpleNamespace(tensor=np.eye(3)[None], mass=np.array([1.0]))
+    damper = swing_damper(case_of(), settings_of(settling_step=1e-4), inertia, [None])
+    elapsed = FREQUENCY * damper.every * 1e-4  # rad
+    assert 0.9 < elapsed <= 1.0
+    assert damper.share == pytest.approx(1.0 - math.exp(-2.0 * 0.5 * elapsed))
+    assert damper.renewed == pytest.approx(1.0 - math.exp(-elapsed / (2.0 * math.pi)))
+
+
+def test_a_quick_attempt_is_followed_by_one_at_the_run_s_own_speed_which_takes_longer_over_the_settlement_alone() -> None:
+    found = expected_steps(case_of(), settings_of(wedging=1e-4), 2.0)
+    assert found.resting == pytest.approx((RESTING * 0.3 + 0.01) / 1e-6)
+    assert found.settling == pytest.approx(SETTLING * (0.01 + 0.01 + 0.02) / 2e-6)  # half the ramp, the lift undone, the least travel
+    assert found.longest == pytest.approx((0.01 + 0.01 + 0.1) / 2e-6)
+    assert found.later == pytest.approx((RESTING * 0.3 + 2.0 * 0.01) / 1e-6 + 2.0 * found.settling)
+    assert expected_steps(case_of(), settings_of(), 1.0).later == 0.0
+
+
+def test_a_live_load_takes_the_time_to_its_multiplier_and_never_more_than_the_whole_travel() -> None:
+    one, chosen = case_of(np.array([1.0, 0.0, 0.0])), settings_of()
+    per_multiplier = servo_of(one, chosen).loading_time(1.0)
+    found = expected_steps(one, chosen, 1.0)
+    assert found.settling == pytest.approx(SETTLING * (0.01 + per_multiplier + 0.02) / 2e-6)
+    assert found.longest == pytest.approx((0.01 + LARGEST_MULTIPLIER * per_multiplier + 0.1) / 2e-6)
+    near = expected_steps(case_of(), settings_of(plateau_travel=0.9e-3), 1.0)
+    assert near.settling == near.longest

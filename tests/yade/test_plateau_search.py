@@ -1,0 +1,207 @@
+"""When a run in YADE may end, what it ends with, and what ends it before: records that are made up, without YADE."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from yade_stand_in import without_yade
+
+from yade_scripts import plateau
+
+search, recorder, faults = (without_yade(name) for name in ("plateau_search", "recorder", "faults"))
+STATUS = recorder.Status
+SAG, STIFFNESS = 1e-5, 1e6  # m, N/m
+SETTINGS = SimpleNamespace(
+    normal_stiffness=4.0 * STIFFNESS, stop_uncertainty=0.002, plateau_uncertainty=0.02, plateau_drift=0.05, reaction_floor=0.01,
+    settings_uncertainty=1e-3, swing_damping=0.0,
+)  # fmt: skip
+CASE = SimpleNamespace(sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, live=None, free=np.arange(4))
+STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: settlement at which the strain of the joints is as small as may be
+
+
+def line(reaction: float = 100.0, uncertainty: float = 0.05, **changes: Any) -> plateau.Plateau:
+    """A fit of a plateau, N."""
+    known = plateau.Plateau(reaction, uncertainty, 0.0, 0.0, 0.0, 0.0, uncertainty, 0.0, 0.0, creeps=False)
+    return replace(known, **changes)
+
+
+class Told:
+    """A record at a settlement, whose states have blocks at these displacements (P, 4), m, along z."""
+
+    def __init__(self, settlement: float, states: Any = ()) -> None:
+        self.now, self.cuts = settlement, []
+        self.rows = [SimpleNamespace(stage=recorder.GRAVITY, reaction=2000.0), SimpleNamespace(stage=recorder.SETTLEMENT, reaction=100.0)]
+        places = np.linspace(0.0, settlement, len(states))
+        self.poses = [(place, np.outer(moved, [0.0, 0.0, -1.0])) for place, moved in zip(places, states, strict=True)]
+
+    def settlement(self) -> float:
+        return self.now
+
+    def pose(self) -> Any:
+        return self.poses[-1]
+
+    def mark(self) -> tuple[int, int]:
+        return 3, 2
+
+    def cut(self, mark: tuple[int, int]) -> None:
+        self.cuts.append(mark)
+
+
+@pytest.fixture
+def fits(monkeypatch: pytest.MonkeyPatch) -> list[plateau.Plateau]:
+    """The fits that a search finds, one after the other."""
+    given: list[plateau.Plateau] = []
+    monkeypatch.setattr(search.PlateauSearch, "_fit", lambda _: given.pop(0))
+    return given
+
+
+def looking(record: Told, **settings: float) -> Any:
+    return search.PlateauSearch(CASE, SimpleNamespace(**(vars(SETTINGS) | settings)), record)
+
+
+@pytest.mark.parametrize(
+    ("fit", "way", "ends"),
+    [
+        (line(), 1.01, True),
+        (line(), 0.99, False),  # the joints still strain
+        (line(uncertainty=0.19), 1.01, True),
+        (line(uncertainty=0.21), 1.01, False),
+        (line(drift=4.9), 1.01, True),
+        (line(drift=5.1), 1.01, False),
+        (line(creeps=True), 1.01, True),  # the uncertainty holds the creep
+        (line(uncertainty=1.1, creeps=True), 1.01, False),
+        (line(-100.0, 0.19), 1.01, True),
+        (line(-100.0, 0.21), 1.01, False),
+        (line(0.0, 0.039), 1.01, True),  # as if it were 1 % of the reaction at rest, 20 N
+        (line(0.0, 0.041), 1.01, False),
+        (plateau.NONE, 1.01, False),
+    ],
+)
+def test_a_run_ends_once_its_reaction_and_the_strain_of_its_joints_are_known_well_enough(
+    fit: plateau.Plateau, way: float, ends: bool, fits: list[plateau.Plateau]
+) -> None:
+    """way: settlement, over that at which 3 % of the sag over it is the uncertainty that ends a run."""
+    fits.append(fit)
+    assert looking(Told(way * STRAIN_ENDS)).look(0.0) is ends
+
+
+def test_joints_of_a_support_that_turns_strain_by_what_its_points_move(fits: list[plateau.Plateau]) -> None:
+    fits += [line(), line()]
+    for way, ends in ((1.01, True), (0.99, False)):
+        one = looking(Told(way * STRAIN_ENDS / 5.0))
+        one.case = SimpleNamespace(**(vars(CASE) | {"support_speed": 5.0}))  # m
+        assert one.look(0.0) is ends
+
+
+@pytest.mark.parametrize(("late", "damping", "ends"), [(1.0, 0.5, True), (1.1, 0.5, False), (1.1, 0.0, True)])
+def test_a_run_with_a_damped_swing_ends_only_where_its_blocks_move_steadily(
+    late: float, damping: float, ends: bool, fits: list[plateau.Plateau]
+) -> None:
+    """late: speed of one block over the later half of the plateau, over that before."""
+    fits.append(line())
+    states = [[0.0] * 4, [1e-4] * 4, [2e-4, 2e-4, 2e-4, (1.0 + late) * 1e-4]]
+    assert looking(Told(2e-4, states), swing_damping=damping).look(0.0) is ends
+
+
+def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[plateau.Plateau]) -> None:
+    best = line(100.0, 0.3)
+    fits += [line(101.0, 0.6), best, line(101.0, 0.6), line(120.0, 20.0), line(120.0, 20.0)]
+    record = Told(5e-5)
+    one = looking(record)
+    assert [one.look(asked) for asked in (1.0, 2.0, 3.0)] == [False] * 3
+    assert one.look(4.0)
+    status, message, asked = one.ended(4.0)
+    assert status is STATUS.PLATEAU and one.plateau.reaction == 100.0 and asked == 2.0 and record.cuts == [(3, 2)]
+    assert "the reaction leaves it" in message
+
+
+def test_a_plateau_that_the_reaction_did_not_leave_is_the_last_one(fits: list[plateau.Plateau]) -> None:
+    fits += [line(100.0, 0.3), line(101.0, 0.8)]
+    record = Told(5e-5)
+    one = looking(record)
+    assert not one.look(1.0)
+    assert one.ended(2.0)[::2] == (STATUS.PLATEAU, 2.0) and one.plateau.reaction == 101.0 and record.cuts == []
+
+
+@pytest.mark.parametrize(
+    ("fit", "status", "has_value"),
+    [
+        (line(uncertainty=1.9), STATUS.PLATEAU, True),
+        (line(uncertainty=2.1), STATUS.NO_PLATEAU, True),
+        (line(uncertainty=0.9, creeps=True), STATUS.PLATEAU, True),
+        (line(uncertainty=1.1, creeps=True), STATUS.NO_PLATEAU, False),
+        (plateau.NONE, STATUS.NO_PLATEAU, False),
+    ],
+)
+def test_at_the_end_of_its_travel_a_run_is_content_with_less_but_no_curve_that_creeps_has_a_value(
+    fit: plateau.Plateau, status: Any, has_value: bool, fits: list[plateau.Plateau]
+) -> None:
+    fits.append(fit)
+    one = looking(Told(1e-3))
+    assert one.ended(1.0)[0] is status
+    assert math.isfinite(one.outcome.reaction) is has_value
+
+
+@pytest.mark.parametrize("reaction", [100.0, -100.0])
+def test_what_stiffness_and_settings_may_do_is_a_part_of_the_uncertainty(reaction: float, fits: list[plateau.Plateau]) -> None:
+    fits.append(line(reaction, 0.05, from_scatter=0.03, from_fit=0.04, from_strain=0.12))
+    one = looking(Told(STRAIN_ENDS))
+    one.ended(0.0)
+    assert one.outcome.stiffness == pytest.approx(math.hypot(0.12, 0.2, 0.1))
+    assert one.outcome.uncertainty == pytest.approx(0.03 + 0.04 + one.outcome.stiffness)
+
+
+# --- what ends a run before ----------------------------------------------------------------------------------------------------------
+
+
+def row(**values: float) -> Any:
+    """A row of a run that goes on."""
+    usual = {"reaction": 1.0, "kinetic_energy": 0.0, "unbalanced": 0.0, "time": 1.0, "speed": 0.0, "settlement": 0.0, "displacement": 0.0}
+    return SimpleNamespace(**({"stage": recorder.SETTLEMENT} | usual | values))
+
+
+@pytest.mark.parametrize(
+    ("values", "status"),
+    [
+        ({}, None),
+        ({"reaction": math.nan}, STATUS.FAILED),
+        ({"kinetic_energy": math.inf}, STATUS.FAILED),
+        ({"speed": 0.51}, STATUS.COLLAPSED),
+        ({"speed": 0.49}, None),
+        ({"displacement": 0.006, "stage": recorder.GRAVITY}, STATUS.COLLAPSED),
+        ({"displacement": 0.004, "stage": recorder.GRAVITY}, None),  # a turn of 1 mrad at 5 m
+        ({"displacement": 0.006}, None),  # it follows the support
+    ],
+)
+def test_a_run_is_lost_where_forces_are_undefined_or_a_block_falls(values: dict[str, float], status: Any) -> None:
+    one, chosen = SimpleNamespace(support_speed=5.0), SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1e9)
+    found = faults.loss_of(one, chosen, row(**values), 0.0)
+    assert (found and found[0]) is status
+
+
+def test_a_run_is_lost_at_its_time_limit() -> None:
+    one, chosen = SimpleNamespace(support_speed=1.0), SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1.0)
+    assert faults.loss_of(one, chosen, row(), -1e12)[0] is STATUS.TIMEOUT
+
+
+@pytest.mark.parametrize(
+    ("early", "late", "peak", "rattling"),
+    [
+        (0.0, 0.019, 0.0, False),
+        (0.0, 0.021, 0.0, True),
+        (0.4, 0.0, 0.0, False),  # on the first fifth of the way, which the mean leaves out
+        (0.0, 0.0, 0.49, False),
+        (0.0, 0.0, 0.51, True),
+    ],
+)
+def test_blocks_rattle_on_the_mean_of_the_later_way_or_by_a_single_jump(early: float, late: float, peak: float, rattling: bool) -> None:
+    rows = [row(settlement=place, unbalanced=early if place < 0.2 else late) for place in np.linspace(0.0, 1.0, 101)]
+    rows[50].unbalanced = max(late, peak)
+    rows.insert(0, row(stage=recorder.GRAVITY, unbalanced=9.0))  # what happens before the support moves is no rattling
+    record = object.__new__(recorder.Record)
+    record.rows, record._cut = rows, 1.0
+    one, chosen = SimpleNamespace(live=None, support_speed=1.0, block_weight=10.0), SimpleNamespace(rattling=0.02)
+    assert faults.rattles(one, chosen, record) is rattling
