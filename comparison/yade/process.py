@@ -44,18 +44,18 @@ try:
     pathlib.Path(yade.Omega().tmpFilename()).parent.rmdir()  # the scratch folder that YADE makes when it loads, and leaves behind
 except (AttributeError, OSError):
     pass
-needed, wanted = [], []
-for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
-    body = ast.parse(source.read_text(encoding="utf-8")).body
-    tried = [node for block in body if isinstance(block, ast.Try) for node in block.body]
-    for nodes, lacking in ((body, needed), (tried, wanted)):
-        for node in nodes:
-            if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
-                try:
-                    module = importlib.import_module(node.module)
-                except ImportError:
-                    module = None
-                lacking += [name.name for name in node.names if not hasattr(module, name.name)]
+needed, wanted = {}, {}
+for source in sorted(pathlib.Path(sys.argv[2]).rglob("*.py")):
+    nodes = list(ast.walk(ast.parse(source.read_text(encoding="utf-8"))))
+    tried = [part for node in nodes if isinstance(node, ast.Try) for part in node.body]
+    for node in nodes:
+        if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
+            try:
+                module = importlib.import_module(node.module)
+            except ImportError:
+                module = None
+            lacking = wanted if node in tried else needed
+            lacking.update({name.name: None for name in node.names if not hasattr(module, name.name)})
 if needed:
     sys.exit(f"loads YADE {version}, which lacks names that crosscheck uses: {', '.join(needed)}")
 print("lacks", *wanted)
@@ -99,9 +99,8 @@ class Yade(Installation):
         """Warning about a build that lacks something or an untested version, else ""; a version is never refused for its number."""
         warnings = []
         if "Polyhedra" in self.lacks:
-            warnings.append(
-                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes must not come near new ones"
-            )
+            limit = "a block that is no box along the axes must not come near a block that it did not touch"
+            warnings.append(f"{self.version} was built without polyhedra (CGAL): {limit}")
         if self.version not in TESTED:
             warnings.append(f"{self.version} is not among the tested versions ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
         return "; ".join(warnings)

@@ -9,6 +9,7 @@ from displaced_blocks import buffer
 from faulty_runs import TOOL
 
 from comparison.cli.commands import main
+from comparison.errors import YadeMissingError
 from comparison.yade import process
 
 
@@ -45,6 +46,18 @@ def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
     assert main(["doctor"]) == 0
     said = capsys.readouterr().out
     assert f"YADE: {version} is not among the tested versions (2023.02a, 2025.2.0)" in said and "two_pads" in said
+
+
+def test_a_yade_without_polyhedra_is_told_by_the_check(altered_yade: Callable[..., None]) -> None:
+    altered_yade("2025.2.0", *POLYHEDRA)
+    yade = process.find_yade()
+    assert sorted(yade.lacks) == sorted(POLYHEDRA) and "without polyhedra" in yade.caution
+
+
+def test_a_name_that_a_room_of_the_scripts_needs_is_checked_too(altered_yade: Callable[..., None]) -> None:
+    altered_yade("2025.2.0", "HelixEngine")
+    with pytest.raises(YadeMissingError, match="lacks names that crosscheck uses: HelixEngine;"):
+        process.find_yade()
 
 
 @pytest.mark.slow
