@@ -108,7 +108,7 @@ def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarr
     flat, _, _ = _flattened(interfaces)
     polygons = polygons_of(flat, np.diff(interfaces.polygon_start))
     room = np.full(len(interfaces), largest)
-    small = np.flatnonzero(shapely.area(polygons) < largest * shapely.length(polygons))  # at least area over length is the radius
+    small = np.flatnonzero(shapely.area(polygons) < largest * shapely.length(polygons))  # the radius is at least area over length
     low, high = np.zeros(len(small)), room[small]
     high = np.where(shapely.is_empty(shapely.buffer(polygons[small], -largest, join_style="mitre")), high, 0.0)
     searched = high > 0.0

@@ -179,7 +179,7 @@ class RequestedEffects(Table):
         "coulomb: real friction, without dilatancy; associated: bounds alone; none-slides: sliding excluded (Heyman)", default="auto"
     )
     elasticity: Literal["auto", "none", "plateau", "path"] = described(
-        "strain of the joints in limit analysis: not at all, in a few steps to the plateau, or along the whole curve", default="auto"
+        "strain of the joints in limit analysis: not at all, on the way to the plateau, or along a requested curve, too", default="auto"
     )
     reach: AutoOrBool = described("true: only the blocks that the support's motion can affect, for the prediction and YADE", default="auto")
     displacement: Literal["auto", "small", "finite"] = described(
