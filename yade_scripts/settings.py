@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import AT_STAKE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
-from yade_scripts.case import FREE, Case, CaseError
+from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
+from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
 # Ratios that hold for every case; README.md says where they come from.
