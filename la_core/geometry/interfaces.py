@@ -82,7 +82,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     overlap = overlap[keep]
     counts = np.bincount(ring, minlength=len(overlap))
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(corners, ring, start, parts.face_normal[face_a[overlap]])
+    area = polygon_areas(corners, start, parts.face_normal[face_a[overlap]])
     a, b = owner[pairs[pair[overlap]]].T
     found = Interfaces(a, b, parts.face_normal[face_a[overlap]], area, corners, start)
     return found if parts is blocks else _joined_over_parts(found, tolerance[pair[overlap]])
@@ -115,7 +115,7 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     polygon, counts = np.concatenate([loops[i] for i in order]), np.array([len(loops[i]) for i in order])
     rows = np.array(kept)[order]
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(polygon, np.repeat(np.arange(len(rows)), counts), start, found.normal[rows])
+    area = polygon_areas(polygon, start, found.normal[rows])
     return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, group_members, near_pairs, overlap_of, plane_axes, polygons_of
+from la_core.geometry import Blocks, group_members, near_pairs, next_corners, overlap_of, owners, plane_axes, polygons_of
 
 WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
 TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
@@ -51,7 +51,7 @@ class Facing:
     @property
     def widest(self) -> np.ndarray:
         """Index (L,) of the corner of each pair where its faces are farthest apart, or overlap the most."""
-        owner = np.repeat(np.arange(len(self)), np.diff(self.start))
+        owner = owners(self.start)
         order = np.lexsort((np.abs(self.gap), owner))
         return np.asarray(order[self.start[1:] - 1])
 
@@ -120,11 +120,9 @@ def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np
 
 def face_areas(parts: Blocks) -> np.ndarray:
     """Area (F,) of every face, m2."""
-    following = np.arange(1, len(parts.face_vertex) + 1)
-    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
     first = np.repeat(parts.face_start[:-1], np.diff(parts.face_start))
     origin = parts.vertices[parts.face_vertex[first]]
-    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[following]] - origin
+    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[next_corners(parts.face_start)]] - origin
     return 0.5 * np.linalg.norm(np.add.reduceat(np.cross(corner, after), parts.face_start[:-1]), axis=1)
 
 
