@@ -132,7 +132,7 @@ class Blocks:
         count = len(self.part_block)
         if count == len(self):
             return self
-        face_block = np.repeat(np.arange(count), np.diff(self.part_face_start))
+        face_block = owners(self.part_face_start)
         measures = _mass_properties(self.vertices, self.part_vertex_start, self.face_vertex, self.face_start, face_block)
         density = self.density[self.part_block]
         return Blocks(
