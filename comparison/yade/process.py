@@ -99,7 +99,7 @@ class Yade(Installation):
         """Warning about a build that lacks something or an untested version, else ""; a version is never refused for its number."""
         warnings = []
         if "Polyhedra" in self.lacks:
-            limit = "a block that is no box along the axes must not come near a block that it did not touch"
+            limit = 'with "finite" displacements a block that is no box along the axes must not come near a block that it did not touch'
             warnings.append(f"{self.version} was built without polyhedra (CGAL): {limit}")
         if self.version not in TESTED:
             warnings.append(f"{self.version} is not among the tested versions ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
