@@ -285,7 +285,7 @@ def _caution(installation: Installation, is_killed: bool) -> str:
         if is_killed:
             return ""
         raise
-    return f"\n{caution}" if caution else ""
+    return f"\nYADE {caution}" if caution else ""
 
 
 def _failure(code: int, log: Path, when: str) -> str:
