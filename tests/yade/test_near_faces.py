@@ -12,7 +12,7 @@ from displaced_blocks import GAP, buffer, with_effects
 from verdict_scenes import EARLIER_SEED, drawn
 
 from comparison.yade import ROOT, find_yade
-from comparison.yade.process import yade_environment
+from comparison.yade.installation import yade_environment
 from la_core import exchange
 from la_core.analysis import case_file
 from la_core.analysis.modelling import structural_model
