@@ -1,6 +1,5 @@
 """Campaigns from Python: run or read one, show its rows as a table, compare two."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +22,7 @@ from comparison.campaign import (
     sentence,
     title_of_values,
     value_cells,
+    verdict_counts,
     with_versions,
     write_campaign_report,
 )
@@ -78,8 +78,7 @@ class CampaignResult(Tabled):
         return dataframe(self.rows)
 
     def _table(self) -> tuple[str, Sequence[str], Sequence[Sequence[str]]]:
-        counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in self.rows)
-        words = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "none has ended"
+        words = verdict_counts(self.rows) or "none has ended"
         more = f"; the first {MOST_ROWS} are shown" if len(self.rows) > MOST_ROWS else ""
         title = f"{self.title}: {plural(len(self.rows), 'case')}, {words}{more}; {title_of_values(self.rows)}"
         title += f"; {self.unfinished.rstrip('.')}" if self.unfinished else ""

@@ -23,7 +23,8 @@ from yade import (
 )
 from yade.utils import createInteraction
 
-from yade_scripts.case import FREE, Case
+from la_core.exchange import FREE
+from yade_scripts.case import Case
 from yade_scripts.contacts.faces import YadeError, faces_of
 from yade_scripts.driving import drives_of
 from yade_scripts.settings import Settings, contact_damping, inertia_of

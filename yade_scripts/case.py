@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from la_core.exchange import FREE, SUPPORT
 from yade_scripts.contacts import sphere_placement
 from yade_scripts.contacts.convex_parts import box_extents, face_planes, faces_of_parts, parts_of
 from yade_scripts.contacts.frame import near_blocks
 
-FREE, FIXED, SUPPORT = 0, 1, 2
 _UNIT = 1e-9  # of a unit vector's length: round-off
 _JOINT_NUMBERS = ("normal_stiffness", "shear_stiffness", "travel", "sag", "sway")
 

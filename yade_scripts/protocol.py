@@ -284,9 +284,8 @@ class Protocol:
         if self._meets_face():
             return
         status, message, self.asked_settlement = self.search.ended(self.asked_settlement)
-        if self.may_damp and rattles(
-            self.case, self.settings, self.record
-        ):  # up to the plateau: what came after one that the reaction left is cut off
+        # Rattling counts up to the plateau: what came after one that the reaction left is cut off.
+        if self.may_damp and rattles(self.case, self.settings, self.record):
             self._end_rattling()
         else:
             self._end(status, message)

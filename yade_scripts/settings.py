@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from la_core.exchange import AT_STAKE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
-from yade_scripts.case import FREE, Case, CaseError
+from la_core.exchange import AT_STAKE, FREE, PLATEAU_SHARE, POSES, RADIUS_OVER_INSET, TRAVEL_PERIODS
+from yade_scripts.case import Case, CaseError
 from yade_scripts.vibration import Inertia, highest_eigenvalue, slowed, springs_of, stable_time_step
 
 # Ratios that hold for every case; README.md says where they come from.
@@ -20,9 +20,8 @@ GRAVITY_PERIODS = 500.0  # longest gravity stage
 WEIGHT_PERIODS = 10.0  # over which weights grow: sooner, blocks overshoot, and friction keeps a trace of it; later, nothing changes
 REST_UNBALANCED = 1e-3  # of the mean block weight: unbalanced force at rest
 REST_SHARE = 1e-3  # kinetic energy at rest over the work of the weights on the elastic sag
-STIFFENING = (
-    4.0  # least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel
-)
+# Least stiffness over that of limit analysis: its path goes on until it is flat, a run must come to its plateau in one travel.
+STIFFENING = 4.0
 # Time steps times contact points of all attempts: a minute or two on one core for any structure. Large ones may take more, up to as many
 # time steps as are enough for a small one, and at most some 40 minutes. The attempt at the run's own speed is made in any case.
 SMALL_WORK, MOST_STEPS, MOST_WORK = 3e8, 1.5e6, 6e9

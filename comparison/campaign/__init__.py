@@ -15,7 +15,7 @@ from comparison.campaign.report.compare_report import (
 )
 from comparison.campaign.report.report import stored_campaign_report, write_campaign_report
 from comparison.campaign.report.yade_versions import with_versions
-from comparison.campaign.row_values import title_of_values, value_cells
+from comparison.campaign.row_values import title_of_values, value_cells, verdict_counts
 from comparison.campaign.table import STORED, CampaignTable, read_table, write_tables
 from comparison.campaign.workers.dask import Dask
 from comparison.campaign.workers.local import Local
@@ -44,6 +44,7 @@ __all__ = [
     "terminal_tables",
     "title_of_values",
     "value_cells",
+    "verdict_counts",
     "with_versions",
     "write_campaign_report",
     "write_comparison",

@@ -120,14 +120,16 @@ def load_campaign(path: Path) -> Definition:
 def _read(path: Path) -> str:
     try:
         if path.exists() and not path.is_file():
-            raise SceneError("campaign", "not a file")
+            raise SceneError("campaign", "not a file", hint="name the campaign file itself")
         if path.stat().st_size > LARGEST_FILE:
             raise SceneError("campaign", f"larger than {LARGEST_FILE} bytes; a campaign is a short text")
         return path.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise SceneError("campaign", f"cannot be read: {error.strerror}") from error
+        raise SceneError(
+            "campaign", f"cannot be read: {error.strerror}", hint="`crosscheck campaign seed_paper` runs the shipped one"
+        ) from error
     except UnicodeDecodeError as error:
-        raise SceneError("campaign", f"not UTF-8 text (byte {error.start})") from error
+        raise SceneError("campaign", f"not UTF-8 text (byte {error.start})", hint="save the file in the encoding UTF-8") from error
 
 
 def _require_sense(file: CampaignFile, varied: list[str]) -> None:

@@ -7,10 +7,8 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.measures import block_speeds
 
-SLOWEST, FASTEST = (
-    0.03,
-    0.1,
-)  # shares of the fastest block's speed: slower blocks only strain elastically, faster ones belong to the mechanism
+# Shares of the fastest block's speed: slower blocks only strain elastically, faster ones belong to the mechanism.
+SLOWEST, FASTEST = 0.03, 0.1
 
 
 def mechanism_label(blocks: Blocks, twists: np.ndarray) -> str | None:

@@ -1,6 +1,7 @@
 """Values derived from a campaign's row: reaction over weight, prediction, deviation of YADE, address of the report."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -100,6 +101,12 @@ def worst_first(rows: list[Row]) -> list[Row]:
 def failed(row: Row) -> bool:
     """Return whether the case failed."""
     return row.get("state") == FAILED
+
+
+def verdict_counts(rows: Iterable[Row]) -> str:
+    """Return how many cases have each verdict, and how many failed, as words; "" without cases."""
+    counts = Counter(FAILED if failed(row) else row["verdict"] or "not compared" for row in rows)
+    return ", ".join(f"{count} {word}" for word, count in counts.items())
 
 
 def own_folder(folder: Path, row: Row) -> Path | None:

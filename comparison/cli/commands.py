@@ -37,7 +37,7 @@ COMMANDS = {  # by verb: the module whose `execute` runs it, loaded only for tha
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return the exit code of the contract: 0 agree, 1 disagree, 2 usage or scene, 3 tool, 4 inconclusive."""
+    """Run one command and return its exit code, see `exit_codes.MEANINGS`."""
     if arguments is None:
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a closed pipe ends the program quietly, as for other programs
     for stream in (sys.stdout, sys.stderr):

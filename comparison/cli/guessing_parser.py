@@ -38,9 +38,7 @@ class GuessingParser(argparse.ArgumentParser):
 def parse(whole: GuessingParser, arguments: Sequence[str] | None = None) -> argparse.Namespace | None:
     """Parse a command line by the parser of all commands; None for an empty one, which asks for help.
 
-    An invalid one ends with exit code 2.
-
-    Options that every verb has may stand before it.
+    Options that every verb has may stand before it. An invalid command line ends with exit code 2.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     early = list(itertools.takewhile(lambda word: word in BEFORE_THE_VERB, words))

@@ -92,8 +92,7 @@ class Story:
     def _draw_blocks(self, canvas: Canvas, method: Motion, settlement: float) -> None:
         blocks = self.assembly.blocks
         moved = self.shown.magnification * method.at(settlement)
-        owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
-        vertices = blocks.vertices + mechanism.point_velocity(blocks, moved, blocks.vertices, owner)
+        vertices = blocks.vertices + mechanism.point_velocity(blocks, moved, blocks.vertices, blocks.vertex_block)
         canvas.solids(vertices, *looks(self.assembly, _moves(self.assembly, method), tint(method_colour(method.label))))
 
     def _words(self, settlement: float) -> str:

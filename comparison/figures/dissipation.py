@@ -14,6 +14,7 @@ from matplotlib.patches import Patch
 
 from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
 from comparison.numbers import force_unit
+from la_core.geometry import next_corners, owners
 from la_core.measures import ContactState, MechanismMeasures, mechanism
 from la_core.model import Assembly
 
@@ -98,8 +99,7 @@ def _unit(assembly: Assembly) -> tuple[float, str]:
 def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -> None:
     """Draw the displaced blocks, and the outlines of the moving blocks at rest."""
     blocks = assembly.blocks
-    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
-    vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, owner)
+    vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, blocks.vertex_block)
     moves, roles = mechanism.moving(blocks, displacement), drawn_roles(assembly)
     face = [MOVES if is_moving else ROLE_FACE[role] for is_moving, role in zip(moves, roles, strict=True)]
     canvas.solids(vertices, face, [ROLE_HATCH[role] for role in roles])
@@ -109,10 +109,7 @@ def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -
 def _draw_interfaces(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, power: np.ndarray) -> None:
     """Draw the edges of the interfaces halfway between their displaced blocks; more power is darker and wider."""
     interfaces = assembly.interfaces
-    count = np.diff(interfaces.polygon_start)
-    owner = np.repeat(np.arange(len(interfaces)), count)
-    following = np.arange(1, len(owner) + 1)
-    following[interfaces.polygon_start[1:] - 1] = interfaces.polygon_start[:-1]
+    owner, following = owners(interfaces.polygon_start), next_corners(interfaces.polygon_start)
     middle = _halfway(assembly, displacement, interfaces.polygon, owner)
     share = np.nan_to_num(power) / max(float(np.nan_to_num(power).max(initial=0.0)), np.finfo(float).tiny)
     seen = canvas.seen(interfaces.polygon)

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks
+from la_core.geometry import Blocks, next_corners
 from la_core.model import Assembly
 
 NEAR = 1e-4  # of the largest extent of a block: boxes that are nearer than this touch
@@ -142,8 +142,7 @@ class OuterFaces:
     def edges(self) -> np.ndarray:
         """Return the outer edges (E, 2) of all blocks as pairs of vertices, each once."""
         blocks = self._blocks
-        following = np.arange(1, len(blocks.face_vertex) + 1)
-        following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
+        following = next_corners(blocks.face_start)
         is_convex = np.repeat(~blocks.is_compound[blocks.face_block], np.diff(blocks.face_start))
         pairs = [np.stack([blocks.face_vertex, blocks.face_vertex[following]], axis=1)[is_convex]]
         for face, (alike, facing) in self._joined.items():
@@ -178,8 +177,6 @@ class OuterFaces:
 
 def unit_normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Return unit normals (F, 3) of polygons, by Newell's sum of cross products of successive corners."""
-    following = np.arange(1, len(corners) + 1)
-    following[start[1:] - 1] = start[:-1]
     first = np.repeat(corners[start[:-1]], np.diff(start), axis=0)
-    normal = np.add.reduceat(np.cross(corners - first, corners[following] - first), start[:-1])
+    normal = np.add.reduceat(np.cross(corners - first, corners[next_corners(start)] - first), start[:-1])
     return normal / np.linalg.norm(normal, axis=1).clip(np.finfo(float).tiny)[:, None]

@@ -33,7 +33,6 @@ from comparison.figures.canvas import (
 from comparison.figures.motion import DRAWN, drawn_motion
 from comparison.numbers import format_number
 from la_core.exchange import FIXED, FREE, SUPPORT
-from la_core.geometry import Blocks
 from la_core.measures import ContactState, joint_centres, mechanism
 from la_core.model import Assembly
 from la_core.scene import Scene
@@ -148,7 +147,7 @@ def mechanism_figure(
 def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, factor: float, colour: str) -> None:
     blocks = assembly.blocks
     moves = mechanism.moving(blocks, twists)
-    vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, _owner(blocks))
+    vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, blocks.vertex_block)
     canvas.solids(vertices, *looks(assembly, moves, colour))
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
 
@@ -199,11 +198,6 @@ def looks(assembly: Assembly, marked: np.ndarray | None = None, colour: str = ""
     return face, [hatch if is_marked else ROLE_HATCH[role] for is_marked, role in zip(mask, roles, strict=True)]
 
 
-def _owner(blocks: Blocks) -> np.ndarray:
-    """Return the block (V,) of each vertex."""
-    return np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
-
-
 def push_name(scene: Scene) -> str:
     """Return the name of what pushes a structure without a settlement."""
     return "live load" if scene.tilt is None else "push of the tilt"
@@ -224,7 +218,7 @@ def _draw_drive(canvas: Canvas, assembly: Assembly, push: str) -> str:
     if assembly.has_live_load:
         canvas.arrow(*push_arrow(assembly))
         return f"{push}, proportional to weight"
-    owner = _owner(blocks)
+    owner = blocks.vertex_block
     driven = np.flatnonzero(np.isin(owner, np.flatnonzero(blocks.role == SUPPORT)))
     velocity = mechanism.point_velocity(blocks, assembly.support_twist, blocks.vertices[driven], owner[driven])
     speed = np.linalg.norm(velocity, axis=1)

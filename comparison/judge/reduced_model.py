@@ -67,7 +67,7 @@ def check_displacement(results: Results) -> Iterator[Check]:
 
 def largest_displacements(blocks: Blocks, run: Run) -> np.ndarray:
     """Return an upper bound (B,) of the displacement of any point of each block over the stored states, m."""
-    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    owner = blocks.vertex_block
     size = np.zeros(len(blocks))
     np.maximum.at(size, owner, np.linalg.norm(blocks.vertices - blocks.centroid[owner], axis=1))
     shift, turn = (np.linalg.norm(getattr(run.poses, name), axis=2) for name in ("displacement", "rotation"))

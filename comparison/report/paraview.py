@@ -98,7 +98,7 @@ def _forces(results: Results) -> dict[str, np.ndarray]:
 
 def _arms(blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
     """Return the block of every vertex (V,), and the vertex relative to its block's centroid (V, 3), m."""
-    block = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
+    block = blocks.vertex_block
     return block, blocks.vertices - blocks.centroid[block]
 
 

@@ -34,8 +34,8 @@ LIMITATIONS = (
     "A mechanism need not be unique, least of all in a large wall: two different mechanisms may both belong to the right reaction.",
     "Compressive strength is infinite. Joints carry neither tension nor cohesion. Blocks do not crush, crack or chip. "
     "Forces act at points, so only friction at these points resists torsion at a corner.",
-    "YADE's uncertainty covers its fitted plateau, and 0.02 % for its settings; the influence of its settings on the history of "
-    "friction may be larger.",
+    "YADE's uncertainty covers the noise of its record, the line through its plateau, its speed and the strain of its joints, and a share "
+    "for its settings (0.1 % of the reaction by default); the influence of its settings on the history of friction may be larger.",
 )
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from comparison.figures import ROLE_FACE, ROLE_NAME, Motion, Motions, OuterFaces, canvas, motions, push_arrow, push_name
 from comparison.numbers import force_unit, format_number
 from comparison.yade import Results
-from la_core.geometry import Blocks
+from la_core.geometry import Blocks, next_corners
 from la_core.measures import joint_centres, joint_forces, mechanism, thrust_line
 from la_core.model import Assembly
 from la_core.scene import GROUND, Scene, loads_as_dicts
@@ -108,14 +108,12 @@ def _geometry(assembly: Assembly, toward: np.ndarray) -> dict[str, Any]:
     blocks = assembly.blocks
     middle = _middle(blocks)
     first = np.repeat(blocks.face_start[:-1], np.diff(blocks.face_start))
-    following = np.arange(1, len(blocks.face_vertex) + 1)
-    following[blocks.face_start[1:] - 1] = blocks.face_start[:-1]
-    fan = np.stack([first, np.arange(len(first)), following], axis=1)
+    fan = np.stack([first, np.arange(len(first)), next_corners(blocks.face_start)], axis=1)
     fan = fan[(fan[:, 0] != fan[:, 1]) & (fan[:, 0] != fan[:, 2])]
     return {
         "size": canvas.structure_size(blocks),
         "vertices": _array(blocks.vertices - middle, "<f4"),
-        "owner": _array(np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start)), "<u4"),
+        "owner": _array(blocks.vertex_block, "<u4"),
         "centroids": _array(blocks.centroid - middle, "<f4"),
         "triangles": _array(blocks.face_vertex[fan], "<u4"),
         "edges": _array(OuterFaces(blocks, toward).edges(), "<u4"),

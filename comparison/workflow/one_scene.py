@@ -112,8 +112,8 @@ def report_again(folder: Path, listener: Listener, figures: Figures | None = Non
     """
     if not (folder / "case.h5").is_file():  # a folder of other files is not touched
         if (folder / "comparison.json").is_file() or (folder / "run.h5").is_file():
-            raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run it again")
-        raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`")
+            raise exchange.ExchangeError(f"{folder / 'case.h5'}: missing beside the other results of `crosscheck run`; run the scene again")
+        raise exchange.ExchangeError(f"{folder}: holds no results of `crosscheck run`; `crosscheck run SCENE` makes some")
     with alone_in(folder) if is_writable(folder) else contextlib.nullcontext():
         results = read_results(folder)
         previous = _stored_summary(folder)

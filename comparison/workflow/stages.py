@@ -103,7 +103,7 @@ def yade_stage(
         def hear(report: dict[str, Any]) -> None:
             if report.get("stage") == "loaded":
                 yade = Yade(installation.python, installation.modules, str(report.get("version")), tuple(report.get("lacks") or ()))
-                caution = " (untested version, see `crosscheck doctor`)" if yade.caution else ""
+                caution = f" ({yade.short_caution})" if yade.short_caution else ""
                 listener.stage(scene.name, "YADE", f"running YADE {yade.version}{caution}")
             listener.progress(scene.name, {**report, "unit": scene.settlement_unit, "quantity": scene.quantity})
 

@@ -2,7 +2,8 @@
 
 from comparison.yade import accuracy_settings
 from comparison.yade.accuracy_settings import HISTORY_OF_SPEED, attempt_of
-from comparison.yade.process import HOW_TO_GET_YADE, ROOT, Installation, Yade, find_yade, locate_yade, run_yade
+from comparison.yade.installation import HOW_TO_GET_YADE, ROOT, Installation, Yade, find_yade, locate_yade
+from comparison.yade.process import run_yade
 from comparison.yade.run_record import Run, read_run
 from comparison.yade.stored import Results, locate_results, read_results
 

@@ -1,184 +1,21 @@
-"""Find YADE on this machine and run one case in its interpreter, with a clean environment, a time limit and a log."""
+"""Run one case in YADE's interpreter, with a clean environment, a time limit and a log."""
 
 import contextlib
 import json
 import os
-import re
-import shutil
 import signal
 import subprocess
-import tempfile
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
 
 from comparison.errors import YadeFailedError, YadeMissingError
-from comparison.settings import load_settings
+from comparison.yade.installation import SCRIPTS, Installation, checked, yade_environment
 
-TESTED = ("2023.02a", "2025.2.0")  # versions of YADE whose runs were compared with known values: those of Debian 12 and 13
-HOW_TO_GET_YADE = "sudo apt-get install yade python3-h5py"
-HOW_TO_TRY_YADE = "`crosscheck run two_pads arch_spreading wall_third` compares it with known values"
 LOG_TAIL = 8  # lines of the log that an error quotes
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
-PROBE_SECONDS = 60.0
-ROOT = Path(__file__).parents[2]
-SCRIPTS = ROOT / "yade_scripts"
-
-
-_PROBE = """
-import ast, importlib, pathlib, sys
-sys.path.insert(0, sys.argv[1])
-try:
-    import h5py, numpy
-except ImportError as error:
-    sys.exit(f"lacks {error.name}")
-try:
-    import yade.config
-except ImportError as error:
-    sys.exit(f"cannot load YADE ({error})")
-version = yade.config.version
-try:
-    pathlib.Path(yade.Omega().tmpFilename()).parent.rmdir()  # the scratch folder that YADE makes when it loads, and leaves behind
-except (AttributeError, OSError):
-    pass
-needed, wanted = [], []
-for source in sorted(pathlib.Path(sys.argv[2]).glob("*.py")):
-    body = ast.parse(source.read_text(encoding="utf-8")).body
-    tried = [node for block in body if isinstance(block, ast.Try) for node in block.body]
-    for nodes, lacking in ((body, needed), (tried, wanted)):
-        for node in nodes:
-            if isinstance(node, ast.ImportFrom) and node.module in ("yade", "yade.utils"):
-                try:
-                    module = importlib.import_module(node.module)
-                except ImportError:
-                    module = None
-                lacking += [name.name for name in node.names if not hasattr(module, name.name)]
-if needed:
-    sys.exit(f"loads YADE {version}, which lacks names that crosscheck uses: {', '.join(needed)}")
-print("lacks", *wanted)
-print(version)
-"""  # the probe reads the names that our scripts import of YADE, because a separate list would grow old
-
-
-@dataclass(frozen=True)
-class Installation:
-    """Where YADE is on this machine, whether it loads or not.
-
-    Attributes
-    ----------
-    python : Path
-        Interpreter that loads it.
-    modules : Path
-        Folder that holds its Python package.
-    """
-
-    python: Path
-    modules: Path
-
-
-@dataclass(frozen=True)
-class Yade(Installation):
-    """A YADE that loads on this machine.
-
-    Attributes
-    ----------
-    version : str
-        Its version.
-    lacks : tuple of str
-        Optional names that this build lacks, such as Polyhedra.
-    """
-
-    version: str
-    lacks: tuple[str, ...] = ()
-
-    @property
-    def caution(self) -> str:
-        """Warning about a build that lacks something or an untested version, else ""; a version is never refused for its number."""
-        warnings = []
-        if "Polyhedra" in self.lacks:
-            warnings.append(
-                f"{self.version} was built without polyhedra (CGAL): blocks that are no boxes along the axes must not come near new ones"
-            )
-        if self.version not in TESTED:
-            warnings.append(f"{self.version} is not among the tested versions ({', '.join(TESTED)}); {HOW_TO_TRY_YADE}")
-        return "; ".join(warnings)
-
-
-def locate_yade() -> Installation:
-    """Return where YADE is, without a check that it loads; raises YadeMissingError with the command that installs it.
-
-    YADE is loaded as a module of the system's Python: its own launcher would open a TCP prompt and an XMLRPC server.
-    The settings `yade` and `yade_python` name another module folder and another interpreter.
-    """
-    configuration = load_settings()
-    interpreter, named = configuration.settings.yade_python, configuration.settings.yade
-    found = shutil.which(interpreter)
-    if found is None:
-        raise YadeMissingError(f"{configuration.place('yade_python')} = {interpreter} is no program; unset it, or {HOW_TO_GET_YADE}")
-    python = Path(found).absolute()  # it will run in a folder of results
-    modules = _module_folder(named)
-    if modules is None and named is not None:
-        raise YadeMissingError(f"{configuration.place('yade')} = {named} holds no YADE; unset it, or {HOW_TO_GET_YADE}")
-    if modules is None:
-        raise YadeMissingError(f"YADE is not installed; get it with: {HOW_TO_GET_YADE}")
-    return Installation(python, modules)
-
-
-def find_yade() -> Yade:
-    """Return the YADE of this machine, after a check that it loads; raises YadeMissingError with the command that installs it.
-
-    The check takes as long as a start of YADE. A run does without it, because it finds out by itself.
-    """
-    return _checked(locate_yade())
-
-
-def _checked(installation: Installation) -> Yade:
-    """Return an installation with what it says of itself when it loads; raises YadeMissingError where it does not."""
-    python, modules = installation.python, installation.modules
-    try:
-        answer = subprocess.run(
-            [python, "-s", "-c", _PROBE, modules, SCRIPTS],
-            env=yade_environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
-        )  # fmt: skip
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
-    complaint = answer.stderr.strip().splitlines() or ["fails without a message"]
-    if answer.returncode != 0:
-        raise YadeMissingError(f"{python} {complaint[-1]}; install what is missing with: {HOW_TO_GET_YADE}")
-    version = answer.stdout.strip().splitlines()
-    if not version:
-        raise YadeMissingError(f"{python} does not say which YADE it loads; install another one with: {HOW_TO_GET_YADE}")
-    lacks = next((line.split()[1:] for line in version if line.startswith("lacks ")), [])
-    return Yade(python, modules, version[-1], tuple(lacks))
-
-
-def _module_folder(named: Path | None) -> Path | None:
-    """Return the folder that holds the `yade` package: the one of the setting `named`, else the one in YADE's launcher, or None."""
-    if named is not None:
-        return named.absolute() if (named / "yade").is_dir() else None
-    launcher = shutil.which("yade")
-    if launcher is None:
-        return None
-    text = Path(launcher).read_text(errors="replace")
-    names = dict(re.findall(r"^\s*(prefix|libPATH|suffix)\s*=\s*['\"]([^'\"]*)['\"]", text, re.MULTILINE))
-    root = Path(names.get("prefix", "/usr"))
-    candidates = [root / names.get("libPATH", "lib") / f"yade{names.get('suffix', '')}" / "py"]
-    candidates += sorted(root.glob("lib/*/yade*/py"))
-    return next((folder for folder in candidates if (folder / "yade").is_dir()), None)
-
-
-def yade_environment() -> dict[str, str]:
-    """Return YADE's environment: one thread, large pages, a home (YADE needs one), and no variable of Python or of this program.
-
-    On large memory pages, where the system has them to give, a step of 1,000 blocks takes 6 % less time.
-    """
-    kept = {name: value for name, value in os.environ.items() if name in ("HOME", "LANG", "LC_ALL", "TMPDIR")}
-    one_thread = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
-    large_pages = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
-    return {"HOME": tempfile.gettempdir(), **kept, "PATH": "/usr/local/bin:/usr/bin:/bin", **one_thread, **large_pages}
 
 
 def run_yade(
@@ -281,12 +118,12 @@ def _caution(installation: Installation, is_killed: bool) -> str:
     is_killed: whether the failed process had been killed, so that it may have loaded.
     """
     try:
-        caution = _checked(installation).caution
+        caution = checked(installation).caution
     except YadeMissingError:
         if is_killed:
             return ""
         raise
-    return f"\n{caution}" if caution else ""
+    return f"\nYADE {caution}" if caution else ""
 
 
 def _failure(code: int, log: Path, when: str) -> str:

@@ -35,7 +35,7 @@ class RunResult(_Named):
     reaction : float
         Reaction on the plateau, extrapolated to zero settlement, N or N m; NaN without a plateau.
     uncertainty : float
-        Half width of the interval that holds the reaction 19 times in 20, from its parts, N or N m; NaN without a plateau.
+        Half width of the interval of the reaction, the sum of its parts below, N or N m; NaN without a plateau.
     settlement : float
         Settlement that the support reached, m or rad.
     asked_settlement : float

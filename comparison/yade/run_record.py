@@ -64,7 +64,7 @@ class Run:
 
     @property
     def uncertainty(self) -> float:
-        """Half width of the 95 % confidence interval of the reaction, N or N m; NaN without a plateau."""
+        """Half width of the interval of the reaction, the sum of its parts (`result`), N or N m; NaN without a plateau."""
         return self.result.uncertainty
 
     def to_dataframe(self) -> Any:

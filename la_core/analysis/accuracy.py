@@ -149,8 +149,8 @@ def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: fl
     rounded = attempt.parts[ROUNDED]
     is_tied_to_inset = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
     finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not is_tied_to_inset else inset
-    finer_paths = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not attempt.parts[HISTORY] <= accuracy / 2.0
-    return (finer_inset, level + finer_paths) if finer_paths or finer_inset != inset else None
+    is_finer = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not attempt.parts[HISTORY] <= accuracy / 2.0
+    return (finer_inset, level + is_finer) if is_finer or finer_inset != inset else None
 
 
 def _one_digit(value: float) -> float:

@@ -122,8 +122,8 @@ class Answer(Tabled):
     def mechanism(self) -> np.ndarray:
         """Twists (B, 6) of all blocks per unit motion of the support, in the order of `scene.blocks.names`; NaN without any.
 
-        A twist is (vx, vy, vz, wx, wy, wz) about the centroid. It is the prediction's, else the associated answer's. Under a
-        live load they are per N m of its work; times `scene.weight`, per m of mean displacement, as in `comparison.Run`.
+        A twist is (vx, vy, vz, wx, wy, wz) about the centroid, from the prediction, else from the associated answer. Under a
+        live load twists are per N m of its work; times `scene.weight`, per m of mean displacement, as in `comparison.Run`.
         """
         return self._shown.twists.copy()
 

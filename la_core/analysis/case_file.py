@@ -176,7 +176,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
 def _analysis(path: Path, scene: Scene, whole: Assembly, data: dict[str, Any], predictions: dict[str, bool]) -> LimitAnalysis:
     """Return the stored analysis; the file must belong to the given assembly of the whole structure."""
     if data["blocks/name"] != list(whole.blocks.names):
-        raise exchange.ExchangeError(f"{path}: blocks/name differs from that of {scene.path}; run it again")
+        raise exchange.ExchangeError(f"{path}: blocks/name differs from that of {scene.path}; run the scene again")
     stored = json.loads(data["scene/effects"])
     effects = Effects(**{**stored, "called_back": tuple(stored["called_back"])})
     whole = replace(whole.with_inset(scene, float(data["scene/inset"])), effects=effects)
@@ -219,7 +219,7 @@ def _refuse_another(path: Path, scene: Scene, assembly: Assembly, data: dict[str
         found = data.get(name)
         alike = value is found if value is None or found is None else np.array_equal(value, found, equal_nan=True)
         if not alike:
-            raise exchange.ExchangeError(f"{path}: {name} differs from that of {scene.path}; run it again")
+            raise exchange.ExchangeError(f"{path}: {name} differs from that of {scene.path}; run the scene again")
 
 
 def _values(data: dict[str, Any], group: str, kind: Any) -> dict[str, Any]:

@@ -88,7 +88,7 @@ class DecidedModel:
 
 
 def decided_model(scene: Scene) -> DecidedModel:
-    """Decide the effects of a scene without a complete analysis, from one bound and a few elastic steps.
+    """Decide the effects of a scene without a complete analysis, from bounds and a search for joints that slide.
 
     The region is the first one that the analysis will try; its answer is not computed, so it is not proven yet.
     """

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.errors import SceneError
-from la_core.geometry import Interfaces
+from la_core.geometry import Interfaces, next_corners, owners
 from la_core.limit import Drive
 from la_core.model import Assembly, JointStiffness, assemble, decide_dem_effects, joint_stiffness
 from la_core.scene import Scene
@@ -74,10 +74,8 @@ def drives(scene: Scene) -> tuple[Drive, ...]:
 def smallest_inset(assembly: Assembly) -> float:
     """Smallest inset for YADE's contact spheres, m; it replaces the inset 0 of sharp arrises."""
     interfaces = assembly.interfaces
-    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
-    following = np.arange(1, len(owner) + 1)
-    following[interfaces.polygon_start[1:] - 1] = interfaces.polygon_start[:-1]
-    edges = np.linalg.norm(interfaces.polygon[following] - interfaces.polygon, axis=1)
+    owner = owners(interfaces.polygon_start)
+    edges = np.linalg.norm(interfaces.polygon[next_corners(interfaces.polygon_start)] - interfaces.polygon, axis=1)
     width = 2.0 * interfaces.area / np.bincount(owner, weights=edges)
     middle = np.sort(width)[(len(width) - 1) // 2]
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * middle))

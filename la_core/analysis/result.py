@@ -45,7 +45,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class AccuracyRecord:
-    """Attempts of both methods to reach a requested accuracy, in order; the accepted one is last.
+    """Attempts of both methods to reach a requested accuracy; of each method, the one that counts is last.
 
     Attributes
     ----------

@@ -45,11 +45,12 @@ def read_sealed(path: Path) -> bytes:
     content = _bounded_content(path)
     seal = content[:SEAL_BYTES].rstrip(b"\0").split(b" ")
     if len(seal) != 3 or seal[0] != SEAL:
-        raise ExchangeError(f"{path}: not a whole file of version {VERSION} of this program's format; run it again")
+        raise ExchangeError(f"{path}: not a whole file of version {VERSION} of this program's format; run the scene again")
     if seal[1] != str(VERSION).encode():
-        raise ExchangeError(f"{path}: version {seal[1].decode(errors='replace')}, this program reads version {VERSION}; run it again")
+        version = seal[1].decode(errors="replace")
+        raise ExchangeError(f"{path}: version {version}, this program reads version {VERSION}; run the scene again")
     if seal != _seal(content).split(b" "):
-        raise ExchangeError(f"{path}: damaged or cut short since it was written; run it again")
+        raise ExchangeError(f"{path}: damaged or cut short since it was written; run the scene again")
     return content
 
 
@@ -60,10 +61,10 @@ def _seal(content: bytes) -> bytes:
 def _bounded_content(path: Path) -> bytes:
     try:
         if path.exists() and not path.is_file():
-            raise ExchangeError(f"{path}: not a file; delete or rename it and run it again")
+            raise ExchangeError(f"{path}: not a file; delete or rename it and run the scene again")
         if path.stat().st_size > LARGEST_FILE:
             rule = f"larger than {LARGEST_FILE} bytes, so crosscheck did not write it"
-            raise ExchangeError(f"{path}: {rule}; delete it and run it again")
+            raise ExchangeError(f"{path}: {rule}; delete it and run the scene again")
         return path.read_bytes()
     except OSError as error:
-        raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run it again") from error
+        raise ExchangeError(f"{path}: cannot be read ({error.strerror}); run the scene again") from error

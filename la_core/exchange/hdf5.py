@@ -113,7 +113,7 @@ def _opened(path: Path) -> Iterator[Any]:
     except ExchangeError:
         raise
     except Exception as error:
-        raise ExchangeError(f"{path}: not an HDF5 file of this program ({type(error).__name__}: {error}); run it again") from error
+        raise ExchangeError(f"{path}: not an HDF5 file of this program ({type(error).__name__}: {error}); run the scene again") from error
 
 
 @contextlib.contextmanager
@@ -123,22 +123,23 @@ def values_of(path: Path) -> Iterator[None]:
         yield
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError, RecursionError) as error:
         fault = f"invalid value ({type(error).__name__}: {error}), the file is damaged"
-        raise ExchangeError(f"{path}: {fault}; run it again") from error
+        raise ExchangeError(f"{path}: {fault}; run the scene again") from error
 
 
 def _checked(path: Path, file: Any, field: Field, sizes: dict[str, int]) -> Any:
     dataset = _own_dataset(file, field.path)
     if dataset is None:
-        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run it again")
+        raise ExchangeError(f"{path}: {field.path} ({field.meaning}) is missing; run the scene again")
     if dataset.external or dataset.is_virtual or dataset.chunks or dataset.nbytes > file.id.get_filesize():
-        raise ExchangeError(f"{path}: {field.path} is not stored as plain data in one piece; run it again")
+        raise ExchangeError(f"{path}: {field.path} is not stored as plain data in one piece; run the scene again")
     text_type = h5py.check_string_dtype(dataset.dtype)
     is_text = text_type is not None and text_type.length is not None
     if is_text != (field.dtype == "str") or (not is_text and dataset.dtype != np.dtype(field.dtype)):
-        raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}")
+        raise ExchangeError(f"{path}: {field.path} holds {dataset.dtype}, the schema says {field.dtype}; run the scene again")
     expected = tuple(n if isinstance(n, int) else sizes.setdefault(n, size) for n, size in zip(field.shape, dataset.shape, strict=False))
     if dataset.ndim != len(field.shape) or dataset.shape != expected:
-        raise ExchangeError(f"{path}: {field.path} has shape {dataset.shape}, the schema says {field.shape} = {expected}")
+        rule = f"the schema says {field.shape} = {expected}"
+        raise ExchangeError(f"{path}: {field.path} has shape {dataset.shape}, {rule}; run the scene again")
     if is_text:
         text = dataset.asstr()[()]
         return text if field.shape == () else [str(item) for item in text]

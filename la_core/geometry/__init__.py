@@ -2,10 +2,11 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
+from la_core.geometry.faces import face_corners, face_pairs, face_polygons
 from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, nearest_gap, overlaps, separation_by_faces
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
-from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of
+from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of
 from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
 
 __all__ = [
@@ -20,15 +21,19 @@ __all__ = [
     "box",
     "compound",
     "contact_points",
+    "face_corners",
+    "face_pairs",
+    "face_polygons",
     "find_interfaces",
-    "group_members",
     "joint_rooms",
     "loft",
     "missed_joints",
     "near_pairs",
     "nearest_gap",
+    "next_corners",
     "overlap_of",
     "overlaps",
+    "owners",
     "plane_axes",
     "polygons_of",
     "polyhedron",

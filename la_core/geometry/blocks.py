@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from la_core.exchange import FIXED, FREE, SUPPORT
+from la_core.geometry.polygons import owners
 from la_core.geometry.shapes import Shape
 
 ROLES = {"free": FREE, "fixed": FIXED, "support": SUPPORT}
@@ -131,7 +132,7 @@ class Blocks:
         count = len(self.part_block)
         if count == len(self):
             return self
-        face_block = np.repeat(np.arange(count), np.diff(self.part_face_start))
+        face_block = owners(self.part_face_start)
         measures = _mass_properties(self.vertices, self.part_vertex_start, self.face_vertex, self.face_start, face_block)
         density = self.density[self.part_block]
         return Blocks(
@@ -150,6 +151,11 @@ class Blocks:
     def mass(self) -> np.ndarray:
         """Mass (B,), kg; NaN for a held block without density."""
         return self.density * self.volume
+
+    @property
+    def vertex_block(self) -> np.ndarray:
+        """Block (V,) of each vertex."""
+        return owners(self.vertex_start)
 
     @property
     def low(self) -> np.ndarray:

@@ -37,7 +37,7 @@ def without_straight_corners(points: np.ndarray) -> np.ndarray:
         straight = np.abs(_turns(points)) <= FLATNESS * size * reach
         if not straight.any():
             break
-        # Of neighbours only every other one goes at once: each is judged by its neighbours.
+        # Only one goes at a time: without it, its neighbours must be judged anew.
         first = int(np.argmax(straight))
         points = np.delete(points, first, axis=0)
     return points

@@ -13,7 +13,8 @@ import shapely
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygon_areas, polygons_of, true_corners
+from la_core.geometry.faces import face_overlaps, opposite_faces
+from la_core.geometry.polygons import group_members, plane_axes, polygon_areas, true_corners
 
 TOUCH = 1e-5  # of the smaller block's size: faces closer than this touch; typed coordinates seldom have more digits
 MOST_MORTAR = 0.05  # m: a wider gap is no joint, and a deeper overlap no error of coordinates
@@ -82,7 +83,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     overlap = overlap[keep]
     counts = np.bincount(ring, minlength=len(overlap))
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(corners, ring, start, parts.face_normal[face_a[overlap]])
+    area = polygon_areas(corners, start, parts.face_normal[face_a[overlap]])
     a, b = owner[pairs[pair[overlap]]].T
     found = Interfaces(a, b, parts.face_normal[face_a[overlap]], area, corners, start)
     return found if parts is blocks else _joined_over_parts(found, tolerance[pair[overlap]])
@@ -115,7 +116,7 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     polygon, counts = np.concatenate([loops[i] for i in order]), np.array([len(loops[i]) for i in order])
     rows = np.array(kept)[order]
     start = np.concatenate([[0], np.cumsum(counts)])
-    area = polygon_areas(polygon, np.repeat(np.arange(len(rows)), counts), start, found.normal[rows])
+    area = polygon_areas(polygon, start, found.normal[rows])
     return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
 
 
@@ -209,28 +210,6 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
     return apart
 
 
-def opposite_faces(
-    blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray, angle: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Face pairs that may be closer than `tolerance` (P,), m, at an angle of at most `angle`, rad.
-
-    Returns the pair of blocks that each belongs to, the face of its first block and of its second block. size: (B,), m, of the blocks.
-    """
-    face_start = np.searchsorted(blocks.face_block, np.arange(len(blocks) + 1))
-    counts = np.diff(face_start)
-    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
-    faces_b = counts[pairs[pair, 1]]
-    face_a = face_start[pairs[pair, 0]] + place // faces_b
-    face_b = face_start[pairs[pair, 1]] + place % faces_b
-    normal_a, normal_b = blocks.face_normal[face_a], blocks.face_normal[face_b]
-    opposite = np.linalg.norm(normal_a + normal_b, axis=1) <= angle
-    pair, face_a, face_b = pair[opposite], face_a[opposite], face_b[opposite]
-    middle = blocks.vertices[blocks.face_vertex[blocks.face_start[face_b]]]
-    gap = np.abs(np.einsum("ij,ij->i", middle, blocks.face_normal[face_a]) - blocks.face_offset[face_a])
-    near = gap <= tolerance[pair] + angle * size[pairs[pair, 1]]
-    return pair[near], face_a[near], face_b[near]
-
-
 def _touching(
     blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -239,35 +218,6 @@ def _touching(
     close = gap <= tolerance[pair[kept]]
     touches = close[owner]
     return kept[close], corners[touches], (np.cumsum(close) - 1)[owner[touches]]
-
-
-def face_overlaps(
-    blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Overlaps of face pairs in the plane of face a that are wider than `tolerance`, m, one for each pair.
-
-    Returns the indices of these pairs, the corners (Q, 3) of their overlaps, the overlap of each corner (Q,), and the largest
-    distance of the other face from the corners of each overlap, m: nearly coplanar faces touch only if they are close at every corner.
-    """
-    first, second = plane_axes(blocks.face_normal[face_a])
-    origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]
-
-    def polygons(face: np.ndarray) -> np.ndarray:
-        row, place = group_members(np.diff(blocks.face_start)[face])
-        arm = blocks.vertices[blocks.face_vertex[blocks.face_start[face[row]] + place]] - origin[row]
-        flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
-        return polygons_of(flat, np.diff(blocks.face_start)[face])
-
-    overlap = overlap_of(polygons(face_a), polygons(face_b))
-    wide = shapely.area(overlap) > tolerance * shapely.length(overlap) / 2.0
-    kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
-    flat, owner = true_corners(overlap[kept], tolerance[kept])
-    row = kept[owner]
-    corners = origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row]
-    gap = np.zeros(len(kept))
-    distance = np.einsum("ij,ij->i", corners, blocks.face_normal[face_b[row]]) - blocks.face_offset[face_b[row]]
-    np.maximum.at(gap, owner, np.abs(distance))
-    return kept, corners, owner, gap
 
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.interfaces import TOUCH, face_overlaps, near_pairs, opposite_faces
-from la_core.geometry.polygons import group_members
+from la_core.geometry.faces import face_corners, face_overlaps, opposite_faces
+from la_core.geometry.interfaces import TOUCH, near_pairs
 
 ALL_BUT = 1e-3  # of the smaller block's size: so narrow a gap is seldom meant
 ANGLE = 3e-3  # rad: between faces with such a gap at one end
@@ -52,8 +52,7 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
 
 def _largest_distance(blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray) -> np.ndarray:
     """Largest distance (N,), m, of a corner of each face b from the plane of face a."""
-    row, place = group_members(np.diff(blocks.face_start)[face_b])
-    corner = blocks.vertices[blocks.face_vertex[blocks.face_start[face_b[row]] + place]]
+    row, corner = face_corners(blocks, face_b)
     distance = np.zeros(len(face_a))
     np.maximum.at(distance, row, np.abs(np.einsum("ij,ij->i", corner, blocks.face_normal[face_a[row]]) - blocks.face_offset[face_a[row]]))
     return distance

@@ -13,7 +13,7 @@ import shapely
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
 from la_core.geometry.interfaces import Interfaces
-from la_core.geometry.polygons import plane_axes, polygons_of, true_corners
+from la_core.geometry.polygons import owners, plane_axes, polygons_of, true_corners
 
 SHORT = 0.5  # largest inset over the room of a joint, half its length: the points of a short joint lie at its quarters
 SLIVER = 0.25  # least room of a joint over the inset
@@ -108,7 +108,7 @@ def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarr
     flat, _, _ = _flattened(interfaces)
     polygons = polygons_of(flat, np.diff(interfaces.polygon_start))
     room = np.full(len(interfaces), largest)
-    small = np.flatnonzero(shapely.area(polygons) < largest * shapely.length(polygons))  # at least area over length is the radius
+    small = np.flatnonzero(shapely.area(polygons) < largest * shapely.length(polygons))  # the radius is at least area over length
     low, high = np.zeros(len(small)), room[small]
     high = np.where(shapely.is_empty(shapely.buffer(polygons[small], -largest, join_style="mitre")), high, 0.0)
     searched = high > 0.0
@@ -123,7 +123,7 @@ def joint_rooms(interfaces: Interfaces, plane: bool, largest: float) -> np.ndarr
 def _ends(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Ends (I,) of each interface along its first tangent from its middle, the middle (I, 3) and that tangent (I, 3)."""
     tangent, _ = plane_axes(interfaces.normal)
-    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+    owner = owners(interfaces.polygon_start)
     start = interfaces.polygon_start[:-1]
     middle = np.add.reduceat(interfaces.polygon, start) / np.diff(interfaces.polygon_start)[:, None]
     along = np.sum((interfaces.polygon - middle[owner]) * tangent[owner], axis=1)
@@ -145,7 +145,7 @@ def _plane_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray
 
 def _flattened(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Corners (Q, 2) of each interface in its plane, and its two tangents (I, 3); the first corner is the origin."""
-    owner = np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+    owner = owners(interfaces.polygon_start)
     first, second = plane_axes(interfaces.normal)
     arm = interfaces.polygon - interfaces.polygon[interfaces.polygon_start[:-1]][owner]
     return np.stack([np.sum(arm * first[owner], axis=1), np.sum(arm * second[owner], axis=1)], axis=1), first, second
@@ -153,7 +153,7 @@ def _flattened(interfaces: Interfaces) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 def _solid_points(interfaces: Interfaces, inset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if not inset.any():
-        return interfaces.polygon, np.repeat(np.arange(len(interfaces)), np.diff(interfaces.polygon_start))
+        return interfaces.polygon, owners(interfaces.polygon_start)
     flat, first, second = _flattened(interfaces)
     shrunk = shapely.buffer(polygons_of(flat, np.diff(interfaces.polygon_start)), -inset, join_style="mitre")
     flat, owner = true_corners(shrunk, 1e-3 * inset)

@@ -12,6 +12,18 @@ def group_members(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
+def owners(start: np.ndarray) -> np.ndarray:
+    """Group (Q,) of each row of a flat array, where group i has the rows start[i]:start[i + 1]."""
+    return np.repeat(np.arange(len(start) - 1), np.diff(start))
+
+
+def next_corners(start: np.ndarray) -> np.ndarray:
+    """Row (Q,) of the corner after each corner, where loop i has the rows start[i]:start[i + 1]; its first one follows its last."""
+    loop = owners(start)
+    row = np.arange(len(loop))
+    return np.where(row == start[1:][loop] - 1, start[loop], row + 1)
+
+
 def plane_axes(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two unit tangents, (N, 3) each, that are right-handed with the unit normals (N, 3).
 
@@ -77,23 +89,20 @@ def _ring_neighbours(owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return start + (place - 1) % count[ring], start + (place + 1) % count[ring]
 
 
-def polygon_areas(corners: np.ndarray, ring: np.ndarray, start: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def polygon_areas(corners: np.ndarray, start: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Areas (I,) of plane polygons in space, m2, by the shoelace formula about their first corner.
 
     Parameters
     ----------
     corners : (Q, 3) array
         Corners, polygon after polygon, m.
-    ring : (Q,) array of int
-        Polygon of each corner.
     start : (I + 1,) array of int
         Polygon i has corners[start[i]:start[i + 1]].
     normal : (I, 3) array
         Unit normal of each polygon.
     """
+    ring = owners(start)
     arm = corners - corners[start[ring]]
-    last = start[1:][ring] - 1
-    following = np.where(np.arange(len(ring)) == last, start[ring], np.arange(len(ring)) + 1)
     doubled = np.zeros((len(normal), 3))
-    np.add.at(doubled, ring, np.cross(arm, arm[following]))
+    np.add.at(doubled, ring, np.cross(arm, arm[next_corners(start)]))
     return np.abs(np.sum(doubled * normal, axis=1)) / 2.0

@@ -38,7 +38,7 @@ class Drive(enum.Enum):
 
     @property
     def group(self) -> str:
-        """HDF5 group and Python name of the bound."""
+        """HDF5 group of the bound."""
         return {Drive.YIELDING: "least", Drive.PUSHING: "greatest", Drive.LIVE: "collapse"}[self]
 
     @property

@@ -34,8 +34,7 @@ def contact_speeds(assembly: Assembly, twists: np.ndarray) -> tuple[np.ndarray, 
 
 def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
     """Largest speed (B,) over the vertices of each block, for twists (B, 6) about the centroids; in the twists' unit."""
-    owner = np.repeat(np.arange(len(blocks)), np.diff(blocks.vertex_start))
-    velocity = point_velocity(blocks, twists, blocks.vertices, owner)
+    velocity = point_velocity(blocks, twists, blocks.vertices, blocks.vertex_block)
     return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
 
 

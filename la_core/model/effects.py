@@ -22,8 +22,8 @@ class Effects:
     friction : str
         "coulomb", "associated" or "none-slides".
     elasticity : str
-        Strain of the joints in limit analysis: "none", "plateau" (in a few steps to the plateau) or "path" (the whole
-        curve).
+        Strain of the joints in limit analysis: "none", "plateau" (on the way to the plateau) or "path" (along the
+        requested curve, too).
     reach : bool
         Only the blocks that the support's motion can affect.
     displacement : str

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from la_core.errors import SceneError
-from la_core.geometry import Blocks, Shape, compound, near_pairs, overlaps, polyhedron
+from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners, polyhedron
 from la_core.repair.facing import Facing, facing_faces
 from la_core.repair.planes import common_planes
 from la_core.repair.repairs import Repairs, Unclosed
@@ -60,7 +60,6 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     normal, offset, closed = common_planes(parts, pairs, _twins(parts, owner), limit)
     moved = _moved_vertices(parts, normal, offset)
     distance = np.linalg.norm(moved - parts.vertices, axis=1)
-    vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
     farthest = int(np.argmax(distance))
     _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0), origin)
     pieces, owner_left = _pieces(parts, owner, moved, normal, offset)
@@ -72,7 +71,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
         tolerance=tolerance,
         joint_width=float(joints.max()),
         largest_move=float(distance[farthest]),
-        moved_block=names[owner[vertex_part[farthest]]] if distance[farthest] > 0.0 else "",
+        moved_block=names[owner[parts.vertex_block[farthest]]] if distance[farthest] > 0.0 else "",
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
         overlaps_cut=found.cut,
@@ -106,7 +105,7 @@ def _on_one_plane(normal: np.ndarray, offset: np.ndarray, size: float) -> np.nda
 
 def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
     """Vertices (V, 3), each moved the least way onto all planes of its faces, m."""
-    face = np.repeat(np.arange(len(normal)), np.diff(parts.face_start))
+    face = owners(parts.face_start)
     lack = offset[face] - np.sum(normal[face] * parts.vertices[parts.face_vertex], axis=1)
     matrix, right = np.zeros((len(parts.vertices), 3, 3)), np.zeros((len(parts.vertices), 3))
     np.add.at(matrix, parts.face_vertex, normal[face][:, :, None] * normal[face][:, None, :])
@@ -121,7 +120,7 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
 
     A corner between two nearly level faces may slide farther along them, because this hardly moves the surface.
     """
-    vertex_part = np.repeat(np.arange(len(parts)), np.diff(parts.vertex_start))
+    vertex_part = parts.vertex_block
     for vertex in np.flatnonzero(np.linalg.norm(moved - parts.vertices, axis=1) > limit).tolist():
         part = vertex_part[vertex]
         faces, before = slice(*parts.part_face_start[part : part + 2]), parts.vertices[vertex]
@@ -142,9 +141,7 @@ def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndar
     Parts of which nothing is left are dropped; raises SceneError for a block without another part.
     """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
-    following = np.arange(1, len(parts.face_vertex) + 1)
-    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
-    edge = np.linalg.norm(moved[parts.face_vertex[following]] - moved[parts.face_vertex], axis=1)
+    edge = np.linalg.norm(moved[parts.face_vertex[next_corners(parts.face_start)]] - moved[parts.face_vertex], axis=1)
     shortest = np.minimum.reduceat(edge, parts.face_start[:-1][parts.part_face_start[:-1]])
     shapes: list[Shape | None] = []
     for part in range(len(parts)):
@@ -248,7 +245,7 @@ def _unclosed(
     widest = pairs.widest
     blocks = owner[parts.face_block[pairs.face_a]], owner[parts.face_block[pairs.face_b]]
     extent = np.zeros(len(pairs))
-    ring = np.repeat(np.arange(len(pairs)), np.diff(pairs.start))
+    ring = owners(pairs.start)
     centre = np.add.reduceat(pairs.middle, pairs.start[:-1])[ring] / np.diff(pairs.start)[ring, None] if len(pairs) else pairs.middle
     np.maximum.at(extent, ring, 2.0 * np.linalg.norm((pairs.middle - centre)[:, [0, 2]], axis=1))
     open_pairs = np.flatnonzero(~closed & (extent > 2.0 * tolerance) & (blocks[0] != blocks[1]))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, group_members, near_pairs, overlap_of, plane_axes, polygons_of
+from la_core.geometry import Blocks, face_pairs, face_polygons, near_pairs, next_corners, overlap_of, owners, plane_axes
 
 WEDGE = np.cos(np.radians(25.0))  # of the angle between two faces across a wedge-shaped joint, at most
 TOUCH = 1e-6  # of a block's size: parts of one block touch so closely
@@ -51,7 +51,7 @@ class Facing:
     @property
     def widest(self) -> np.ndarray:
         """Index (L,) of the corner of each pair where its faces are farthest apart, or overlap the most."""
-        owner = np.repeat(np.arange(len(self)), np.diff(self.start))
+        owner = owners(self.start)
         order = np.lexsort((np.abs(self.gap), owner))
         return np.asarray(order[self.start[1:] - 1])
 
@@ -72,11 +72,7 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     pairs = near_pairs(parts, np.full(len(parts), reach.max()))
     same = owner[pairs[:, 0]] == owner[pairs[:, 1]]
     limit = np.where(same, TOUCH * size[pairs[:, 0]], reach[pairs].max(axis=1))
-    face_start = parts.part_face_start
-    counts = np.diff(face_start)
-    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
-    of_b = counts[pairs[pair, 1]]
-    face_a, face_b = face_start[pairs[pair, 0]] + place // of_b, face_start[pairs[pair, 1]] + place % of_b
+    pair, face_a, face_b = face_pairs(parts, pairs)
     cosine = -np.sum(parts.face_normal[face_a] * parts.face_normal[face_b], axis=1)
     first = parts.vertices[parts.face_vertex[parts.face_start[face_b]]]
     height = np.abs(np.sum(first * parts.face_normal[face_a], axis=1) - parts.face_offset[face_a])
@@ -95,7 +91,8 @@ def facing_faces(parts: Blocks, owner: np.ndarray, reach: np.ndarray) -> Facing:
     area = np.zeros(len(pair))
     near = np.flatnonzero(widest <= limit[pair])
     if len(near):
-        area[near] = shapely.area(overlap_of(_polygons(parts, face_a[near], face_a[near]), _polygons(parts, face_b[near], face_a[near])))
+        polygons, others = (face_polygons(parts, face[near], face_a[near]) for face in (face_a, face_b))
+        area[near] = shapely.area(overlap_of(polygons, others))
     kept = (widest <= limit[pair]) & ~_is_needless(parts, face_a, face_b, area, widest)
     of_kept, area = kept[ring], area[kept]
     sizes = np.bincount(ring, minlength=len(pair))[kept]
@@ -120,22 +117,10 @@ def _is_needless(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, area: np
 
 def face_areas(parts: Blocks) -> np.ndarray:
     """Area (F,) of every face, m2."""
-    following = np.arange(1, len(parts.face_vertex) + 1)
-    following[parts.face_start[1:] - 1] = parts.face_start[:-1]
     first = np.repeat(parts.face_start[:-1], np.diff(parts.face_start))
     origin = parts.vertices[parts.face_vertex[first]]
-    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[following]] - origin
+    corner, after = parts.vertices[parts.face_vertex] - origin, parts.vertices[parts.face_vertex[next_corners(parts.face_start)]] - origin
     return 0.5 * np.linalg.norm(np.add.reduceat(np.cross(corner, after), parts.face_start[:-1]), axis=1)
-
-
-def _polygons(parts: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Faces (N,) as polygons, seen along the normals of the faces `plane` (N,), from the first corners of these."""
-    first, second = plane_axes(parts.face_normal[plane])
-    origin = parts.vertices[parts.face_vertex[parts.face_start[plane]]]
-    sizes = np.diff(parts.face_start)[face]
-    row, place = group_members(sizes)
-    arm = parts.vertices[parts.face_vertex[parts.face_start[face[row]] + place]] - origin[row]
-    return polygons_of(np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1), sizes)
 
 
 def _aligned(parts: Blocks, face_a: np.ndarray, face_b: np.ndarray, reach: np.ndarray) -> np.ndarray:
@@ -155,7 +140,7 @@ def _overlaps(
 
     grown: distance by which the faces b are larger, m.
     """
-    polygons, others = _polygons(parts, face_a, face_a), _polygons(parts, face_b, face_a)
+    polygons, others = face_polygons(parts, face_a, face_a), face_polygons(parts, face_b, face_a)
     overlap = overlap_of(polygons, shapely.buffer(others, grown, join_style="mitre") if np.any(grown) else others)
     is_polygon = shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON
     found = np.flatnonzero(is_polygon & (shapely.area(overlap) > LEAST_OVERLAP * shapely.area(polygons)))

@@ -6,16 +6,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Unclosed:
-    """Two faces that lie opposite each other within the tolerance, but could not be brought onto one plane.
+    """Two faces that lie opposite each other within the tolerance, but could not be brought onto one plane; or an overlap too deep to cut.
 
     Attributes
     ----------
     blocks : tuple of str
         Names of both blocks.
     vertex : tuple of float
-        The corner of the gap that is farthest from closed, m.
+        The corner of the gap that is farthest from closed, m; the middle of an overlap.
     gap : float
-        Distance between the faces there, m.
+        Distance between the faces there, m; negative for an overlap: minus its depth.
     """
 
     blocks: tuple[str, str]

@@ -102,7 +102,8 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     counts = {layer: sum(outline.layer == layer for outline in clean.outlines) for layer in layers if layer not in lists["ignore"]}
     counted = ", ".join(f"{json.dumps(layer, ensure_ascii=False)} {count}" for layer, count in counts.items())
     joints = _joint_width(clean)
-    points = np.concatenate([outline.points for outline in clean.outlines if outline.layer not in lists["openings"]] or [np.zeros((1, 2))])
+    blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
+    points = np.concatenate([outline.points for outline in blocks] or [np.zeros((1, 2))])
     rows = ["[[drawing]]", f"file      = {_quoted(str(place))}"]
     rows.append(
         f'unit      = "{unit}"{_doubt(said, clean)}' if unit else f"# one unit of the file is {drawn.unit:g} m{_doubt(said, clean)}"
@@ -111,7 +112,6 @@ def _drawing_text(source: Path, place: PurePosixPath) -> str:
     rows.append(f"joints    = {joints:g}   # m, greatest width of open joints, which are closed; 0 where blocks are drawn touching")
     rows.append(f"# closed outlines on each layer: {counted}")
     rows += [f"{key:9} = {_array(names)}   # CHECK: {MEANING[key]}; guessed from the name" for key, names in lists.items() if names]
-    blocks = [outline for outline in clean.outlines if outline.layer not in lists["openings"]]
     rows += _left_out(drawn, clean, blocks)
     if lists["support"] and not lists["ground"]:
         rows.append("# CHECK: no layer was taken for ground; name those of the blocks that stay in `ground`")

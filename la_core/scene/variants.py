@@ -23,7 +23,8 @@ from la_core.scene.schema.scene_file import SceneFile
 from la_core.scene.shipped import load
 from la_core.scene.validation import as_scene_error
 
-KEEP_EXPECTED = ("title", "source", "accuracy", "effort", "yade", "expected")  # may change without a new expected value
+# These may change without a new expected value.
+KEEP_EXPECTED = ("title", "project", "author", "date", "source", "accuracy", "effort", "yade", "expected")
 LONGEST_NAME = 80  # characters of a name made from changes; it names a folder
 LONGEST_TITLE = 120  # characters of a title made so
 EVERY_EFFECT = {"plane": False, "friction": "coulomb", "reach": False, "displacement": "finite", "recording": "states"}

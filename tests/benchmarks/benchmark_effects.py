@@ -20,7 +20,7 @@ import scenes
 from rich.console import Console
 from rich.table import Table
 
-from comparison.yade import process
+from comparison.yade import installation, process
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
@@ -60,8 +60,8 @@ def write(scene: Scene, folder: Path) -> Path:
 
 def in_yade(script: Path, *arguments: object) -> dict[str, Any]:
     """What a script says, as JSON in its last line, that runs in YADE's interpreter, in a process of its own."""
-    yade = process.find_yade()
-    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
+    yade = installation.find_yade()
+    environment = {**installation.yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [str(part) for part in (yade.python, "-s", script, *arguments)]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=TIME_LIMIT)
     found: dict[str, Any] = json.loads(answer.stdout.splitlines()[-1])
@@ -84,7 +84,7 @@ def recording_rows(folder: Path) -> dict[str, tuple[Run, int]]:
     for recording in ("states", "plateau"):
         scene = Variant(True, "small", recording).scene(*SMALL_WALL)
         case = write(scene, folder / recording)
-        process.run_yade(process.find_yade(), case.parent, "benchmark", TIME_LIMIT, lambda report: None)
+        process.run_yade(installation.find_yade(), case.parent, "benchmark", TIME_LIMIT, lambda report: None)
         record = case.parent / "run.h5"
         found[recording] = (read_run(record, analyse(scene).assembly), record.stat().st_size)
     return found

@@ -30,7 +30,7 @@ from process_memory import peak_memory
 
 from comparison import provenance
 from comparison.figures import save
-from comparison.yade import process
+from comparison.yade import installation
 from la_core.analysis import one_pass, stage
 from la_core.analysis.case_file import write_case
 from la_core.coulomb import elastic_joints, interval, predict, quasi_static_path, tangent
@@ -215,7 +215,7 @@ def by_series(measured: list[dict[str, Any]]) -> dict[tuple[str, str], list[dict
 
 def this_machine() -> str:
     """Machine and versions in a line."""
-    made = provenance.describe() | {"YADE": process.find_yade().version}
+    made = provenance.describe() | {"YADE": installation.find_yade().version}
     return f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items())
 
 

@@ -20,7 +20,7 @@ import on_path  # noqa: F401  so that the packages are found
 from protocol_scenes import Wall, walls
 
 from comparison.yade import find_yade
-from comparison.yade.process import yade_environment
+from comparison.yade.installation import yade_environment
 from la_core.analysis import LimitAnalysis, analyse, case_file
 from la_core.scene import load_scene
 

@@ -23,7 +23,7 @@ from marked_text import listed, marked, sentences
 from solve_stages import SOLVER
 
 from comparison import provenance
-from comparison.yade import process
+from comparison.yade import installation
 
 ROOT = Path(__file__).parents[2]
 SIZES = {65: (10, 6), 250: (20, 12), 1000: (40, 25)}  # blocks of the wall, with its footing: blocks per course, and courses
@@ -109,7 +109,7 @@ def used(command: Sequence[str | Path], variables: dict[str, str], folder: Path)
 
 def yade_start() -> list[str | Path]:
     """The command that loads YADE and does nothing."""
-    yade = process.find_yade()
+    yade = installation.find_yade()
     return [yade.python, "-s", "-c", f"import sys; sys.path.insert(0, {str(yade.modules)!r}); import yade.utils"]
 
 
@@ -130,7 +130,7 @@ def starts(trees: dict[str, Path], repeats: int) -> list[dict[str, Any]]:
             best = {tree: (*min(many)[:2], min(one[2] for one in many)) for tree, many in tried.items()}
             rows.append({"name": name} | {tree: dict(zip(("seconds", "yade", "clock"), one, strict=True)) for tree, one in best.items()})
             print(f"{name}: {best}", flush=True)
-        alone = [used(yade_start(), process.yade_environment(), Path(work)) for _ in range(repeats)]
+        alone = [used(yade_start(), installation.yade_environment(), Path(work)) for _ in range(repeats)]
         seconds, clock = (min(one[number] for one in alone) for number in (0, 1))
         rows.append({"name": YADE_STARTS, "now": {"seconds": seconds, "yade": seconds, "clock": clock}})
     return rows
@@ -239,7 +239,7 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="*", choices=list(SIZES), default=list(SIZES), metavar="N", help="blocks")
     options = parser.parse_args()
     trees = ({"before": options.beside.resolve()} if options.beside else {}) | {"now": ROOT}
-    made = provenance.describe() | {"YADE": process.find_yade().version}
+    made = provenance.describe() | {"YADE": installation.find_yade().version}
     machine = f"{made.pop('machine')}; " + ", ".join(f"{name} {version}" for name, version in made.items() if name != "crosscheck")
     record: dict[str, Any] = {"machine": machine, "starts": starts(trees, options.repeats)}
     record["stages"] = [

@@ -23,7 +23,8 @@ import on_path  # noqa: F401  before what it makes importable
 import wall_drawings
 from fuzz_mutations import forged, mutated_bytes, mutated_text
 
-from comparison.yade.process import find_yade, run_yade
+from comparison.yade.installation import find_yade
+from comparison.yade.process import run_yade
 from comparison.yade.run_record import read_run
 from la_core.analysis import case_file, stage
 from la_core.analysis.modelling import structural_model

@@ -22,7 +22,7 @@ from peers_scenes import SCENES
 
 from comparison.studies.cost_limit_analysis import coulomb, shared_inset
 from comparison.studies.cost_yade import run_once
-from comparison.yade.process import find_yade
+from comparison.yade.installation import find_yade
 from comparison.yade.run_record import read_run
 from la_core.coulomb import PredictionSettings
 from la_core.exchange.fields import SUPPORT

@@ -172,3 +172,11 @@ def test_a_shipped_campaign_is_found_by_its_name_and_all_its_cases_are_scenes(ca
     assert 'did you mean "seed_paper"?' in capsys.readouterr().err
     assert main(["campaign", "unlike"]) == 2
     assert "valid campaigns: seed_paper" in capsys.readouterr().err
+
+
+def test_what_cannot_be_read_as_a_campaign_ends_with_a_next_step(tmp_path: Path) -> None:
+    latin = tmp_path / "latin.toml"
+    latin.write_bytes(b'title = "M\xfcnster"')
+    for path, words in ((tmp_path / "none.toml", "seed_paper"), (tmp_path, "name the campaign file itself"), (latin, "the encoding UTF-8")):
+        with pytest.raises(SceneError, match=words):
+            load_campaign(path)

@@ -15,7 +15,7 @@ from comparison.campaign.job import Job
 from comparison.cli.commands import main
 from comparison.cli.exit_codes import TOOL, USAGE
 from comparison.settings import MOST_WORKERS, Settings
-from comparison.yade.process import Yade, find_yade
+from comparison.yade.installation import Yade, find_yade
 from la_core.errors import SceneError
 
 SOLVE = ["solve", "two_pads", "-q"]

@@ -33,7 +33,7 @@ def test_a_damaged_result_is_never_reported(
     path = copy / "two_pads" / name
     path.write_bytes(damage(path.read_bytes()))
     assert main(["report", str(copy), "-q"]) == TOOL
-    one_message(capsys.readouterr().err, str(path), "run it again")
+    one_message(capsys.readouterr().err, str(path), "run the scene again")
 
 
 def test_a_scene_whose_case_is_missing_is_told_as_one_whose_case_is_damaged(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -42,7 +42,7 @@ def test_a_scene_whose_case_is_missing_is_told_as_one_whose_case_is_damaged(copy
     for folder in (copy, copy / "other"):
         assert main(["report", str(folder), "--json", "-q"]) == TOOL
         said = capsys.readouterr()
-        one_message(said.err, str(copy / "other" / "case.h5"), "missing", "run it again")
+        one_message(said.err, str(copy / "other" / "case.h5"), "missing", "run the scene again")
         assert json.loads(said.out)["left_out"] == ["other"]
         assert "other" in (copy / "report.md").read_text(encoding="utf-8")
 
@@ -56,7 +56,7 @@ def test_a_result_cut_at_any_length_is_never_read(name: str, copy: Path) -> None
     content, chance = path.read_bytes(), random.Random(50)
     for length in [*(chance.randrange(len(content)) for _ in range(LENGTHS)), len(content) - 1]:
         path.write_bytes(content[:length])
-        with pytest.raises(ExchangeError, match="run it again"):
+        with pytest.raises(ExchangeError, match="run the scene again"):
             read_results(copy / "two_pads")
 
 
@@ -70,7 +70,7 @@ def test_a_result_cut_at_any_length_is_never_reported_and_is_made_again(
     for length in (chance.randrange(len(content)) for _ in range(LENGTHS)):
         path.write_bytes(content[:length])
         assert main(["report", str(copy), "-q"]) == TOOL
-        one_message(capsys.readouterr().err, str(path), "run it again")
+        one_message(capsys.readouterr().err, str(path), "run the scene again")
         assert main(["run", "two_pads", "-o", str(copy), "-q"]) == 0
         assert answer(copy) == answer(undisturbed)
 

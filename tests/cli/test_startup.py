@@ -14,7 +14,7 @@ from rich.console import Console
 from comparison import __main__ as entry
 from comparison import cli, progress
 from comparison.progress import Narration
-from comparison.yade import process
+from comparison.yade import installation, process
 from la_core.analysis import analyse
 from la_core.geometry import Blocks, near_pairs, shapes
 from la_core.model import Assembly
@@ -68,7 +68,7 @@ def test_yade_s_process_runs_when_its_start_is_told(tmp_path: Path, monkeypatch:
     waits = "import pathlib, sys, time\nwhile not pathlib.Path('told').exists():\n    time.sleep(0.01)\npathlib.Path(sys.argv[2]).touch()\n"
     (scripts / "run_case.py").write_text(waits, encoding="utf-8")
     monkeypatch.setattr(process, "SCRIPTS", scripts)
-    yade = process.Installation(Path(sys.executable), tmp_path)
+    yade = installation.Installation(Path(sys.executable), tmp_path)
     process.run_yade(yade, tmp_path, "", 60.0, lambda report: None, (tmp_path / "told").touch)
     assert (tmp_path / "run.h5").exists()
 

@@ -19,7 +19,7 @@ from comparison.studies.cost import CostPoint, CostStudy, measure_study, predict
 from comparison.studies.cost_limit_analysis import ASSOCIATED, PREDICTION, Method, MethodOutcome, limit_analysis_methods
 from comparison.studies.cost_yade import yade_methods
 from comparison.studies.figure_of_cost import cost_figure
-from comparison.yade import process
+from comparison.yade import installation
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.model.assembly import assemble
@@ -168,7 +168,7 @@ def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
     """Rounded arrises cost what limit analysis says they do, and YADE no more."""
     scene = scenes.shipped("two_pads")
     wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
-    methods = [m for m in yade_methods(scene, process.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
+    methods = [m for m in yade_methods(scene, installation.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]
     cone = [m for m in limit_analysis_methods(scene, 0.0) if m.family == "cone programme"]
     found = {one.setting: one for one in measure_study(scene, [*cone, *methods], lambda number, words: None).rungs if one.family == "YADE"}
     assert found["derived settings"].error == pytest.approx(0.01, rel=ROUNDING)

@@ -205,7 +205,7 @@ def test_a_first_answer_that_cannot_be_read_is_made_again(
     path = tmp_path / "two_pads" / "case.h5"
     write_case(path, read_case(path, two_pads()), exchange.inputs_digest(path), text)
     assert main(["report", str(tmp_path), "-q"]) == 3
-    assert "run it again" in capsys.readouterr().err
+    assert "run the scene again" in capsys.readouterr().err
     listener = Listening()
     again = run_scene(two_pads(), tmp_path / "two_pads", listener, with_yade=True)
     assert any("limit analysis: repeated, because the stored result cannot be read" in one for one in listener.heard)

@@ -12,7 +12,7 @@ from displaced_blocks import GAP, buffer, with_effects
 from verdict_scenes import EARLIER_SEED, drawn
 
 from comparison.yade import ROOT, find_yade
-from comparison.yade.process import yade_environment
+from comparison.yade.installation import yade_environment
 from la_core import exchange
 from la_core.analysis import case_file
 from la_core.analysis.modelling import structural_model
@@ -69,7 +69,7 @@ def beyond(one: case.Case, chosen: settings.Settings, displacement: np.ndarray, 
     least = np.inf
     for block, parts in enumerate(one.faces):
         back = (centre - one.centroid[block] - displacement[block]) @ turns[block] + one.centroid[block]
-        met = (one.host != block) & (one.target != block) & ((one.role[one.host] == case.FREE) | (one.role[block] == case.FREE))
+        met = (one.host != block) & (one.target != block) & ((one.role[one.host] == exchange.FREE) | (one.role[block] == exchange.FREE))
         for faces in parts:
             outside = (back @ faces[:, :3].T - faces[:, 3]).max(axis=1) - radius
             least = min(least, float(outside[met].min(initial=np.inf)))
@@ -144,7 +144,7 @@ def test_the_stop_is_among_the_faces_near_the_block(tmp_path: Path) -> None:
     found = case.from_fields(exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY)))
     chosen = settings.derive(found)
     near = NearFaces(found, chosen)
-    stop = near.block == found.role.tolist().index(case.FIXED)
+    stop = near.block == found.role.tolist().index(exchange.FIXED)
     assert near.gap[stop].min() == pytest.approx(GAP + found.inset - chosen.sphere_radius, rel=1e-6)
 
 

@@ -9,7 +9,8 @@ from displaced_blocks import buffer
 from faulty_runs import TOOL
 
 from comparison.cli.commands import main
-from comparison.yade import process
+from comparison.errors import YadeMissingError
+from comparison.yade import installation
 
 
 @pytest.fixture
@@ -21,7 +22,7 @@ def altered_yade(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..
         (modules / "yade").mkdir(parents=True)
         (modules / "yade" / "__init__.py").write_text(f"""
 import sys
-sys.path[:] = [{str(process.find_yade().modules)!r}, *(path for path in sys.path if path != {str(modules)!r})]
+sys.path[:] = [{str(installation.find_yade().modules)!r}, *(path for path in sys.path if path != {str(modules)!r})]
 del sys.modules["yade"]
 import yade, yade.config
 yade.config.version = {version!r}
@@ -47,6 +48,18 @@ def test_a_yade_of_a_version_never_tried_is_run_with_a_word(
     assert f"YADE: {version} is not among the tested versions (2023.02a, 2025.2.0)" in said and "two_pads" in said
 
 
+def test_a_yade_without_polyhedra_is_told_by_the_check(altered_yade: Callable[..., None]) -> None:
+    altered_yade("2025.2.0", *POLYHEDRA)
+    yade = installation.find_yade()
+    assert sorted(yade.lacks) == sorted(POLYHEDRA) and "without polyhedra" in yade.caution
+
+
+def test_a_name_that_a_room_of_the_scripts_needs_is_checked_too(altered_yade: Callable[..., None]) -> None:
+    altered_yade("2025.2.0", "HelixEngine")
+    with pytest.raises(YadeMissingError, match="lacks names that crosscheck uses: HelixEngine;"):
+        installation.find_yade()
+
+
 @pytest.mark.slow
 def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_take(
     altered_yade: Callable[..., None], tmp_path: Path, plain_figures: None, two_pads: str, capsys: pytest.CaptureFixture[str]
@@ -61,7 +74,7 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
         path.write_text(f'{trapezium.split("[expected]")[0]}\n[effects]\ndisplacement = "{displacement}"\n')
     capsys.readouterr()
     assert main(["run", "two_pads", str(tmp_path / "small.toml"), str(tmp_path / "finite.toml"), "-o", str(out)]) == 0
-    assert capsys.readouterr().err.count("running YADE 2025.2.0 (untested version, see `crosscheck doctor`)") == 3
+    assert capsys.readouterr().err.count("running YADE 2025.2.0 (built without polyhedra, see `crosscheck doctor`)") == 3
     stop, slanted = buffer(), "prism = { profile = [[0.4002, 0.0], [0.8, 0.0], [0.7, 0.4], [0.4002, 0.4]], y = [-0.1, 0.3] }"
     upright = "box = { from = [0.4002, -0.1, 0.0], to = [0.8, 0.3, 0.4] }"
     assert upright in stop
@@ -74,11 +87,11 @@ def test_a_yade_without_polyhedra_takes_what_needs_none_and_says_what_it_cannot_
 
 def test_yade_leaves_no_scratch_folder_behind() -> None:
     """YADE makes a folder in the system's temporary one when it loads, and a process that ends at once never removes it."""
-    yade = process.find_yade()
+    yade = installation.find_yade()
     statement = f"""
 import sys
 from pathlib import Path
-sys.path[:0] = [{str(process.ROOT)!r}, {str(yade.modules)!r}]
+sys.path[:0] = [{str(installation.ROOT)!r}, {str(yade.modules)!r}]
 from yade import Omega
 from yade_scripts import run_case
 folder = Path(Omega().tmpFilename()).parent
@@ -88,16 +101,16 @@ run_case._remove_scratch_folder()
 print("left" if folder.exists() else "removed")
 """
     ended = subprocess.run(
-        [yade.python, "-s", "-c", statement], env=process.yade_environment(), capture_output=True, text=True, check=False
+        [yade.python, "-s", "-c", statement], env=installation.yade_environment(), capture_output=True, text=True, check=False
     )
     assert ended.stdout.splitlines()[-1:] == ["removed"], ended.stderr
 
 
 def test_the_console_of_yade_is_loaded_only_where_more_than_its_version_is_asked() -> None:
-    yade = process.find_yade()
+    yade = installation.find_yade()
     statement = f"""
 import sys
-sys.path[:0] = [{str(process.ROOT / "yade_scripts")!r}]
+sys.path[:0] = [{str(installation.ROOT / "yade_scripts")!r}]
 import run_case
 run_case.defer_console()
 import IPython
@@ -107,6 +120,6 @@ assert sys.modules["IPython"] is not IPython and IPython.__path__
 print("loaded")
 """
     ended = subprocess.run(
-        [yade.python, "-s", "-c", statement], env=process.yade_environment(), capture_output=True, text=True, check=False
+        [yade.python, "-s", "-c", statement], env=installation.yade_environment(), capture_output=True, text=True, check=False
     )
     assert ended.stdout.splitlines()[-1:] == ["loaded"], ended.stderr

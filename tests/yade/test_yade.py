@@ -17,7 +17,8 @@ from faulty_runs import endless, held_yade, wait_for
 
 from comparison.cli.commands import main
 from comparison.workflow import one_scene
-from comparison.yade.process import ROOT, Yade, find_yade, run_yade, yade_environment
+from comparison.yade.installation import ROOT, Yade, find_yade, yade_environment
+from comparison.yade.process import run_yade
 from la_core.analysis import case_file, stage
 from la_core.exchange.dem_settings import SETTINGS
 from la_core.exchange.fields import RUN_FIELDS

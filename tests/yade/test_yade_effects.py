@@ -18,7 +18,7 @@ from comparison.judge.reduced_model import check_displacement
 from comparison.judge.run_checks import check_run
 from comparison.verdict.check import Check, Verdict
 from comparison.workflow.one_scene import TIME_LIMIT, run_scene
-from comparison.yade import Results, process
+from comparison.yade import Results, installation, process
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis.case_file import read_case, write_case
 from la_core.analysis.result import LimitAnalysis
@@ -40,7 +40,7 @@ def run_in_yade(scene: Scene, folder: Path, time_limit: float = TIME_LIMIT) -> R
     """Both methods' results of a scene, each read back from its file."""
     folder.mkdir(parents=True, exist_ok=True)
     write_case(folder / "case.h5", analyse(scene), "test")
-    process.run_yade(process.find_yade(), folder, "test", time_limit, lambda report: None)
+    process.run_yade(installation.find_yade(), folder, "test", time_limit, lambda report: None)
     analysis = read_case(folder / "case.h5", scene)
     return analysis, read_run(folder / "run.h5", analysis.assembly)
 
@@ -69,8 +69,8 @@ def cost(scene: Scene, folder: Path) -> dict:
 def measured(script: str, analysis: LimitAnalysis, folder: Path, *options: str) -> dict:
     """What a script of the benchmarks measures on a case in YADE's interpreter: it builds the case as it is, search included."""
     write_case(folder / "case.h5", analysis, "test")
-    yade = process.find_yade()
-    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
+    yade = installation.find_yade()
+    environment = {**installation.yade_environment(), "YADE_MODULES": str(yade.modules)}
     command = [yade.python, "-s", Path(__file__).parents[1] / "benchmarks" / script, folder / "case.h5", *options]
     answer = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return json.loads(answer.stdout.splitlines()[-1])

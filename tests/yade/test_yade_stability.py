@@ -11,7 +11,7 @@ import scenes
 from conftest import CrossChecked
 
 from comparison.cli.commands import main
-from comparison.yade import process, read_results
+from comparison.yade import installation, read_results
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
 
@@ -36,9 +36,9 @@ def with_settings(name: str, path: Path, **settings: float) -> Path:
 def test_a_structure_at_rest_stays_at_rest(name: str, tmp_path: Path) -> None:
     scene = scenes.shipped(name)
     write_case(tmp_path / "case.h5", analyse(scene), "hold")
-    yade = process.find_yade()
+    yade = installation.find_yade()
     command = [str(part) for part in (yade.python, "-s", HOLD, tmp_path / "case.h5", STEPS)]
-    environment = {**process.yade_environment(), "YADE_MODULES": str(yade.modules)}
+    environment = {**installation.yade_environment(), "YADE_MODULES": str(yade.modules)}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     found = json.loads(done.stdout.splitlines()[-1])
     held = np.array(found["held"])

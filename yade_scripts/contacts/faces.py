@@ -3,7 +3,8 @@
 import numpy as np
 from yade import Body, Box
 
-from yade_scripts.case import FREE, Case
+from la_core.exchange import FREE
+from yade_scripts.case import Case
 from yade_scripts.contacts.convex_parts import box_extents
 
 try:

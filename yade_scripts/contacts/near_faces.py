@@ -11,7 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from yade_scripts.case import FREE, Case
+from la_core.exchange import FREE
+from yade_scripts.case import Case
 from yade_scripts.contacts.sphere_placement import are_others
 from yade_scripts.settings import Settings
 

@@ -25,7 +25,7 @@ REACTION = (
     "the mechanism's interval are bands; in a panel with several, the intervals are bars beside the marks."
 )
 MAP = "Mechanisms over {}: one letter per mechanism (set of moving blocks), heavy lines where it changes, hatched where the methods differ."
-PARTICIPATION = "Distribution index of dissipation against {}: 1 if all interfaces dissipate equally, 1/J if only one of J dissipates."
+PARTICIPATION = "Participation index against {}: 1 if all interfaces dissipate equally, 1/J if only one of J dissipates."
 CLASSIC_WORDS = "The classic iteration against {}: its value, and its number of programmes."
 COSTS = "Seconds of both methods against the number of free blocks, and case by case."
 

@@ -55,9 +55,9 @@ def reaction_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
 
 
 def participation_figures(sweeps: Sequence[SweepRows]) -> Iterator[Drawn]:
-    """Yield figures of the distribution index of dissipation against every parameter."""
+    """Yield figures of the participation index against every parameter."""
     for parameter, group, left_out in _groups(sweeps, _has_participation):
-        yield _figure(parameter, group, left_out, _draw_participation, "distribution index of dissipation (-)", reactions=False)
+        yield _figure(parameter, group, left_out, _draw_participation, "participation index (-)", reactions=False)
 
 
 def _has_reaction(row: Row) -> bool:

@@ -59,7 +59,7 @@ def examine() -> list[Finding]:
     findings = [_package(name) for name in (*PACKAGES, "pydantic", "jinja2", "rich", "shtab")]
     try:
         yade = find_yade()
-        tested = "" if yade.caution else ", a tested version"
+        tested = ", a tested version" if yade.is_tested else ""
         state = f"{yade.version}{tested}, loaded by {yade.python} with nothing listening"
         findings.append(Finding("YADE", True, state, yade.caution))
     except YadeMissingError as error:

@@ -5,7 +5,6 @@ import importlib.util
 import os
 import signal
 import threading
-from collections import Counter
 from collections.abc import Iterator
 
 from comparison.campaign import (
@@ -21,6 +20,7 @@ from comparison.campaign import (
     run_cases,
     title_of_values,
     value_cells,
+    verdict_counts,
     write_campaign_report,
 )
 from comparison.cli.context import Context
@@ -94,9 +94,7 @@ def show(table: CampaignTable, context: Context) -> None:
             context.tell(f"{row['case']}: {row['reason']}")
         if row.get("next_step"):
             context.tell(f"{row['case']}: next: {row['next_step']}")
-    counts = Counter("failed" if row["state"] == "failed" else row["verdict"] or "not compared" for row in table.rows)
-    words = ", ".join(f"{count} {word}" for word, count in counts.items()) or "nothing ran"
-    out.print(f"{plural(len(table.rows), 'case')}: {words}", markup=False)
+    out.print(f"{plural(len(table.rows), 'case')}: {verdict_counts(table.rows) or 'nothing ran'}", markup=False)
     if table.unfinished:
         context.tell(table.unfinished)
     out.print(f"results: {os.path.relpath(table.folder / 'results.csv')}", markup=False)

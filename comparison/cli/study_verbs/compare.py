@@ -51,5 +51,5 @@ def _show(comparison: Comparison, context: Context) -> None:
 
 def _read(folder: Path) -> CampaignTable:
     if not is_campaign(folder):
-        raise SceneError(str(folder), "holds no results of `crosscheck campaign`")
+        raise SceneError(str(folder), "holds no results of `crosscheck campaign`", hint="`crosscheck campaign FILE` makes some")
     return with_versions(read_table(folder))

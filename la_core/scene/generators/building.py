@@ -43,7 +43,7 @@ class Line:
 
 
 def building_blocks(building: Building) -> Iterator[NamedShape]:
-    """Blocks wall by wall, course by course; then the strips of the foundation.
+    """Blocks wall by wall, course by course, then the voussoirs of the wall's arches; at the end the strips of the foundation.
 
     Raises SceneError for openings that do not fit, and for a settling region that cuts a strip lengthwise or contains
     no strip.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, group_members, polygons_of
+from la_core.geometry import Blocks, face_corners, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
@@ -65,10 +65,8 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
 
 def _in_plan(blocks: Blocks, face: np.ndarray) -> np.ndarray:
     """Polygons (N,) of the faces (N,) seen from above."""
-    counts = np.diff(blocks.face_start)[face]
-    group, place = group_members(counts)
-    corners = blocks.vertices[blocks.face_vertex[blocks.face_start[face][group] + place]]
-    return polygons_of(corners[:, :2], counts)
+    _, corners = face_corners(blocks, face)
+    return polygons_of(corners[:, :2], np.diff(blocks.face_start)[face])
 
 
 def _uncovered(blocks: Blocks, face: np.ndarray, plan: np.ndarray) -> np.ndarray:

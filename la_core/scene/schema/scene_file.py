@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from la_core.scene.schema.curved import Arch, Dome, Vault
 from la_core.scene.schema.drawing import Drawing, Geometry
-from la_core.scene.schema.loads import JointFriction, Load, Tie
+from la_core.scene.schema.loads import MOST_FRICTION, JointFriction, Load, Tie
 from la_core.scene.schema.masonry import Building, Wall
 from la_core.scene.schema.mesh import Mesh, Pattern
 from la_core.scene.schema.rubble import Rubble
@@ -58,7 +58,9 @@ class Joint(Table):
 
     refuses = NO_BOND
 
-    friction: Annotated[NotNegative, Field(le=1e3)] = described("friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7")
+    friction: Annotated[NotNegative, Field(le=MOST_FRICTION)] = described(
+        "friction coefficient mu = tan(phi), not an angle: 35 degrees is 0.7"
+    )
     inset: NotNegative = described(
         "distance by which contact points are drawn in from the edges of a joint, in both methods; less in joints shorter than four insets",
         "m",
@@ -179,7 +181,7 @@ class RequestedEffects(Table):
         "coulomb: real friction, without dilatancy; associated: bounds alone; none-slides: sliding excluded (Heyman)", default="auto"
     )
     elasticity: Literal["auto", "none", "plateau", "path"] = described(
-        "strain of the joints in limit analysis: not at all, in a few steps to the plateau, or along the whole curve", default="auto"
+        "strain of the joints in limit analysis: not at all, on the way to the plateau, or along a requested curve, too", default="auto"
     )
     reach: AutoOrBool = described("true: only the blocks that the support's motion can affect, for the prediction and YADE", default="auto")
     displacement: Literal["auto", "small", "finite"] = described(

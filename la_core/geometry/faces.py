@@ -1,0 +1,71 @@
+"""Faces of convex blocks: pairs that may lie opposite each other, and their overlaps."""
+
+import numpy as np
+import shapely
+
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.polygons import group_members, overlap_of, plane_axes, polygons_of, true_corners
+
+
+def face_pairs(blocks: Blocks, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Every face of the first with every face of the second block of pairs (P, 2): the pair of each, and its two faces."""
+    face_start = blocks.part_face_start
+    counts = np.diff(face_start)
+    pair, place = group_members(counts[pairs[:, 0]] * counts[pairs[:, 1]])
+    of_second = counts[pairs[pair, 1]]
+    return pair, face_start[pairs[pair, 0]] + place // of_second, face_start[pairs[pair, 1]] + place % of_second
+
+
+def opposite_faces(
+    blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray, angle: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Face pairs that may be closer than `tolerance` (P,), m, at an angle of at most `angle`, rad.
+
+    Returns the pair of blocks that each belongs to, the face of its first block and of its second block. size: (B,), m, of the blocks.
+    """
+    pair, face_a, face_b = face_pairs(blocks, pairs)
+    normal_a, normal_b = blocks.face_normal[face_a], blocks.face_normal[face_b]
+    opposite = np.linalg.norm(normal_a + normal_b, axis=1) <= angle
+    pair, face_a, face_b = pair[opposite], face_a[opposite], face_b[opposite]
+    middle = blocks.vertices[blocks.face_vertex[blocks.face_start[face_b]]]
+    gap = np.abs(np.einsum("ij,ij->i", middle, blocks.face_normal[face_a]) - blocks.face_offset[face_a])
+    near = gap <= tolerance[pair] + angle * size[pairs[pair, 1]]
+    return pair[near], face_a[near], face_b[near]
+
+
+def face_corners(blocks: Blocks, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Row (Q,) in `face` (N,) of each corner of these faces, and the corners (Q, 3), m."""
+    row, place = group_members(np.diff(blocks.face_start)[face])
+    return row, blocks.vertices[blocks.face_vertex[blocks.face_start[face[row]] + place]]
+
+
+def face_polygons(blocks: Blocks, face: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Faces (N,) as polygons, seen along the normals of the faces `plane` (N,), from the first corners of these."""
+    first, second = plane_axes(blocks.face_normal[plane])
+    origin = blocks.vertices[blocks.face_vertex[blocks.face_start[plane]]]
+    row, corners = face_corners(blocks, face)
+    arm = corners - origin[row]
+    flat = np.stack([np.sum(arm * first[row], axis=1), np.sum(arm * second[row], axis=1)], axis=1)
+    return polygons_of(flat, np.diff(blocks.face_start)[face])
+
+
+def face_overlaps(
+    blocks: Blocks, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Overlaps of face pairs in the plane of face a that are wider than `tolerance`, m, one for each pair.
+
+    Returns the indices of these pairs, the corners (Q, 3) of their overlaps, the overlap of each corner (Q,), and the largest
+    distance of the other face from the corners of each overlap, m: nearly coplanar faces touch only if they are close at every corner.
+    """
+    first, second = plane_axes(blocks.face_normal[face_a])
+    origin = blocks.vertices[blocks.face_vertex[blocks.face_start[face_a]]]
+    overlap = overlap_of(face_polygons(blocks, face_a, face_a), face_polygons(blocks, face_b, face_a))
+    wide = shapely.area(overlap) > tolerance * shapely.length(overlap) / 2.0
+    kept = np.flatnonzero(wide & (shapely.get_type_id(overlap) == shapely.GeometryType.POLYGON))
+    flat, owner = true_corners(overlap[kept], tolerance[kept])
+    row = kept[owner]
+    corners = origin[row] + flat[:, :1] * first[row] + flat[:, 1:] * second[row]
+    gap = np.zeros(len(kept))
+    distance = np.einsum("ij,ij->i", corners, blocks.face_normal[face_b[row]]) - blocks.face_offset[face_b[row]]
+    np.maximum.at(gap, owner, np.abs(distance))
+    return kept, corners, owner, gap
