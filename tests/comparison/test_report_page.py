@@ -55,6 +55,15 @@ def test_every_markdown_table_keeps_its_columns(tmp_path: Path) -> None:
     assert not re.search(r"\n\n\n\n", text)
 
 
+@pytest.mark.parametrize(("unit", "arm"), [("N", ""), ("N m", " m")])
+def test_a_moment_over_the_weight_is_a_length_in_every_table(tmp_path: Path, unit: str, arm: str) -> None:
+    report.write_report(tmp_path, [comparison_of(unit=unit)], {})
+    (row,) = [line for line in (tmp_path / "report.md").read_text(encoding="utf-8").splitlines() if line.startswith("| two pads | ?")]
+    cells = [cell.strip() for cell in row.split("|")]
+    shares = [cells[place] for place in (4, 9)]
+    assert all(re.fullmatch(r"[\d.]+( to [\d.]+)?" + arm, share) for share in shares), shares
+
+
 def test_a_command_in_a_sentence_is_code(tmp_path: Path) -> None:
     page = report.write_report(tmp_path, [comparison_of(next_step="See `crosscheck show <b>` & look.")], {}).read_text(encoding="utf-8")
     assert "See <code>crosscheck show &lt;b&gt;</code> &amp; look." in page
