@@ -223,7 +223,7 @@ def _jump(results: Results) -> tuple[str, str]:
 def _difference_words(results: Results, prediction: Prediction) -> str:
     scene, apart = results.scene, abs(results.recorded.result.reaction - prediction.value)
     is_small = not abs(prediction.value) > least_reaction(results.analysis)
-    distance = f"{apart:.4g} {scene.unit}".rstrip() if is_small else f"{apart / abs(prediction.value):.1%}"
+    distance = f"{apart:.4g} {scene.unit}".rstrip() + ("" if is_small else f" ({apart / abs(prediction.value):.1%})")
     allowed = f"{reaction_tolerance(results, prediction.stated):.4g} {scene.unit}".rstrip()
     note = "" if prediction.slides else ", although no joint slides"
     return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
