@@ -27,7 +27,7 @@ MEANINGS = {  # of every exit code, for the help and the page of the command lin
     DISAGREE: "disagree; of `compare`: something changed",
     USAGE: "usage or scene error",
     TOOL: "a tool is missing or failed",
-    INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`, `failed` or `unbounded`",
+    INCONCLUSIVE: "inconclusive, or limit analysis is `inaccurate`, `failed`, or `unbounded` without a prediction",
     CANNOT_STAND: "the structure cannot stand under its weight and dead loads",
     INTERRUPTED: "interrupted by Ctrl-C",
 }

@@ -60,7 +60,7 @@ class Answer(Tabled):
 
     @property
     def status(self) -> Status:
-        """Outcome of the associated problem; only `Status.SOLVED` comes with a value."""
+        """Outcome of the associated problem; only `Status.SOLVED` comes with bounds. `coulomb` may have a value beside UNBOUNDED, too."""
         return self.analysis.printed.bounds[self.analysis.main].status
 
     @property

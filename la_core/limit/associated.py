@@ -43,7 +43,7 @@ class Status(enum.StrEnum):
     INFEASIBLE
         The structure cannot stand under its weight and dead loads: no equilibrium obeys the friction law.
     UNBOUNDED
-        No mechanism follows the support's motion, or the live load, so nothing limits the value.
+        No mechanism with dilatancy follows the support's motion, or the live load, so nothing limits the value.
     INACCURATE
         The solver returned a solution, but its residuals are too large.
     FAILED
