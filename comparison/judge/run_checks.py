@@ -179,7 +179,8 @@ def _check_standing(results: Results) -> Check:
     if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
-    limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
+    finds = analysis.main_answer.status is Status.SOLVED
+    limit = "Limit analysis finds an equilibrium" if finds else f"Limit analysis ended as {least.status}"
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
     reason = f"{limit}, but {outcome} ({run.result.message}).{slides}"
     return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=_thrust(results.scene))

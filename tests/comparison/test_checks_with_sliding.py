@@ -156,6 +156,8 @@ def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
     assert verdict_of("reaction against prediction", check_run(Results(analysis, other))) is Verdict.DISAGREE
     pulled = coulomb_run(analysis, reaction=-analysis.coulomb.value)
     assert verdict_of("reaction within bounds", check_run(Results(analysis, pulled))) is Verdict.DISAGREE
+    (fallen,) = (one for one in check_run(Results(analysis, coulomb_run(analysis, status="collapsed"))) if one.reason)
+    assert "finds an equilibrium, but it collapsed in YADE" in fallen.reason and "unbounded" not in fallen.reason
 
 
 def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:
