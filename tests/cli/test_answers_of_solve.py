@@ -198,3 +198,9 @@ def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path
     assert answer["coulomb"]["multiplier"] == pytest.approx(2.0**0.5 / 0.7, rel=1e-3)
     assert answer["coulomb"]["multiplier_interval"][1] is None and answer["coulomb"]["interval_status"] == "unlimited"
     assert main(["solve", str(path), "--bounds", "-q"]) == 4
+    capsys.readouterr()
+    assert main(["solve", str(path), "--path", "--json"]) == 0
+    followed = json.loads(capsys.readouterr().out)["limit_analysis"]["path"]
+    assert followed["multiplier"][-1] == pytest.approx(2.0**0.5 / 0.7, rel=1e-3)
+    assert main(["solve", str(path), "--accuracy", "1%"]) == 4
+    assert "next: Request no accuracy: a part of the error is unknown." in " ".join("".join(capsys.readouterr()).split())
