@@ -12,6 +12,7 @@ from comparison.judge import FLOOR, LEAST_REACTION
 from comparison.numbers import exists, format_number
 from comparison.verdict import verdict_title
 from la_core import text_table
+from la_core.limit import Status
 
 Row = dict[str, Any]
 FAILED = "failed"
@@ -44,11 +45,22 @@ def bounds(row: Row) -> tuple[float, float]:
     Infinite without a bound, NaN without an answer.
     """
     least, greatest = over_weight(row, "least"), over_weight(row, "greatest")
+    is_live, is_unlimited = not row.get("unit"), row.get("associated_status") == Status.UNBOUNDED.value
+    if is_unlimited:
+        least = math.inf if is_live else -math.inf
     if least is None:
         return math.nan, math.nan
-    if not row.get("unit"):
+    if is_live:
         return -math.inf, least  # the associated multiplier is an upper bound for friction without dilatancy
     return least, math.inf if greatest is None else greatest
+
+
+def interval(row: Row) -> tuple[float, float]:
+    """Return least and greatest value that the prediction's mechanism allows, over the weight; infinite without a limit, NaN if unknown."""
+    low, high = over_weight(row, "coulomb_low"), over_weight(row, "coulomb_high")
+    if low is None and high is None:
+        return math.nan, math.nan
+    return -math.inf if low is None else low, math.inf if high is None else high
 
 
 def value_cells(row: Row) -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from comparison.judge.energy import check_energy
-from comparison.judge.prediction import FINER_PATHS, SLOWER_RUN, check_prediction
+from comparison.judge.prediction import FINER_PATHS, MODEL_SLIDING, SLOWER_RUN, check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
 from comparison.judge.tolerances import accuracy_share, reaction_tolerance, unbalanced
@@ -29,6 +29,7 @@ OTHER_DIRECTION = (
     "If it is right, the blocks lock as they dilate"
 )
 JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
+MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
 OTHER_THRUST = (
     "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source: with little "
@@ -103,8 +104,11 @@ def _next_step(analysis: LimitAnalysis) -> str:
     """Return what to do where limit analysis ended without a value."""
     if analysis.bounds[analysis.main].status is not Status.UNBOUNDED:
         return PLAIN_SCENE
-    was_followed = analysis.coulomb is not None and analysis.coulomb.iterations > 0
-    return f"{OTHER_DIRECTION}{JAM if was_followed else ''}."
+    if analysis.coulomb is not None and analysis.coulomb.iterations > 0:
+        return f"{OTHER_DIRECTION}{JAM}."
+    effects = analysis.scene.effects
+    left_out = MODEL_SLIDING if effects.friction in ("associated", "none-slides") else MODEL_STRAIN if effects.elasticity == "none" else ""
+    return f"{OTHER_DIRECTION}. {left_out}".rstrip()
 
 
 def _thrust(scene: Scene) -> str:
@@ -175,7 +179,8 @@ def _check_standing(results: Results) -> Check:
     if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
-    limit = "Limit analysis finds an equilibrium" if least.status is Status.SOLVED else f"Limit analysis ended as {least.status}"
+    finds = analysis.main_answer.status is Status.SOLVED
+    limit = "Limit analysis finds an equilibrium" if finds else f"Limit analysis ended as {least.status}"
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
     reason = f"{limit}, but {outcome} ({run.result.message}).{slides}"
     return Check(name, Verdict.INCONCLUSIVE, reason=reason, next_step=_thrust(results.scene))

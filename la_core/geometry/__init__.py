@@ -3,7 +3,7 @@
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons
-from la_core.geometry.interfaces import Interfaces, find_interfaces, near_pairs, nearest_gap, overlaps, separation_by_faces
+from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
 from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of
@@ -25,6 +25,7 @@ __all__ = [
     "face_pairs",
     "face_polygons",
     "find_interfaces",
+    "gaps",
     "joint_rooms",
     "loft",
     "missed_joints",
@@ -38,7 +39,6 @@ __all__ = [
     "polygons_of",
     "polyhedron",
     "prism",
-    "separation_by_faces",
     "shapes",
     "without_slivers",
 ]

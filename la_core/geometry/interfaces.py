@@ -222,19 +222,44 @@ def _touching(
 
 def nearest_gap(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> str:
     """The nearest pair of a block in `some` and one in `others` (indices), its gap, and how a gap as wide as mortar is closed."""
-
-    def gaps(one: int) -> np.ndarray:
-        apart = np.maximum(blocks.low[others] - blocks.high[one], blocks.low[one] - blocks.high[others])
-        return np.linalg.norm(np.maximum(apart, 0.0), axis=1)
-
-    one = min(some, key=lambda block: gaps(block).min())  # block by block: a table of all pairs of a large scene takes gigabytes
-    near, gap = others[np.argmin(gaps(one))], gaps(one).min()
-    told = f'"{blocks.names[near]}" is nearest to "{blocks.names[one]}"'
+    one, near, gap = _nearest(blocks.parts, *(np.flatnonzero(np.isin(blocks.part_block, group)) for group in (some, others)))
+    told = f'"{blocks.names[blocks.part_block[near]]}" is nearest to "{blocks.names[blocks.part_block[one]]}"'
     if gap <= NO_GAP:
         edge = "at most in an edge or a corner, which carries nothing, or in faces that do not fit each other"
         return f"{told} and meets it {edge}; [geometry] tolerance fits faces that are apart or overlap by up to twice the tolerance"
     told += f", about {gap:.3g} m away"
     return told + ("; [geometry] tolerance closes gaps of up to twice the tolerance" if gap <= MOST_MORTAR else "")
+
+
+def _nearest(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> tuple[int, int, float]:
+    """The nearest pair of convex blocks and its gap, m, as `gaps` takes it."""
+    low, high = blocks.low, blocks.high
+
+    def boxes_apart(one: int) -> np.ndarray:
+        return _distance(np.maximum(low[others] - high[one], low[one] - high[others]))
+
+    def nearest_within(reach: float) -> tuple[int, int, float]:
+        """The nearest pair of those whose boxes are at most `reach` apart, m."""
+        # Block by block: a table of all pairs of a large scene takes gigabytes.
+        pairs = np.array([(one, other) for one in some for other in others[boxes_apart(one) <= reach]])
+        gap = gaps(blocks, pairs)
+        nearest = int(np.argmin(gap))
+        return int(pairs[nearest, 0]), int(pairs[nearest, 1]), float(gap[nearest])
+
+    _, _, reach = nearest_within(min(boxes_apart(one).min() for one in some))
+    return nearest_within(reach)  # boxes of leaning blocks may overlap where the blocks are far apart: others are then nearer
+
+
+def gaps(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
+    """Gap (P,), m, of each pair (P, 2) of convex blocks: the distance of their boxes, or of one from a face plane of the other."""
+    (a, b), low, high = pairs.T, blocks.low, blocks.high
+    faces = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1]))
+    return np.asarray(np.maximum(_distance(np.maximum(low[a] - high[b], low[b] - high[a])), faces))
+
+
+def _distance(apart: np.ndarray) -> np.ndarray:
+    """Distance (P,), m, of boxes that are so far apart along each axis (P, 3); negative where they overlap along it."""
+    return np.asarray(np.linalg.norm(np.maximum(apart, 0.0), axis=1))
 
 
 def _refuse_floating(blocks: Blocks, touching: np.ndarray) -> None:

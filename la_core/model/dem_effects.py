@@ -6,7 +6,7 @@ import numpy as np
 
 from la_core.errors import SceneError
 from la_core.exchange import POSES
-from la_core.geometry import Blocks, near_pairs, separation_by_faces
+from la_core.geometry import Blocks, gaps, near_pairs
 from la_core.model.assembly import Assembly
 from la_core.model.joints import JointStiffness
 from la_core.scene import Scene
@@ -66,9 +66,7 @@ def least_gap(assembly: Assembly, distance: float) -> tuple[float, tuple[int, in
     if not len(pairs):
         return distance, None
     a, b = pairs.T
-    between = np.maximum(np.maximum(blocks.low[a] - blocks.high[b], blocks.low[b] - blocks.high[a]), 0.0)
-    parted = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1]))
-    gap = np.maximum(np.linalg.norm(between, axis=1), parted)
+    gap = gaps(blocks, pairs)
     nearest = int(np.argmin(gap))
     least = float(gap[nearest]) if gap[nearest] > NO_GAP * distance else 0.0
     return (least, (int(owner[a[nearest]]), int(owner[b[nearest]]))) if least < distance else (distance, None)

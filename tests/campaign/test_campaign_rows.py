@@ -18,7 +18,7 @@ from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
-from comparison.campaign.row_values import bounds, deviation, over_weight, title_of_values, value_cells, worst_first
+from comparison.campaign.row_values import bounds, deviation, interval, over_weight, title_of_values, value_cells, worst_first
 from comparison.verdict import verdict_title
 
 pytestmark = pytest.mark.slow
@@ -151,6 +151,23 @@ def test_the_bounds_of_a_multiplier_end_at_the_associated_one_and_those_of_a_rea
     assert bounds(row) == (row["least"] / 1000.0, row["greatest"] / 1000.0)
     assert bounds(row | {"greatest": None}) == (row["least"] / 1000.0, math.inf)
     assert bounds(row | {"unit": "", "least": 0.7, "greatest": None}) == (-math.inf, 0.7)
+
+
+def test_where_blocks_lock_as_they_dilate_the_other_bound_stays(tmp_path: Path) -> None:
+    """The table had a dash for a greatest reaction that was known, because no least one exists."""
+    row = campaign(tmp_path).rows[0] | {"associated_status": "unbounded", "least": None, "greatest": 250.0}
+    assert bounds(row) == (-math.inf, 0.25)
+    assert value_cells(row)[0] == "–" and value_cells(row)[2] == "0.25000"
+    assert bounds(row | {"unit": "", "greatest": None}) == (-math.inf, math.inf)
+    assert np.isnan(bounds(row | {"associated_status": "failed"})).all()
+
+
+def test_an_interval_without_a_limit_at_one_end_goes_on_for_ever(tmp_path: Path) -> None:
+    row = campaign(tmp_path).rows[0] | {"coulomb_low": 100.0, "coulomb_high": 300.0}
+    assert interval(row) == (0.1, 0.3)
+    assert interval(row | {"coulomb_high": None}) == (0.1, math.inf)
+    assert interval(row | {"coulomb_low": None}) == (-math.inf, 0.3)
+    assert np.isnan(interval(row | {"coulomb_low": None, "coulomb_high": None})).all()
 
 
 def test_a_row_is_printed_over_the_weight_and_a_multiplier_is_bounded_from_above(tmp_path: Path) -> None:

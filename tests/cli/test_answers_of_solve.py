@@ -156,18 +156,41 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
     assert "Limit analysis ended as unbounded, so it has no answer." in told
     assert "next: Look at the direction of the settlement or of the live load" in told
     assert "they may jam" in told
+    if words[0] == "run":
+        assert "| pressed | ? inconclusive | unbounded |" in (tmp_path / "out" / "report.md").read_text()
+
+
+def in_a_slot(**effects: str) -> str:
+    """A scene: a block that is pulled aslant out of a slot."""
+    walls = [((-1.0, 0.0, 0.0), (0.0, 0.2, 0.5)), ((1.0, 0.0, 0.0), (2.0, 0.2, 0.5))]
+    held = [scenes.box(f"wall {k}", *corners, "fixed") for k, corners in enumerate(walls)]
+    ground, block = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    return scenes.text(ground, *held, block, friction=0.3, inset=0.001, live=(1.0, 0.0, 1.0), model="auto", effects=effects)
+
+
+@pytest.mark.parametrize(
+    ("effects", "step"),
+    [
+        ({"friction": "associated"}, 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'),
+        ({"friction": "none-slides"}, 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'),
+        ({"elasticity": "none"}, 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction'),
+    ],
+    ids=["associated", "none slides", "rigid"],
+)
+def test_where_an_effect_of_the_scene_forbids_the_prediction_the_next_step_names_it(
+    effects: dict[str, str], step: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "slot.toml"
+    path.write_text(in_a_slot(**effects))
+    assert main(["solve", str(path)]) == 4
+    told = " ".join("".join(capsys.readouterr()).split())
+    assert "the blocks lock as they dilate" in told and step in told and "jam" not in told
 
 
 def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A block pulled aslant out of a slot: lambda W / sqrt 2 = W + mu lambda W / sqrt 2. Bounds alone have no answer."""
-    path, walls = tmp_path / "slot.toml", [((-1.0, 0.0, 0.0), (0.0, 0.2, 0.5)), ((1.0, 0.0, 0.0), (2.0, 0.2, 0.5))]
-    held = [scenes.box(f"wall {k}", *corners, "fixed") for k, corners in enumerate(walls)]
-    parts = [
-        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
-        *held,
-        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)),
-    ]
-    path.write_text(scenes.text(*parts, friction=0.3, inset=0.001, live=(1.0, 0.0, 1.0), model="auto"))
+    path = tmp_path / "slot.toml"
+    path.write_text(in_a_slot())
     assert main(["solve", str(path), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)["limit_analysis"]
     assert (answer["associated"]["status"], answer["associated"]["multiplier"]) == ("unbounded", None)
@@ -175,3 +198,9 @@ def test_blocks_that_lock_as_they_dilate_have_a_prediction_and_no_bound(tmp_path
     assert answer["coulomb"]["multiplier"] == pytest.approx(2.0**0.5 / 0.7, rel=1e-3)
     assert answer["coulomb"]["multiplier_interval"][1] is None and answer["coulomb"]["interval_status"] == "unlimited"
     assert main(["solve", str(path), "--bounds", "-q"]) == 4
+    capsys.readouterr()
+    assert main(["solve", str(path), "--path", "--json"]) == 0
+    followed = json.loads(capsys.readouterr().out)["limit_analysis"]["path"]
+    assert followed["multiplier"][-1] == pytest.approx(2.0**0.5 / 0.7, rel=1e-3)
+    assert main(["solve", str(path), "--accuracy", "1%"]) == 4
+    assert "next: Request no accuracy: a part of the error is unknown." in " ".join("".join(capsys.readouterr()).split())

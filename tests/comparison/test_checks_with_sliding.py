@@ -13,9 +13,9 @@ from runs import coulomb_run, perfect_run, with_answers
 from comparison.judge.run_checks import check_answer, check_run
 from comparison.judge.sections import check_sections
 from comparison.verdict.check import Verdict
-from comparison.yade import Results
+from comparison.yade import Results, accuracy_settings
 from comparison.yade.run_parts import Poses
-from la_core.analysis.result import LimitAnalysis
+from la_core.analysis.result import AccuracyRecord, LimitAnalysis
 from la_core.analysis.stage import analyse
 from la_core.coulomb.solution import without_answer
 from la_core.limit.associated import Status
@@ -156,6 +156,18 @@ def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
     assert verdict_of("reaction against prediction", check_run(Results(analysis, other))) is Verdict.DISAGREE
     pulled = coulomb_run(analysis, reaction=-analysis.coulomb.value)
     assert verdict_of("reaction within bounds", check_run(Results(analysis, pulled))) is Verdict.DISAGREE
+    (fallen,) = (one for one in check_run(Results(analysis, coulomb_run(analysis, status="collapsed"))) if one.reason)
+    assert "finds an equilibrium, but it collapsed in YADE" in fallen.reason and "unbounded" not in fallen.reason
+
+
+def test_a_block_lifted_straight_out_of_a_slot_has_no_sharp_prediction_for_want_of_a_bound() -> None:
+    """Nothing dissipates, so only the missing bound tells that the value for sharp arrises is not the associated one."""
+    sides = [scenes.box(f"side {x:g}", (x, 0.0, -0.2), (x + 1.0, 0.2, 0.5), "fixed") for x in (-1.0, 1.0)]
+    pad, block = scenes.box("pad", (0.0, 0.0, -0.2), (1.0, 0.2, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    analysis = analyse(scenes.build(*sides, pad, block, friction=0.4, inset=0.001, settlement=(0.0, 0.0, 1.0), model="auto"))
+    assert analysis.is_without_bound and analysis.sharp.coulomb is None
+    started = accuracy_settings.initial_settings(dataclasses.replace(analysis, accuracy=AccuracyRecord(0.01)))
+    assert started.accuracy is not None and started.accuracy.settings  # YADE runs at the requested accuracy all the same
 
 
 def test_cuts_of_a_pushed_structure_are_compared_at_one_multiplier() -> None:

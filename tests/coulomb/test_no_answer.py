@@ -104,6 +104,12 @@ def test_a_value_far_from_every_limit_of_its_mechanism_is_one_of_locked_in_stres
         assert prediction._is_locked_in(replace(known, interval=interval)) is is_locked_in
 
 
+def test_a_value_of_locked_in_stresses_is_not_stated(monkeypatch) -> None:
+    monkeypatch.setattr(prediction, "_is_locked_in", lambda _solution: True)
+    solution = locked(in_a_slot((1.0, 0.0, 1.0)))
+    assert solution.status is Status.UNBOUNDED and solution.iterations > 0 and has_no_numbers(solution)
+
+
 def test_rigid_joints_have_no_prediction_where_the_bound_locks() -> None:
     assembly, stiffness = problem(in_a_slot((1.0, 0.0, 1.0)))
     rigid = replace(assembly, effects=replace(assembly.effects, elasticity="none"))

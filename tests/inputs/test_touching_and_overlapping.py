@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from la_core.errors import SceneError
 from la_core.geometry.blocks import Blocks
-from la_core.geometry.interfaces import TOUCH, find_interfaces
-from la_core.geometry.shapes import Shape, box, polyhedron
+from la_core.geometry.interfaces import TOUCH, find_interfaces, nearest_gap
+from la_core.geometry.shapes import Shape, box, polyhedron, prism
 from la_core.model.assembly import assemble
 
 # --- what touches, what does not ---------------------------------------------------------------------------------------------
@@ -148,6 +148,19 @@ def test_gap_hint_names_the_nearest_block_and_the_distance() -> None:
     pad = box((5.0, 0.0, 0.0), (6.0, 1.0, 1.0))
     with pytest.raises(SceneError, match=r'block "e": touches nothing.*"[ab]" is nearest to "e", about 0.25 m away'):
         find_interfaces(gathered(base, near, far, pad, lone, held=1))
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.02, 0.2])
+def test_gap_of_leaning_blocks_is_not_that_of_their_boxes(gap) -> None:
+    """The box of a stone above a slope overlaps that of the slope; the message said that both meet in an edge."""
+
+    def leaning(low: float, high: float, bottom: float, top: float) -> Shape:
+        corners = ((low, bottom), (high, bottom), (high, top), (low, top))
+        return prism([(0.8 * u - 0.6 * v, 0.6 * u + 0.8 * v) for u, v in corners], (0.0, 1.0))
+
+    blocks = gathered(leaning(-1.0, 1.0, -0.5, 0.0), leaning(-0.3, 0.3, gap, gap + 0.4), box((2.0, 0.0, 0.0), (3.0, 1.0, 1.0)), held=1)
+    told = nearest_gap(blocks, np.array([1]), np.array([0, 2]))
+    assert told.startswith('"a" is nearest to "b"' + (f", about {gap:g} m away" if gap else " and meets it"))
 
 
 @pytest.mark.parametrize("inset", [0.05, 0.06])

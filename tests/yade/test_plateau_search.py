@@ -18,7 +18,7 @@ SETTINGS = SimpleNamespace(
     normal_stiffness=4.0 * STIFFNESS, stop_uncertainty=0.002, plateau_uncertainty=0.02, plateau_drift=0.05, reaction_floor=0.01,
     settings_uncertainty=1e-3, swing_damping=0.0,
 )  # fmt: skip
-CASE = SimpleNamespace(sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, live=None, free=np.arange(4))
+CASE = SimpleNamespace(sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, is_rotation=False, live=None, free=np.arange(4))
 STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: settlement at which the strain of the joints is as small as may be
 
 
@@ -177,14 +177,18 @@ def row(**values: float) -> Any:
     ],
 )
 def test_a_run_is_lost_where_forces_are_undefined_or_a_block_falls(values: dict[str, float], status: Any) -> None:
-    one, chosen = SimpleNamespace(support_speed=5.0), SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1e9)
+    one = SimpleNamespace(support_speed=5.0, is_rotation=True)
+    chosen = SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1e9)
     found = faults.loss_of(one, chosen, row(**values), 0.0)
     assert (found and found[0]) is status
 
 
-def test_a_run_is_lost_at_its_time_limit() -> None:
-    one, chosen = SimpleNamespace(support_speed=1.0), SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1.0)
-    assert faults.loss_of(one, chosen, row(), -1e12)[0] is STATUS.TIMEOUT
+@pytest.mark.parametrize(("is_rotation", "unit"), [(False, "m"), (True, "rad")])
+def test_a_run_is_lost_at_its_time_limit_and_says_where(is_rotation: bool, unit: str) -> None:
+    one = SimpleNamespace(support_speed=1.0, is_rotation=is_rotation)
+    chosen = SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1.0)
+    status, why = faults.loss_of(one, chosen, row(settlement=2e-4), -1e12)
+    assert status is STATUS.TIMEOUT and why.endswith(f"a settlement of 0.0002 {unit}")
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import Scale, series_style, shade
 from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines, longest, slices
-from comparison.campaign.row_values import LIMIT, Row, bounds, mechanism_name, of_mechanism, over_weight, prediction
+from comparison.campaign.row_values import LIMIT, Row, bounds, interval, mechanism_name, of_mechanism, over_weight, prediction
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.numbers import exists
 
@@ -114,9 +114,8 @@ def _draw_reactions(axes: Any, scale: Scale, chosen: list[tuple[Line, int, int]]
     for line, k, count in chosen:
         place = [scale.place(row[scale.parameter]) for row in line.rows]
         predicted = _values(line.rows, [prediction(row) for row in line.rows])
-        yade, uncertainty, low, high = (
-            _values(line.rows, [name] * len(place)) for name in ("yade", "yade_uncertainty", "coulomb_low", "coulomb_high")
-        )
+        yade, uncertainty = (_values(line.rows, [name] * len(place)) for name in ("yade", "yade_uncertainty"))
+        low, high = np.array([interval(row) for row in line.rows]).T
         if count == 1 and scale.numeric:
             _draw_bands(axes, line.rows, place, low, high)
             _draw_switches(axes, scale, line.rows)
@@ -152,7 +151,7 @@ def _draw_methods(axes: Any, scale: Scale, place: list[float], limit: np.ndarray
 
 def _draw_bands(axes: Any, rows: list[Row], place: list[float], low: np.ndarray, high: np.ndarray) -> None:
     """Draw R_min to R_max pale, infinite without a bound, and the mechanism's interval darker."""
-    bottom, top = np.clip(np.array([bounds(row) for row in rows]), -OUTSIDE, OUTSIDE).T
+    bottom, top, low, high = np.clip([*np.array([bounds(row) for row in rows]).T, low, high], -OUTSIDE, OUTSIDE)
     axes.fill_between(place, bottom, top, color=tint(LIMIT_ANALYSIS), alpha=0.22, linewidth=0.0, zorder=0)
     axes.fill_between(place, low, high, color=tint(LIMIT_ANALYSIS), alpha=0.6, linewidth=0.0, zorder=1)
 
@@ -161,7 +160,7 @@ def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.nda
     """Draw the intervals of one of several lines, slightly beside its marks and those of other lines."""
     beside = ScaledTranslation(DODGE * (k - (count - 1) / 2.0) / 72.0, 0.0, axes.figure.dpi_scale_trans)
     style = {"color": shade(LIMIT_ANALYSIS, k, count), "linewidth": 1.1, "alpha": 0.7, "zorder": 2}
-    for x, bottom, top in zip(place, low, high, strict=True):
+    for x, bottom, top in zip(place, *np.clip([low, high], -OUTSIDE, OUTSIDE), strict=True):
         axes.plot([x, x], [bottom, top], transform=axes.transData + beside, **style)
 
 

@@ -1,9 +1,9 @@
 """YADE's reaction against limit analysis' prediction: one mark per case, on the 1:1 line where both agree."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -12,7 +12,7 @@ from matplotlib.ticker import NullLocator
 from comparison.campaign.figures import shared_axes
 from comparison.campaign.figures.shared_axes import MARKERS, NARROW
 from comparison.campaign.parameter_labels import quantity
-from comparison.campaign.row_values import Row, bounds, over_weight, prediction, sweep_of
+from comparison.campaign.row_values import Row, bounds, interval, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.judge import FLOOR
 from comparison.numbers import exists
@@ -71,11 +71,10 @@ def _style(row: Row, scenes: list[str], size: float) -> dict[str, Any]:
 def _draw_bars(axes: Any, row: Row, bounded: bool) -> None:
     """Draw bounds and interval as horizontal bars, YADE's uncertainty as a vertical bar."""
     at, yade = _value(row, prediction(row)), _value(row, "yade")
-    if bounded and not math.isnan(bounds(row)[0]):
-        ends = [min(max(end, -OUTSIDE), OUTSIDE) for end in bounds(row)]
-        axes.plot(ends, [yade, yade], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
+    if bounded:
+        axes.plot(np.clip(bounds(row), -OUTSIDE, OUTSIDE), [yade, yade], color=PALE, linewidth=3.5, solid_capstyle="butt", zorder=1)
     style = {"linewidth": 1.6} if bounded else {"linewidth": 0.7, "alpha": 0.5}
-    axes.plot([_value(row, "coulomb_low"), _value(row, "coulomb_high")], [yade, yade], color=LIMIT_ANALYSIS, zorder=2, **style)
+    axes.plot(np.clip(interval(row), -OUTSIDE, OUTSIDE), [yade, yade], color=LIMIT_ANALYSIS, zorder=2, **style)
     uncertainty = _value(row, "yade_uncertainty")
     axes.plot([at, at], [yade - uncertainty, yade + uncertainty], color=YADE, linewidth=1.8, zorder=4)
 
