@@ -68,9 +68,8 @@ def check_accuracy(results: Results) -> Iterator[Check]:
         reason = f"The requested accuracy of {percent(requested)} is not reached: {name} estimates its own error as {estimate}."
         error = finite_or_none(last.error)
         errors: tuple[float | None, float | None] = (error, None) if method == "limit_analysis" else (None, error)
-        verdict, reason, step = (
-            (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, COARSER if error is not None else UNKNOWN_ERROR)
-        )
+        advice = COARSER if error is not None else UNKNOWN_ERROR
+        verdict, reason, step = (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, advice)
         yield Check(f"accuracy of {name}", verdict, *errors, None, requested, "of the answer", reason, step)
 
 
