@@ -74,10 +74,12 @@ def predict(
 
 
 def _is_locked_in(solution: CoulombSolution) -> bool:
-    """Whether a value lies far from every limit of its mechanism: it is then one of stresses that the blocks locked in on their way."""
+    """Whether a value lies far from every limit of its mechanism: it is then one of stresses that the blocks locked in on their way.
+
+    Where no limit is known, nothing tells.
+    """
     ends = [end for end in solution.interval if math.isfinite(end)]
-    nearest = min((abs(end - solution.value) for end in ends), default=math.inf)
-    return nearest > BROAD * abs(solution.value)
+    return bool(ends) and min(abs(end - solution.value) for end in ends) > BROAD * abs(solution.value)
 
 
 def _followed_from_rest(
