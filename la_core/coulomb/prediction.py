@@ -31,6 +31,9 @@ MOVED = 5.0
 STEPS_SHARE = 3e-4
 SAFETY = 2.0  # times the difference between the two finest paths
 BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
+# Of the value, from the nearest end of its mechanism's interval, where blocks that dilate lock. Of 66 values that YADE confirmed none was
+# farther than 0.10; a block against a step, whose value YADE did not confirm, was 0.45 away.
+LOCKED_IN = 0.25
 # Times the weight, or the value where this is larger: with a larger uncertainty there is no answer. Blocks that fall on one path leave
 # a million weights (`flat_arch` with a friction of 0.4), a row of blocks that jams between held ones 1.2 times its value.
 UNKNOWN = 100.0
@@ -53,9 +56,9 @@ def predict(
     stiffness : JointStiffness
         Stiffness of the joints, and the travel.
     associated : Solution
-        Associated answer of the same assembly. Where it is UNBOUNDED, blocks that dilate lock; without dilatancy they may move, and
-        only a certain plateau is an answer, and none is sought where joints are rigid. Elsewhere, unless it is SOLVED, the prediction
-        has no value, and the same status.
+        Associated answer of the same assembly. The path is followed where it is SOLVED, and also where it is UNBOUNDED and the
+        joints are elastic: blocks that lock as they dilate may move without dilatancy. Only a certain plateau is then an answer.
+        Without an answer the prediction has no value, and this status.
     wedging : float
         Motion of the support against its settlement before gravity acts, m or rad.
     settings : PredictionSettings, optional
@@ -63,23 +66,23 @@ def predict(
     report : callable, optional
         Receives the progress of the paths.
     """
-    if associated.status is Status.SOLVED:
-        return _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
-    if associated.status is not Status.UNBOUNDED or assembly.effects.elasticity == "none":
+    has_bound = associated.status is Status.SOLVED
+    may_move = associated.status is Status.UNBOUNDED and assembly.effects.elasticity != "none"
+    if not (has_bound or may_move):
         return without_answer(assembly, associated.status)
     solution = _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
-    if solution.status is Status.SOLVED and not _is_locked_in(solution):
+    if has_bound or (solution.status is Status.SOLVED and not _is_locked_in(solution)):
         return solution
     return without_answer(assembly, Status.UNBOUNDED, solution.seconds, solution.iterations)
 
 
 def _is_locked_in(solution: CoulombSolution) -> bool:
-    """Whether a value lies far from every limit of its mechanism: it is then one of stresses that the blocks locked in on their way.
+    """Whether the value comes from stresses that the blocks locked in on their way: it is far from all known ends of its interval.
 
-    Where no limit is known, nothing tells.
+    Without a known end nothing shows this, and the answer is no.
     """
     ends = [end for end in solution.interval if math.isfinite(end)]
-    return bool(ends) and min(abs(end - solution.value) for end in ends) > BROAD * abs(solution.value)
+    return bool(ends) and min(abs(end - solution.value) for end in ends) > LOCKED_IN * abs(solution.value)
 
 
 def _followed_from_rest(

@@ -251,7 +251,10 @@ def _nearest(blocks: Blocks, some: np.ndarray, others: np.ndarray) -> tuple[int,
 
 
 def gaps(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
-    """Gap (P,), m, of each pair (P, 2) of convex blocks: the distance of their boxes, or of one from a face plane of the other."""
+    """Lower bound (P,), m, of the gap of each pair (P, 2) of convex blocks, exact between faces.
+
+    It is the larger of the distance of their boxes and of the distance of one block from a face plane of the other.
+    """
     (a, b), low, high = pairs.T, blocks.low, blocks.high
     faces = np.maximum(separation_by_faces(blocks, pairs), separation_by_faces(blocks, pairs[:, ::-1]))
     return np.asarray(np.maximum(_distance(np.maximum(low[a] - high[b], low[b] - high[a])), faces))

@@ -21,8 +21,7 @@ class MissedJoints:
     pairs : (P, 2) array of int
         The blocks; at least one of them is free.
     gap : (P,) array
-        Largest distance between the two faces where they are opposite, and of their corners from their own planes, m; they may
-        also overlap by so much.
+        Largest distance between the two faces where they are opposite, m; they may also overlap by so much.
     """
 
     pairs: np.ndarray
@@ -44,7 +43,6 @@ def missed_joints(blocks: Blocks) -> MissedJoints:
     overlap, _, _, gap = face_overlaps(parts, face_a, face_b, ALL_BUT * smaller[pair])
     both, smaller = owner[pairs[pair[overlap]]] @ np.array([len(blocks), 1]), smaller[pair[overlap]]  # one number for each pair of blocks
     missed = (gap > TOUCH * smaller) & (gap <= ALL_BUT * smaller)
-    gap += _largest_distance(parts, face_a, face_a)[overlap] + _largest_distance(parts, face_b, face_b)[overlap]
     order = np.lexsort((-gap[missed], both[missed]))
     both, first = np.unique(both[missed][order], return_index=True)
     return MissedJoints(np.stack(np.divmod(both, len(blocks)), axis=1), gap[missed][order][first])

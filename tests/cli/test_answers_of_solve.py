@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import scenes
 from conftest import every_shipped_scene
+from locking_scenes import slot
 
 from comparison.cli.commands import main
 from la_core.analysis.answer import answer_rows
@@ -162,10 +163,7 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
 
 def in_a_slot(**effects: str) -> str:
     """A scene: a block that is pulled aslant out of a slot."""
-    walls = [((-1.0, 0.0, 0.0), (0.0, 0.2, 0.5)), ((1.0, 0.0, 0.0), (2.0, 0.2, 0.5))]
-    held = [scenes.box(f"wall {k}", *corners, "fixed") for k, corners in enumerate(walls)]
-    ground, block = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
-    return scenes.text(ground, *held, block, friction=0.3, inset=0.001, live=(1.0, 0.0, 1.0), model="auto", effects=effects)
+    return scenes.text(*slot(), friction=0.3, inset=0.001, live=(1.0, 0.0, 1.0), model="auto", effects=effects)
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scenes
 from coulomb_problems import FOUND, PLATEAU, UNSLIDING, answer, great_wall, problem, small_wall
+from locking_scenes import lifted_pad, slot
 
 from la_core.analysis.modelling import wedging
 from la_core.coulomb import CoulombSolution, PredictionSettings, predict, prediction
@@ -32,15 +33,7 @@ def test_what_cannot_stand_is_not_followed() -> None:
 
 
 def in_a_slot(direction: tuple[float, ...], height: float = 0.5, friction: float = 0.4) -> Scene:
-    """A block of 1 by 0.5 m on the ground between two held walls of this height, which it touches, under a live load."""
-    held = [
-        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
-        scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 0.2, height), "fixed"),
-        scenes.box("right", (1.0, 0.0, 0.0), (2.0, 0.2, height), "fixed"),
-    ]
-    return scenes.build(
-        *held, scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), friction=friction, inset=0.001, live=direction, model="coulomb"
-    )
+    return scenes.build(*slot(height), friction=friction, inset=0.001, live=direction, model="coulomb")
 
 
 def locked(scene: Scene) -> CoulombSolution:
@@ -63,18 +56,14 @@ def test_a_block_that_is_pulled_aslant_out_of_a_slot_slides_up_one_wall(friction
 
 def test_a_block_that_is_pushed_along_a_channel_slides_on_its_bed_and_one_wall() -> None:
     """In space: mu (W + lambda sin a W) = lambda cos a W for a push at the angle a to the channel, which locks a block that dilates."""
-    walls = scenes.box("left", (-1.0, 0.0, 0.0), (0.0, 1.0, 0.5), "fixed"), scenes.box("right", (1.0, 0.0, 0.0), (2.0, 1.0, 0.5), "fixed")
-    ground, block = scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 1.0, 0.0), "fixed"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5))
-    scene = scenes.build(ground, *walls, block, friction=0.5, inset=0.001, live=(0.5, 1.0, 0.0), plane=False, model="coulomb")
+    scene = scenes.build(*slot(depth=1.0), friction=0.5, inset=0.001, live=(0.5, 1.0, 0.0), plane=False, model="coulomb")
     solution = locked(scene)
     assert solution.value == pytest.approx(0.5 / (1.0 - 0.25) * 1.25**0.5, rel=PLATEAU)
     assert abs(solution.value - 0.5 / (1.0 - 0.25) * 1.25**0.5) <= solution.uncertainty
 
 
 def test_a_block_that_is_lifted_out_of_a_slot_by_its_pad_weighs_on_it() -> None:
-    sides = [scenes.box(f"side {x:g}", (x, 0.0, -0.2), (x + 1.0, 0.2, 0.5), "fixed") for x in (-1.0, 1.0)]
-    pad, block = scenes.box("pad", (0.0, 0.0, -0.2), (1.0, 0.2, 0.0), "support"), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
-    scene = scenes.build(*sides, pad, block, friction=0.5, inset=0.001, settlement=(0.0, 0.0, 1.0), model="coulomb")
+    scene = scenes.build(*lifted_pad(), friction=0.5, inset=0.001, settlement=(0.0, 0.0, 1.0), model="coulomb")
     solution = locked(scene)
     assert solution.status is Status.SOLVED and solution.value == pytest.approx(-scene.weight, rel=PLATEAU)  # against the motion
 

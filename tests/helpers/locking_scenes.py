@@ -1,4 +1,4 @@
-"""Random small structures between held walls; most of them lock where their joints dilate, and many move without dilatancy."""
+"""Small structures between held walls, which lock where their joints dilate: a slot, a lifted pad, and random ones."""
 
 import numpy as np
 import scenes
@@ -8,6 +8,23 @@ from la_core.scene.scene import Scene
 KINDS = ("slot", "wedge", "two blocks", "stack", "lifted pad", "channel")
 INSET = 1e-3  # m
 WALL = 1.0  # m, thickness of the held blocks
+
+
+def slot(height: float = 0.5, depth: float = 0.2) -> tuple[str, ...]:
+    """A block of 1 by 0.5 m on the ground between two held walls of this height, which it touches; depth along y, m.
+
+    Pulled aslant, along (1, 0, 1), out of walls of its own height, it presses one with N = lambda W / sqrt 2 and slides up it:
+    lambda W / sqrt 2 = W + mu N.
+    """
+    ground = _box("ground", (-WALL, -0.2), (1.0 + WALL, 0.0), depth, "fixed")
+    walls = _box("left", (-WALL, 0.0), (0.0, height), depth, "fixed"), _box("right", (1.0, 0.0), (1.0 + WALL, height), depth, "fixed")
+    return ground, *walls, _box("block", (0.0, 0.0), (1.0, 0.5), depth)
+
+
+def lifted_pad() -> tuple[str, ...]:
+    """A block on a pad that moves, between two held walls, which it touches."""
+    walls = (_box(f"wall {x:g}", (x, -0.2), (x + WALL, 0.5), 0.2, "fixed") for x in (-WALL, 1.0))
+    return *walls, _box("pad", (0.0, -0.2), (1.0, 0.0), 0.2, "support"), _box("block", (0.0, 0.0), (1.0, 0.5), 0.2)
 
 
 def drawn(random: np.random.Generator) -> tuple[str, Scene]:

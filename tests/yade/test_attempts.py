@@ -117,7 +117,7 @@ def test_a_slender_structure_gets_time_in_place_of_a_damper(wall: case.Case) -> 
 
 
 def test_the_part_of_the_speed_is_that_of_a_reaction_that_follows_its_root(wall: case.Case) -> None:
-    """R(v) = R + c v^0.5: what is left at the speed of the last attempt follows from two of them, and the noise of the quicker is added."""
+    """R(v) = R + c v^0.5: two attempts give c, and c v^0.5 is the error at the lower speed. The noise of the quicker attempt is added."""
 
     def reaction(pace: float) -> dict[str, float]:
         return {"reaction": 100.0 - 3.0 * math.sqrt(pace)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scenes
 from conftest import Silent
-from locking_scenes import drawn
+from locking_scenes import drawn, slot
 
 from comparison.workflow.one_scene import run_scene
 from la_core.analysis.stage import analyse
@@ -18,14 +18,7 @@ SAME = 5e-3  # relative, of both methods beside their uncertainties
 @pytest.mark.yade
 def test_a_block_pulled_aslant_out_of_a_slot_moves_by_both_methods(tmp_path: Path) -> None:
     """It slides up one wall: lambda W / sqrt 2 = W + mu lambda W / sqrt 2."""
-    walls = [((-1.0, 0.0, 0.0), (0.0, 0.2, 0.5)), ((1.0, 0.0, 0.0), (2.0, 0.2, 0.5))]
-    held = [scenes.box(f"wall {k}", *corners, "fixed") for k, corners in enumerate(walls)]
-    parts = [
-        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
-        *held,
-        scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)),
-    ]
-    scene = scenes.build(*parts, friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
+    scene = scenes.build(*slot(), friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
     summary = run_scene(scene, tmp_path, Silent(), with_yade=True)
     assert summary["limit_analysis"]["associated"]["status"] == "unbounded"
     assert summary["verdict"] == "agree", summary["reason"]

@@ -1,7 +1,6 @@
 """Laws of the plateau fit: what it recovers exactly, and how often its uncertainty covers the truth."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -265,50 +264,3 @@ def test_a_motion_is_steady_where_all_but_a_few_blocks_keep_their_velocity(
     free = np.arange(1, blocks + 1)
     assert plateau.is_steady((first, middle, last), free, 1.0) is steady
     assert plateau.is_steady((first, middle, last), free, 1.0, plateau.STEADY_ENOUGH) is steady_enough
-
-
-# --- what geometry can do -------------------------------------------------------------------------------------------------------------
-
-
-def turned(spin: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """The vector turned by a rotation vector, by Rodrigues' formula."""
-    angle = float(np.linalg.norm(spin))
-    axis = spin / angle
-    across = np.cross(axis, vector)
-    return vector + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
-
-
-def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_way_of_each_point_over_its_face() -> None:
-    """Two blocks in any motion: the second derivative by differences, in the frame of the face that turns."""
-    draw = np.random.default_rng(7)
-    centroid, velocity, spin, position, before, after = draw.standard_normal((6, 2, 3))
-    travel, step = 0.5, 1e-4
-    zeros = np.zeros((2, 3))
-    states = (0.0, zeros, zeros, before), (travel, travel * velocity, travel * spin, after)
-    for host in (np.array([0, 1]), np.array([1, 0])):
-        target, curvature = 1 - host, np.zeros((2, 3))
-        for point, (h, t) in enumerate(zip(host, target, strict=True)):
-
-            def place(s: float, p: np.ndarray = position[point], h: int = int(h), t: int = int(t)) -> np.ndarray:
-                of_host = centroid[h] + s * velocity[h] + turned(s * spin[h], p - centroid[h])
-                return turned(-s * spin[t], of_host - centroid[t] - s * velocity[t])
-
-            curvature[point] = (place(step) - 2.0 * (position[point] - centroid[t]) + place(-step)) / step**2
-        on_host = np.where(host == 1, 1.0, -1.0)[:, None] * 0.5 * (before + after)
-        expected = (on_host * curvature).sum(axis=1)
-        one: Any = SimpleNamespace(host=host, target=target, position=position, centroid=centroid, block_b=np.array([1, 1]))
-        assert plateau.turning_slopes(one, *states) == pytest.approx((expected.sum(), np.abs(expected).sum()), rel=1e-5)
-        assert plateau.turning_slopes(one, states[1], states[1]) == (0.0, 0.0)
-
-
-@pytest.mark.parametrize(("live", "slope", "lever"), [(None, 30.0, 0.08), (np.array([1.0, 0.0, 0.0]), 0.03, 0.1)])
-def test_geometry_is_told_per_radian_of_a_support_and_per_weight_of_a_live_load(
-    live: Any, slope: float, lever: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Blocks of 0.4 m: the support moves 5 m a radian, and the fastest block 4 times as far as the load."""
-    monkeypatch.setattr(plateau, "turning_slopes", lambda *_: (30.0, 50.0))
-    one: Any = SimpleNamespace(live=live, weight=1000.0, block_size=0.4, support_speed=5.0)
-    moved = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -8e-4]])
-    found = plateau.geometry_of(one, (0.0, 0.0 * moved, moved, moved), (2e-4, moved, moved, moved))
-    assert (found.slope, found.turning, found.lever) == pytest.approx((slope, slope * 5.0 / 3.0, lever))
-    assert plateau.largest_speed((0.0, 0.0 * moved, moved, moved), (8e-3, moved, moved, moved)) == 1.0  # at least that of the load
