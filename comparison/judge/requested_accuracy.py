@@ -7,7 +7,7 @@ from typing import Any
 
 from comparison.verdict import Check, Verdict, finite_or_none
 from comparison.yade import HISTORY_OF_SPEED, Results, attempt_of
-from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis
+from la_core.analysis import HISTORY, INSET_SHARE, Attempt, LimitAnalysis, lacks_sharp_prediction
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.limit import Status
 
@@ -16,6 +16,10 @@ METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 
 COARSER = "Request a coarser accuracy, or allow more seconds with --time-limit."
 UNKNOWN_ERROR = "Request no accuracy: a part of the error is unknown. The verdict then rests on the uncertainties that both methods state."
+SHARP_TOO = (
+    "Set inset = 0 in the scene's [joint] table: limit analysis then predicts the value for sharp arrises, too, and the part of rounded "
+    "arrises is known. Otherwise request no accuracy."
+)
 
 
 def percent(share: float | None) -> str:
@@ -68,7 +72,8 @@ def check_accuracy(results: Results) -> Iterator[Check]:
         reason = f"The requested accuracy of {percent(requested)} is not reached: {name} estimates its own error as {estimate}."
         error = finite_or_none(last.error)
         errors: tuple[float | None, float | None] = (error, None) if method == "limit_analysis" else (None, error)
-        advice = COARSER if error is not None else UNKNOWN_ERROR
+        unknown = SHARP_TOO if lacks_sharp_prediction(analysis) else UNKNOWN_ERROR
+        advice = COARSER if error is not None else unknown
         verdict, reason, step = (Verdict.AGREE, "", "") if kept else (Verdict.INCONCLUSIVE, reason, advice)
         yield Check(f"accuracy of {name}", verdict, *errors, None, requested, "of the answer", reason, step)
 

@@ -1,7 +1,7 @@
 """The limit-analysis stage: bounds, prediction, reduced region and accuracy of one scene, from its text to `case.h5`."""
 
 from la_core.analysis import case_file, reach
-from la_core.analysis.accuracy import HISTORY, INSET_SHARE, has_history, scale, shared_parts, with_accuracy
+from la_core.analysis.accuracy import HISTORY, INSET_SHARE, has_history, lacks_sharp_prediction, scale, shared_parts, with_accuracy
 from la_core.analysis.answer import Answer, answer_headings, answer_rows, solve
 from la_core.analysis.case_file import write_case
 from la_core.analysis.decisions import DecidedModel, decided_model
@@ -30,6 +30,7 @@ __all__ = [
     "decided_model",
     "drives",
     "has_history",
+    "lacks_sharp_prediction",
     "path_values",
     "reach",
     "scale",

@@ -20,6 +20,7 @@ from la_core.model import Assembly
 from la_core.scene import Scene, same_structure
 
 ROUNDED, HISTORY, ELASTIC, GAP = "rounded arrises", "friction's history", "elastic settlement", "duality gap"
+ROUNDED_HISTORY = "friction's history in the part of rounded arrises"
 
 INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
@@ -108,14 +109,33 @@ def has_history(analysis: LimitAnalysis) -> bool:
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
     """Return the relative errors that both methods share, by source: rounded arrises and elastic joints.
 
-    Where joints slide, the bounds show what rounded arrises change: their values have no history.
+    Where joints slide, the bounds show what rounded arrises change: their values have no history. Where blocks lock as they dilate, no
+    bound exists. The predictions at both insets show it then, each to within its uncertainty.
     """
     rounded, sharp, stiffness = analysis.at_inset, analysis.sharp, analysis.stiffness
-    pair = (rounded.bounds[analysis.main], sharp.bounds[analysis.main]) if has_history(analysis) else (rounded.sharpest, sharp.sharpest)
-    return {
+    by_bounds = has_history(analysis) and not _has_two_predictions(analysis)
+    pair = (rounded.bounds[analysis.main], sharp.bounds[analysis.main]) if by_bounds else (rounded.sharpest, sharp.sharpest)
+    parts = {
         ROUNDED: abs(pair[0].value - pair[1].value) / scale(analysis),
         ELASTIC: ELASTIC_SHARE * stiffness.sag / (stiffness.travel * analysis.assembly.support_speed),
     }
+    if _has_two_predictions(analysis):
+        stated_by_both = (answer.uncertainty for answer in pair if isinstance(answer, CoulombSolution))
+        parts[ROUNDED_HISTORY] = sum(stated_by_both) / scale(analysis)
+    return parts
+
+
+def _has_two_predictions(analysis: LimitAnalysis) -> bool:
+    """Whether no bound exists, and a prediction both at the shared inset and for sharp arrises."""
+    return analysis.is_without_bound and analysis.sharp.is_without_bound
+
+
+def lacks_sharp_prediction(analysis: LimitAnalysis) -> bool:
+    """Whether the part of rounded arrises is unknown because there is neither a bound nor a prediction for sharp arrises.
+
+    Inset 0 in the scene adds this prediction, see `LimitAnalysis.sharp`.
+    """
+    return analysis.is_without_bound and analysis.scene.inset > 0.0 and analysis.sharp.coulomb is None
 
 
 def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
@@ -142,7 +162,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
 
 def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: float, level: int) -> tuple[float, int] | None:
     """Return inset (m) and level of the next attempt; None where finer ones do not help or there is no answer."""
-    if analysis.bounds[analysis.main].status is not Status.SOLVED:
+    if analysis.bounds[analysis.main].status is not Status.SOLVED and not _has_two_predictions(analysis):
         return None
     inset = attempt.settings["inset"]
     least, goal = LEAST_INSET * (scene.inset or smallest_inset(analysis.assembly)), INSET_SHARE * accuracy

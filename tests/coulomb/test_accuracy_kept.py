@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 import scenes
+from locking_scenes import slot
 
 from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
+from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from la_core.analysis.accuracy import ATTEMPTS, LOOSE, with_accuracy
 from la_core.analysis.stage import analyse
@@ -113,3 +115,21 @@ def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
     *others, answer = analysis.accuracy.limit_analysis
     assert all(not other.error < answer.error for other in others)
     assert analysis.at_inset.sharpest.value == answer.value
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES[1:])
+def test_two_predictions_tell_of_rounded_arrises_where_no_bound_exists(accuracy: float) -> None:
+    """The block turns about the low wall's upper edge, so that the inset changes a lever arm: lambda = 2 sqrt 2 for sharp arrises."""
+    scene = scenes.build(*slot(height=0.3), friction=0.3, inset=0.0, live=(1.0, 0.0, 1.0), model="auto")
+    analysis = analyse(with_accuracy(scene, accuracy))
+    (check,) = requested_accuracy.check_accuracy(Results(analysis))
+    assert analysis.is_without_bound and analysis.coulomb is not None and check.verdict is Verdict.AGREE
+    error = analysis.coulomb.value / (2.0 * math.sqrt(2.0)) - 1.0
+    assert 0.0 < error <= check.limit_analysis <= accuracy
+
+
+def test_a_prediction_without_bound_at_one_inset_leaves_the_part_of_rounded_arrises_unknown() -> None:
+    scene = scenes.build(*slot(height=0.3), friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
+    (check,) = requested_accuracy.check_accuracy(Results(analyse(with_accuracy(scene, 0.01))))
+    assert check.verdict is Verdict.INCONCLUSIVE and "rounded arrises unknown" in check.reason
+    assert "inset = 0" in check.next_step
