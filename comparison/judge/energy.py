@@ -16,6 +16,9 @@ from comparison.yade import Run
 from la_core.model import Assembly
 
 GRAVITY = 0
+IN_DOUBT = ", so its time integration is in doubt."
+FALLS = ": blocks fall or jump, and between two stored states their contact forces change too much for this balance."
+LOOK_FOR_FALL = "See which blocks fall (`crosscheck animate`), and hold them or leave them out."
 SHORTER_STEP = "Run YADE with a shorter time step: half of the [yade] time_step_share that the report lists."
 LEAST_TURNOVER = 0.01  # of the weight times the settlement: where less is turned over, the blocks stand, and the rest is noise
 DRIFT = 0.05  # of the turnover: forces between two stored states are taken as the mean of both
@@ -72,7 +75,7 @@ def audit(assembly: Assembly, run: Run) -> EnergyAudit:
         by_load = np.einsum("p,bi,pbi->b", 0.5 * (multipliers[1:] + multipliers[:-1]), assembly.live_load, steps)
     else:
         support = _support_work(run, settlement)
-    dissipated, stored = _dissipated(assembly, forces, steps), _stored(assembly, forces[[0, -1]], run.settings)
+    dissipated, stored = _dissipated(assembly, forces, poses), _stored(assembly, forces[[0, -1]], run.settings)
     damped = float(np.diff(np.interp(settlement[[0, -1]], *_series(run, "damped_energy")))[0]) if len(run.record.damped_energy) else 0.0
     return EnergyAudit(
         weights=float(by_weights.sum()),
@@ -93,8 +96,9 @@ def check_energy(assembly: Assembly, run: Run) -> Iterator[Check]:
         least = LEAST_TURNOVER * assembly.weight * assembly.support_speed * abs(float(run.poses.settlement[-1] - run.poses.settlement[0]))
         drift = found.drift * found.turnover / max(found.turnover, least)
         share = f"{abs(drift):.1%} of the energy turned over in YADE's run is not accounted for ({DRIFT:.0%} accepted)"
-        reason = f"{share}, so its time integration is in doubt."
-        verdict, message, step = (Verdict.AGREE, "", "") if abs(drift) <= DRIFT else (Verdict.INCONCLUSIVE, reason, SHORTER_STEP)
+        falls = found.kinetic > DRIFT * max(found.turnover, least)
+        cause, advice = (FALLS, LOOK_FOR_FALL) if falls else (IN_DOUBT, SHORTER_STEP)
+        verdict, message, step = (Verdict.AGREE, "", "") if abs(drift) <= DRIFT else (Verdict.INCONCLUSIVE, f"{share}{cause}", advice)
         yield Check("energy of the YADE run", verdict, 0.0, drift, drift, DRIFT, "of the turnover", message, step)
 
 
@@ -120,12 +124,26 @@ def _support_work(run: Run, stored: np.ndarray) -> float:
     return -float(np.trapezoid(np.interp(stations, settlement, reaction), stations))
 
 
-def _dissipated(assembly: Assembly, forces: np.ndarray, steps: np.ndarray) -> np.ndarray:
+def _dissipated(assembly: Assembly, forces: np.ndarray, poses: np.ndarray) -> np.ndarray:
     """Return the energy (2,) that contacts took out of the motion, J: across the joints, and along them."""
-    moved = np.array([assembly.relative_velocity(step) for step in steps])
+    moved = np.diff(_apart(assembly, poses), axis=0)
     normal, tangential = assembly.split(0.5 * (forces[1:] + forces[:-1]))
     closing, sliding = assembly.split(moved)
     return -np.array([np.sum(normal * closing), np.sum(tangential * sliding)])
+
+
+def _apart(assembly: Assembly, poses: np.ndarray) -> np.ndarray:
+    """Return the displacement (P, C, 3) of block b relative to block a at each contact point, m, for poses (P, B, 6).
+
+    To the second order of the rotations: the first order alone, with levers that do not turn, misses work of the size of weight times
+    height times the square of the rotation. That was 12 % of what a block 200 times as high as wide turns over.
+    """
+    displacement = np.zeros((len(poses), *assembly.points.position.shape))
+    for block, sign in zip(assembly.contact_blocks, (-1.0, 1.0), strict=True):
+        rotation = poses[:, block, 3:]
+        first = np.cross(rotation, assembly.points.position - assembly.blocks.centroid[block])
+        displacement += sign * (poses[:, block, :3] + first + 0.5 * np.cross(rotation, first))
+    return displacement
 
 
 def _stored(assembly: Assembly, ends: np.ndarray, settings: Mapping[str, float]) -> np.ndarray:
