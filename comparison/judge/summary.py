@@ -12,7 +12,8 @@ from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.verdict import Check, Conclusion, conclusion, named_blocks
+from comparison.judge.tolerances import LEAST_REACTION
+from comparison.verdict import BEARS_NOTHING, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.exchange import RUN_FIELDS
@@ -21,6 +22,7 @@ from la_core.limit import Status
 from la_core.measures import measure
 from la_core.model import Assembly, connected_to_held
 from la_core.scene import Scene, geometry_changes, tilt_angles
+from la_core.text_table import number_text
 
 
 def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
@@ -93,7 +95,20 @@ def conclusion_of(analysis: LimitAnalysis, checks: list[Check], yade: dict[str, 
     stands_sharp = analysis.sharp.bounds[analysis.main].status is Status.SOLVED
     rounded = analysis.assembly.inset if falling is not None and stands_sharp else 0.0
     cause = "" if falling is None else _missing_joints(analysis.whole, falling)
-    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded, cause)
+    has_run = yade is None or yade["status"] in ("plateau", "no plateau", "collapsed")
+    step = _where_nothing_is_borne(analysis) if has_run else ""
+    return conclusion(checks, yade, falling, scene.effort == "high", is_loaded, rounded, cause, step)
+
+
+def _where_nothing_is_borne(analysis: LimitAnalysis) -> str:
+    """Return what to do where the multiplier is 0 to within the floor of its tolerance; "" elsewhere."""
+    bound, sharp = analysis.bounds[analysis.main], analysis.sharp.bounds[analysis.main]
+    if analysis.scene.live is None or bound.status is not Status.SOLVED or abs(bound.value) > LEAST_REACTION:
+        return ""
+    if sharp.status is not Status.SOLVED or not sharp.value > LEAST_REACTION:
+        return BEARS_NOTHING
+    arrises = f"With sharp arrises the multiplier is {number_text(sharp.value, 3)}: a smaller [joint] inset loses less of it."
+    return f"{BEARS_NOTHING} {arrises}"
 
 
 def _missing_joints(assembly: Assembly, falling: tuple[str, ...]) -> str:

@@ -24,6 +24,10 @@ SMALLER_INSET = (
     "The structure stands on the edge of some joint: any worn arris makes it fall. The values for sharp arrises hold for perfect "
     "blocks alone. A smaller [joint] inset tells how much rounding it bears."
 )
+BEARS_NOTHING = (
+    "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
+    "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
+)
 DEFAULT_STEPS = {Verdict.DISAGREE: LOOK, Verdict.INCONCLUSIVE: FINER}
 
 
@@ -57,6 +61,7 @@ def conclusion(
     is_loaded: bool = False,
     rounded: float = 0.0,
     cause: str = "",
+    step: str = "",
 ) -> Conclusion:
     """Return the conclusion from every check.
 
@@ -76,12 +81,16 @@ def conclusion(
         Inset of the structure that falls, m, where it stands with sharp arrises; else 0.
     cause : str
         Sentence on why blocks fall, beside their names; "" where none is known.
+    step : str
+        Next step of an inconclusive verdict, in place of the checks' own; "" where theirs help.
     """
     verdict, reason = overall(checks)
     remarks = tuple(said_once(check.reason for check in checks if check.verdict is Verdict.AGREE))
     if falling is not None and verdict is not Verdict.DISAGREE:
-        step = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
-        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded, cause), step, remarks)
+        what = SMALLER_INSET if rounded else CHECK_LOADS if is_loaded else SUPPORT_IT
+        return Conclusion(Verdict.CANNOT_STAND, _falls(falling, yade, is_loaded, rounded, cause), what, remarks)
+    if step and verdict is Verdict.INCONCLUSIVE:
+        return Conclusion(verdict, reason, step, remarks)
     if verdict in DEFAULT_STEPS:
         steps = [check.next_step for check in checks if check.verdict is verdict and check.next_step]
         step = steps[0] if steps else DEFAULT_STEPS[verdict]

@@ -228,3 +228,15 @@ def test_blocks_that_slide_although_a_thrust_could_hold_them_need_a_thrust_or_an
         run = perfect_run(analysis)
         fallen = dataclasses.replace(run, result=dataclasses.replace(run.result, status="collapsed"))
         assert any(words in check.next_step for check in check_run(Results(analysis, fallen)))
+
+
+@pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp arrises the multiplier is 0.004"), (0.6, "own step")])
+def test_where_no_load_is_borne_the_next_step_says_so(edge: float, words: str) -> None:
+    """A block whose weight acts on the edge of what carries it, at the inset; on a longer base it bears a load."""
+    base = scenes.box("base", (-1.0, 0.0, -0.2), (edge, 0.2, 0.0), "fixed")
+    block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    analysis = analyse(scenes.build(base, block, inset=1e-3, live=(1.0, 0.0, 0.0)))
+    checks = [Check("plateau", Verdict.INCONCLUSIVE, reason="not steady", next_step="own step")]
+    found = conclusion_of(analysis, checks, {"status": "no plateau"}).next_step
+    assert words in found and ("bears none of it" in found) == (edge == 0.501)
+    assert conclusion_of(analysis, checks, {"status": "missing"}).next_step == "own step"
