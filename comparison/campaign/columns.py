@@ -39,6 +39,9 @@ AFTER_KEYS = {
     "next_step": Column("", "what to do next; empty where both methods agree"),
     "unit": Column("", "unit of the answers: N, N m for a turning support, empty for a multiplier"),
     "weight": Column("N", "weight of the free blocks", "number"),
+    "least_tolerance": Column(
+        ANSWER, "always allowed difference: 1e-4 of the weight, of a moment times the size of a mean block; 1e-4 for multipliers", "number"
+    ),
     "free_blocks": Column("", "free blocks of the scene", "count"),
     "associated_status": Column("", "how associated limit analysis ended"),
     "least": Column(ANSWER, "least reaction, or the multiplier, of associated limit analysis at the methods' shared inset", "number"),
@@ -116,6 +119,7 @@ def answers_of(summary: Mapping[str, Any], labels: Mapping[str, str | None]) -> 
         "next_step": summary.get("next_step") or "",
         "unit": summary["unit"],
         "weight": summary["weight"],
+        "least_tolerance": summary.get("least_tolerance"),
         "free_blocks": summary["free_blocks"],
         "associated_status": main["status"],
         "least": associated.get(name),

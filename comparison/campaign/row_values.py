@@ -85,17 +85,27 @@ def difference(row: Row) -> float | None:
     return reaction - predicted if exists(predicted) and exists(reaction) else None
 
 
+def least_tolerance(row: Row) -> float:
+    """Return the difference that is always allowed, N or N m, of a multiplier without unit.
+
+    Tables of earlier versions do not have it: 1e-4 of the weight then stands for it, without the lever arm of a moment.
+    """
+    known = row.get("least_tolerance")
+    if exists(known):
+        return float(known)
+    return LEAST_REACTION * (float(row.get("weight") or 0.0) if row.get("unit") else 1.0)  # a multiplier is over the weight already
+
+
 def deviation(row: Row) -> float | None:
     """Return |YADE - prediction| over its tolerance; None where undefined.
 
-    Tolerance: 0.5 % of YADE's reaction, at least 1e-4 of the weight, plus the uncertainties that both state.
+    Tolerance: 0.5 % of YADE's reaction, at least `least_tolerance`, plus the uncertainties that both state.
     """
     apart, weight = difference(row), row.get("weight")
     if apart is None or not exists(weight):
         return None
     stated = [row.get("yade_uncertainty"), row.get("coulomb_uncertainty") if prediction(row) == "coulomb" else None]
-    least = LEAST_REACTION * (weight if row.get("unit") else 1.0)  # a multiplier is over the weight already
-    allowed = max(FLOOR * abs(row["yade"]), least) + sum(value for value in stated if exists(value))
+    allowed = max(FLOOR * abs(row["yade"]), least_tolerance(row)) + sum(value for value in stated if exists(value))
     return abs(apart) / allowed if allowed > 0.0 else None
 
 

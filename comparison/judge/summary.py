@@ -12,7 +12,7 @@ from comparison.judge.effects_table import effects_summary
 from comparison.judge.energy import energy_summary
 from comparison.judge.first_prediction import first_prediction_summary
 from comparison.judge.requested_accuracy import accuracy_summary
-from comparison.judge.tolerances import LEAST_REACTION
+from comparison.judge.tolerances import LEAST_REACTION, least_reaction
 from comparison.verdict import BEARS_NOTHING, Check, Conclusion, conclusion, named_blocks
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values, path_values
@@ -36,6 +36,7 @@ def limit_analysis_summary(analysis: LimitAnalysis) -> dict[str, Any]:
         "warnings": list(scene.warnings),
         "weight": scene.weight,
         "unit": scene.unit,
+        "least_tolerance": least_reaction(analysis),
         "free_blocks": int(scene.blocks.free.sum()),
         "interfaces": len(whole.interfaces),
         "contact_points": len(whole.points),

@@ -9,17 +9,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scenes
 from made_up_campaigns import INSET, MU, campaign, changed
 
 from comparison.campaign import mechanism_labels
-from comparison.campaign.columns import METHODS
+from comparison.campaign.columns import METHODS, answers_of
 from comparison.campaign.mechanism_changes import letters, mechanism_changes_along
 from comparison.campaign.report import rows as report_rows
 from comparison.campaign.report.compare import compare_tables
 from comparison.campaign.report.report import stored_campaign_report
 from comparison.campaign.row_groups import lines, sweeps_of
 from comparison.campaign.row_values import bounds, deviation, interval, over_weight, title_of_values, value_cells, worst_first
+from comparison.judge.summary import comparison_summary
+from comparison.judge.tolerances import least_reaction
 from comparison.verdict import verdict_title
+from comparison.yade import Results
+from la_core.analysis.stage import analyse
 
 pytestmark = pytest.mark.slow
 
@@ -57,6 +62,21 @@ def test_a_small_reaction_deviates_by_a_share_of_the_weight_and_a_multiplier_by_
         multiplier = row | {"unit": "", "yade": sign * 0.4, "coulomb": sign * 0.396}
         assert deviation(multiplier) == pytest.approx(2.0)
         assert deviation(multiplier | {"yade": sign * 1e-3, "coulomb": sign * 0.9e-3}) == pytest.approx(1.0)
+
+
+def test_a_small_moment_deviates_as_the_judge_measures_it(tmp_path: Path) -> None:
+    """Of a block on a pad that turns: the floor is 1e-4 of the weight times the size of the block."""
+    pads = (
+        scenes.box("fixed pad", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("pad", (0.5, 0.0, -0.1), (1.0, 0.2, 0.0), "support"),
+    )
+    block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5))
+    analysis = analyse(scenes.build(*pads, block, inset=1e-3, settlement={"axis": (0.0, 1.0, 0.0), "point": (0.5, 0.0, 0.0)}))
+    floor = least_reaction(analysis)
+    assert analysis.scene.unit == "N m" and floor == pytest.approx(1e-4 * analysis.scene.weight * analysis.assembly.length)
+    summary = comparison_summary(Results(analysis), None, [], [])
+    row = campaign(tmp_path).rows[0] | answers_of(summary, {}) | {"yade_uncertainty": 0.0, "coulomb_uncertainty": 0.0}
+    assert deviation(row | {"yade": floor, "coulomb": 0.0}) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("weight", [None, 0.0])

@@ -17,6 +17,7 @@ from comparison.campaign.row_values import (
     deviation,
     difference,
     failed,
+    least_tolerance,
     link,
     over_weight,
     own_folder,
@@ -25,7 +26,6 @@ from comparison.campaign.row_values import (
     worst_first,
 )
 from comparison.campaign.table import CampaignTable
-from comparison.judge import LEAST_REACTION
 from comparison.numbers import DASH, exists, format_number, interval_words, share_of, small_number, with_uncertainty
 from comparison.verdict import VERDICTS, Verdict
 
@@ -53,7 +53,7 @@ def compared(table: CampaignTable) -> list[Words]:
 
 def _compared(table: CampaignTable, row: Row, varying: Varying) -> Words:
     predicted, apart = prediction(row), difference(row)
-    comparable = abs(over_weight(row, predicted) or 0.0) > LEAST_REACTION  # a share of nothing is no number
+    comparable = abs(row.get(predicted) or 0.0) > least_tolerance(row)  # a share of nothing is no number
     sign, word = verdict_symbol(row)
     stated, plateaus = over_weight(row, "coulomb_uncertainty"), row.get("coulomb_plateaus")
     return _named(table, row, varying) | {
