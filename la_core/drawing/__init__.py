@@ -1,11 +1,12 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline
+from la_core.drawing.outlines import CLIPPED, HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 from la_core.drawing.remarks import open_words, remarks
 
 __all__ = [
+    "CLIPPED",
     "DRAWING_FORMATS",
     "HIDDEN",
     "UNITS",

@@ -16,7 +16,7 @@ import shapely
 from la_core.drawing.outlines import HIDDEN, Drawn
 from la_core.drawing.svg_coordinates import Viewport, nested, page_of, transformation
 from la_core.drawing.svg_shapes import FILLED, SHAPES, shape_lines
-from la_core.drawing.svg_styles import StyleSheet, sheet_of
+from la_core.drawing.svg_styles import UNREAD, StyleSheet, sheet_of
 
 SILENT = {"defs", "metadata", "namedview", "title", "desc", "style", "clipPath", "mask", "symbol", "marker", "pattern", "linearGradient"}
 CONTAINERS = {"svg", "g", "a", "switch", "use"}
@@ -27,6 +27,7 @@ XLINK = "{http://www.w3.org/1999/xlink}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 UNPAINTED = {"none", "transparent"}
 AT_ZERO = {"0", "0px"}  # words of a `transform-origin` that moves nothing
+REFERENCE = "refX or refY of symbols"  # kind of copies that such a point would move
 UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not read
 SAME_POINT = 1e-9  # of the size of a line
 
@@ -151,7 +152,9 @@ class _Reader:
         x, y = (here.viewport.length(use.get(name, "0"), f"a <use> with {name}", name) for name in "xy")
         matrix = here.matrix @ np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]])
         if _tag(original) in WITH_VIEW:  # a copied symbol is a nested drawing, of the size that the copy gives
-            size = {name: use.attrib[name] for name in ("width", "height") if name in use.attrib}
+            size = {name: side for name in ("width", "height") if (side := use.get(name, "auto").strip().lower()) != "auto"}
+            if here.displayed and _tag(original) == "symbol" and {"refX", "refY"} & set(original.keys()):
+                self.drawn.ignore(REFERENCE)
             nested_drawing = ElementTree.Element("svg", original.attrib | size)
             nested_drawing.extend(original)
             original = nested_drawing
@@ -162,6 +165,8 @@ class _Reader:
         given = self.sheet.properties(element, kind)
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
         displayed, matrix = around.displayed and given.get("display") != "none", around.matrix
+        for told in {word for name, word in UNREAD.items() if displayed and given.get(name, "none") != "none"}:
+            self.drawn.ignore(told)
         if displayed and "transform" in given:
             if not set(origin) <= AT_ZERO:
                 shown = " ".join(origin)[:40]

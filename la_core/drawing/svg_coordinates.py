@@ -105,7 +105,8 @@ def nested(element: ElementTree.Element, around: Viewport) -> tuple[np.ndarray, 
     """Matrix (3, 3) from the coordinates within a nested <svg> to those around it, and its viewport."""
 
     def length(name: str, along: str, otherwise: str) -> float:
-        return around.length(element.get(name, otherwise), f"a nested <svg> with {name}", along)
+        said = element.get(name, otherwise)
+        return around.length(otherwise if said.strip().lower() == "auto" else said, f"a nested <svg> with {name}", along)
 
     place = np.array([length("x", "x", "0"), length("y", "y", "0")])
     box = _view_box(element)

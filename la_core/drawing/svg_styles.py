@@ -5,7 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-PROPERTIES = ("display", "visibility", "fill", "stroke", "transform", "transform-origin")
+from la_core.drawing.outlines import CLIPPED
+
+READ = ("display", "visibility", "fill", "stroke", "transform", "transform-origin")
+# Properties that change what is seen and are not read, and the kind by which they are counted.
+UNREAD = {"clip-path": CLIPPED, "mask": "masks"} | dict.fromkeys(("marker", "marker-start", "marker-mid", "marker-end"), "markers")
+PROPERTIES = (*READ, *UNREAD)
 PART = re.compile(r"\*|[.#]?[\w-]+")  # of a selector: any element, a kind of element, .class or #id
 BRACES = re.compile(r"[{}]|[^{}]+")
 IMPORTANT = re.compile(r"\s*!\s*important\s*$")

@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import shapely
 
-from la_core.drawing import DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
+from la_core.drawing import CLIPPED, DRAWING_FORMATS, HIDDEN, UNITS, Cleaned, Drawn, Outline, cleaned, read_outlines, remarks
 from la_core.errors import SceneError
 from la_core.scene.generators.drawings import INSTALL_DRAWING, nothing_found
 from la_core.scene.generators.mesh import mesh_blocks, read_files
@@ -143,6 +143,8 @@ def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     rows = [f"# CHECK: {words}" for words in told]
     if hidden := drawn.ignored.get(HIDDEN, 0):
         rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
+    if clipped := drawn.ignored.get(CLIPPED, 0):
+        rows.append(f"# CHECK: clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
     return rows
 
 

@@ -36,6 +36,15 @@ def test_a_structure_without_ground_gets_a_base(tmp_path: Path) -> None:
     assert len(find_interfaces(scene.blocks)) == 2
 
 
+def test_a_new_scene_tells_of_what_a_clip_path_would_cut_off(tmp_path: Path) -> None:
+    page = '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm" viewBox="0 0 2000 2000">'
+    stone = '<polygon clip-path="url(#left)" points="0,0 1000,0 1000,-500 0,-500"/>'
+    (tmp_path / "stones.svg").write_text(
+        f'{page}<clipPath id="left"><rect width="500" height="500"/></clipPath><g id="A">{stone}</g></svg>'
+    )
+    assert "# CHECK: clip paths are not read (1)" in scene_from_file(tmp_path / "stones.svg", tmp_path)
+
+
 def test_a_drawing_in_the_grid_of_a_country_is_shifted_to_the_origin(tmp_path: Path) -> None:
     """Millimetres from an origin 6,000 km away leave too few digits for joints."""
     far = [[(x + 3_512_345_678, z + 5_401_234_567) for x, z in outline] for outline in (BASE, SQUARE, ABOVE)]

@@ -311,6 +311,30 @@ def test_what_is_not_hidden_is_read(name: str) -> None:
     assert drawn.ignored == {}
 
 
+HALF = "<clipPath id='half'><rect width='500' height='100'/></clipPath>"
+SEEN_OTHERWISE = {  # what is read whole, and how it is counted
+    "attribute": (f"{HALF}<g clip-path='url(#half)'>{ONE}</g>", "clip paths"),
+    "style": (f"{HALF}<g style='clip-path:url(#half)'>{ONE}</g>", "clip paths"),
+    "sheet": (f"{HALF}<style>.cut{{clip-path:url(#half)}}</style><g class='cut'>{ONE}</g>", "clip paths"),
+    "mask": (f"<mask id='half'/><g mask='url(#half)'>{ONE}</g>", "masks"),
+    "markers": (f"<g style='marker-start:url(#a);marker-end:url(#a)'>{ONE}</g>", "markers"),
+}
+
+
+@pytest.mark.parametrize("name", SEEN_OTHERWISE)
+def test_what_cuts_or_adds_something_is_counted_and_the_rest_read_whole(name: str) -> None:
+    body, kind = SEEN_OTHERWISE[name]
+    drawn = read(body)
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF)
+    assert drawn.ignored == {kind: 1}
+
+
+@pytest.mark.parametrize("body", [f"<g clip-path='none' style='mask:none;marker:none'>{ONE}</g>", f"{HALF}{ONE}"])
+def test_what_cuts_nothing_is_not_counted(body: str) -> None:
+    drawn = read(body)
+    assert area(drawn) == pytest.approx(0.1, rel=ROUND_OFF) and drawn.ignored == {}
+
+
 def test_a_rule_that_depends_on_other_elements_is_counted() -> None:
     """Such a rule may hide something, which is then read."""
     drawn = read(f"<style>g .a{{display:none}} g > .b{{fill:red}} g .c{{font-size:3px}}</style><g><g class='a'>{ONE}</g></g>")

@@ -46,6 +46,14 @@ SAME = {
         '<symbol id="s" viewBox="0 0 2 1" width="600" height="300"><rect width="2" height="1"/></symbol><use href="#s"/>',
         '<rect width="600" height="300"/>',
     ),
+    "symbol of its own size, whatever an auto says": (
+        '<symbol id="s" viewBox="0 0 2 1" width="600" height="300"><rect width="2" height="1"/></symbol><use href="#s" width="auto"/>',
+        '<rect width="600" height="300"/>',
+    ),
+    "symbol of the page's size": (
+        '<symbol id="s" viewBox="0 0 2000 1500"><rect width="500" height="250"/></symbol><use href="#s" width="auto" height="Auto"/>',
+        '<rect width="500" height="250"/>',
+    ),
     "fill": (f'{STONE}<use href="#stone" fill="red"/>', '<rect width="500" height="250" fill="red"/>'),
     "fill of the original": (
         '<defs><rect id="stone" width="500" height="250" fill="blue"/></defs><use href="#stone" fill="red"/>',
@@ -83,6 +91,12 @@ def test_a_copy_of_what_is_not_there_is_counted(link: str) -> None:
     drawn = read(f'{STONE}<use href="{link}"/>')
     assert not drawn.outlines
     assert drawn.ignored == {"use": 1}
+
+
+def test_a_point_that_would_move_a_symbol_is_counted() -> None:
+    drawn = read('<symbol id="s" refX="250"><rect width="500" height="250"/></symbol><use href="#s"/><use href="#s" display="none"/>')
+    assert drawn.outlines[0].points[:, 0].min() == pytest.approx(0.0)
+    assert drawn.ignored == {"refX or refY of symbols": 1, "hidden entities": 1}
 
 
 def test_a_copy_within_its_original_is_refused() -> None:
