@@ -141,6 +141,7 @@ def test_friction_that_the_scene_left_out_still_slides_in_yade() -> None:
     assert "friction's history" in accuracy_settings.attempt_of(Results(analysis, run_of(analysis))).parts
     (check,) = requested_accuracy.check_accuracy(Results(analysis))
     assert check.verdict is Verdict.INCONCLUSIVE  # a bound of what slides is no prediction
+    assert check.next_step.startswith("Request no accuracy: a part of the error is unknown.")
 
 
 def test_a_run_at_another_inset_is_another_run() -> None:
