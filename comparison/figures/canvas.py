@@ -227,12 +227,16 @@ class Canvas:
         self.axes.text(*self.flat(position), words, path_effects=HALO, parse_math=False, **style)
 
     def names(self) -> None:
-        """Write each block's name at its centroid, as large as the block allows."""
-        extent = (self.blocks.high - self.blocks.low) * self.scale
-        for name, centre, (width, _, height) in zip(self.blocks.names, self.blocks.centroid, extent, strict=True):
+        """Write each block's name at its centroid, as large as the block allows there."""
+        room, _, height = ((self.blocks.high - self.blocks.low) * self.scale).T
+        if self.plane:
+            room = self.scale * self.outer.room_beside(
+                self.flat(self.blocks.centroid), self.flat(self.blocks.vertices[self.blocks.face_vertex])
+            )
+        for name, centre, across, up in zip(self.blocks.names, self.blocks.centroid, room, height, strict=True):
             whole = name if len(name) <= 24 else name[:23] + "…"
             split = "\n".join(whole.split()) if whole.count(" ") <= 2 else whole
-            sizes = {words: _font(words, width, height) for words in (whole, split)}
+            sizes = {words: _font(words, across, up) for words in (whole, split)}
             largest = max(sizes, key=lambda words: sizes[words])
             self.text(centre, largest, sizes[largest])
 

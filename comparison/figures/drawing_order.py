@@ -88,7 +88,7 @@ class OuterFaces:
     def __init__(self, blocks: Blocks, toward: np.ndarray) -> None:
         """Find the faces of the blocks' convex parts that lie in one plane; `toward` is a unit vector (3,) to the viewer."""
         self.order = np.zeros(len(blocks.face_block), dtype=int)
-        self._blocks = blocks
+        self._blocks, self._toward = blocks, toward
         self._is_drawn = np.ones(len(blocks.face_block), dtype=bool)  # alone, or for all faces that it is joined with
         self._joined: dict[int, tuple[np.ndarray, np.ndarray]] = {}  # by the face that is drawn: those joined with it, those facing it
         self._grid = GRID * float((blocks.high.max(axis=0) - blocks.low.min(axis=0)).max())
@@ -139,6 +139,21 @@ class OuterFaces:
             elif self._is_drawn[face]:
                 yield int(face), self._loop(face, flat)
 
+    def room_beside(self, points: np.ndarray, flat: np.ndarray) -> np.ndarray:
+        """Return the width (B,) that is centred at a point (B, 2) of each block and ends at its nearer side, m.
+
+        A voussoir that leans has less room than its extent. flat: corners (L, 2) of all faces in the view.
+        """
+        blocks = self._blocks
+        room = np.full(len(blocks), np.inf)
+        for face, polygon in self.polygons(np.flatnonzero(blocks.face_normal @ self._toward > IN_PLANE), flat):
+            start = polygon - points[blocks.face_block[face]]
+            step = np.roll(start, -1, axis=0) - start
+            crosses = (start[:, 1] > 0.0) != (start[:, 1] + step[:, 1] > 0.0)
+            sides = start[crosses, 0] - start[crosses, 1] * step[crosses, 0] / step[crosses, 1]
+            room[blocks.face_block[face]] = 2.0 * np.abs(sides).min(initial=np.inf)
+        return room
+
     def edges(self) -> np.ndarray:
         """Return the outer edges (E, 2) of all blocks as pairs of vertices, each once."""
         blocks = self._blocks
@@ -161,8 +176,12 @@ class OuterFaces:
         """Return what is seen of the faces `alike`, without what the faces `facing` them cover."""
         if len(alike) == 1 and not len(facing):
             return [self._loop(alike[0], flat)]
+        corners = np.concatenate([self._loop(face, flat) for face in (*alike, *facing)])
         whole, inside = (
-            shapely.union_all([shapely.Polygon(self._loop(face, flat)) for face in some], grid_size=self._grid) for some in (alike, facing)
+            shapely.union_all(
+                [shapely.Polygon(_with_corners(self._loop(face, flat), corners, self._grid)) for face in some], grid_size=self._grid
+            )
+            for some in (alike, facing)
         )
         pieces = shapely.get_parts(shapely.difference(whole, inside, grid_size=self._grid))
         pieces = [piece for piece in pieces if isinstance(piece, shapely.Polygon) and self._is_wide(piece)]
@@ -173,6 +192,21 @@ class OuterFaces:
     def _is_wide(self, piece: shapely.Polygon) -> bool:
         """Return whether a polygon is more than what the grid leaves between two edges in one line."""
         return bool(piece.area > SLIVER * self._grid * piece.length)
+
+
+def _with_corners(loop: np.ndarray, corners: np.ndarray, near: float) -> np.ndarray:
+    """Return a polygon (n, 2) with those of the `corners` (C, 2) that lie on its edges, within `near`.
+
+    Without them the grid may move a corner of one face off the edge of another one, and a slit would part the two.
+    """
+    edges = []
+    for start, end in zip(loop, np.roll(loop, -1, axis=0), strict=True):
+        length = np.hypot(*(end - start))
+        unit = (end - start) / length if length > near else np.zeros(2)
+        along = (corners - start) @ unit
+        is_on = (along > near) & (along < length - near) & (np.abs((corners - start) @ (-unit[1], unit[0])) < near)
+        edges += [start[None], corners[is_on][np.argsort(along[is_on])]]
+    return np.concatenate(edges)
 
 
 def unit_normals(corners: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from figure_scenes import DOWN, SCENES, scene_of
 from matplotlib.collections import LineCollection
 from scenes import load, shipped
@@ -77,3 +78,34 @@ def test_a_support_that_walls_hide_is_drawn_by_dashed_edges() -> None:
         ]
         dashed = [line for line in lines if line.get_linestyle()[0][1] is not None]
         assert sum(len(line.get_segments()) for line in dashed) == dashed_faces
+
+
+@pytest.mark.parametrize("chords", [19, 22])
+def test_a_stone_beside_a_round_opening_shows_no_edges_of_its_parts(chords: int, tmp_path: Path) -> None:
+    """Corners of its convex parts lie on the edges of others; round-off must not open slits there."""
+    angles = np.linspace(np.pi, np.pi / 2.0, chords + 1)
+    arc = np.stack([2.0 + np.cos(angles), 2.5 + np.sin(angles)], axis=1).tolist()
+    stone = f'[[block]]\nname = "stone"\nprism = {{ profile = {[[0.0, 4.0], [0.0, 2.5], *arc, [2.0, 4.0]]}, y = [0.0, 0.4] }}\n'
+    ground = '[[block]]\nname = "ground"\nrole = "fixed"\nbox = { from = [0.0, 0.0, 2.0], to = [0.9, 0.4, 2.5] }\n'
+    assembly = assemble(scene_of(tmp_path, ground + stone + "[live]\ndirection = [1.0, 0.0, 0.0]\n"))
+    canvas = drawing.canvases(structure.Figure(), assembly, 1)[0]
+    canvas.solids(assembly.blocks.vertices, *structure.looks(assembly))
+    assert sum(len(drawn.get_paths()) for drawn in canvas.axes.collections) == len(assembly.blocks)
+
+
+def test_a_name_has_the_room_that_its_leaning_block_leaves_beside_the_centroid(tmp_path: Path) -> None:
+    leaning = "[[0.0, 0.0], [1.0, 0.0], [3.0, 2.0], [2.0, 2.0]]"  # 3 m from end to end, and 1 m wide at every height
+    blocks = f"""
+[[block]]
+name = "ground"
+role = "fixed"
+box = {{ from = [0.0, 0.0, -0.5], to = [3.0, 0.4, 0.0] }}
+[[block]]
+name = "leaning"
+prism = {{ profile = {leaning}, y = [0.0, 0.4] }}
+[live]
+direction = [1.0, 0.0, 0.0]
+"""
+    canvas = drawing.canvases(structure.Figure(), assemble(scene_of(tmp_path, blocks)), 1)[0]
+    of = canvas.blocks
+    assert canvas.outer.room_beside(canvas.flat(of.centroid), canvas.flat(of.vertices[of.face_vertex])) == pytest.approx([3.0, 1.0])
