@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import rubble_walls as rubble
+import scenes
 from scipy.spatial import ConvexHull
 
 from la_core import exchange
@@ -30,3 +31,18 @@ def test_spheres_keep_clear_of_the_other_faces_of_their_block(tmp_path: Path) ->
     assert min(gaps) >= 0.5 - 1e-6
     sharp = one.own_inset < 0.999 * one.inset
     assert 0 < sharp.sum() < 0.2 * len(sharp) and one.own_inset.min() > 0.5 * one.inset  # few joints end in a sharp corner
+
+
+def test_faces_between_the_parts_of_a_stone_do_not_shrink_its_spheres(tmp_path: Path) -> None:
+    """Parts of a stone that lies around a curve meet in the planes of its chords, in which its contact points lie."""
+    angles = np.linspace(np.pi, np.pi / 2.0, 7)
+    arc = [[float(x), float(z)] for x, z in np.stack([1.0 + np.cos(angles), np.sin(angles)], axis=1)]
+    around = scenes.block("around", prism=([[-0.5, 0.0], *arc, [1.0, 1.5], [-0.5, 1.5]], [0.0, 0.4]))
+    within = scenes.block("within", prism=([*arc, [1.0, 0.0]], [0.0, 0.4]))
+    scene = scenes.build(*scenes.base(0.2, 1.0, 0.4), around, within, inset=0.001)
+    analysis = analyse(scene)
+    write_case(tmp_path / "case.h5", analysis, "test")
+    fields = (*exchange.CASE_FIELDS, *exchange.PART_FIELDS)
+    one = case.from_fields(exchange.read(tmp_path / "case.h5", fields))
+    assert len(one.parts[analysis.assembly.blocks.names.index("around")]) > 2
+    assert one.own_inset.min() > 0.5 * one.inset

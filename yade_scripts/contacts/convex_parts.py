@@ -1,4 +1,4 @@
-"""Convex parts of blocks, and the planes of their faces."""
+"""Convex parts of blocks, the planes of their faces, and which of these faces lie within a block."""
 
 import itertools
 from collections.abc import Mapping
@@ -8,6 +8,7 @@ import numpy as np
 
 Faces = tuple[np.ndarray, np.ndarray, np.ndarray]  # owning block (F,), outward unit normal (F, 3), offset (F,), m
 
+_BEYOND = 1e-6  # of the block's size: how far beyond a face a point is looked at
 _BOX_TOLERANCE = 1e-9  # of the block's size: vertices of an axis-aligned box agree to rounding
 
 
@@ -53,3 +54,37 @@ def faces_of_parts(data: Mapping[str, Any], index: np.ndarray, faces: Faces) -> 
         return tuple((planes[order[low:high]],) for low, high in zip(first, last, strict=True))
     start, of_part = data["parts/face_start"], data["parts/block"]
     return tuple(tuple(planes[start[part] : start[part + 1]] for part in np.flatnonzero(of_part == block)) for block in index)
+
+
+def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:
+    """Return whether each face (F,) lies within its block: everywhere beyond it there is another part of the block.
+
+    Parts of a block that is not convex are prisms: the faces where they meet have four corners.
+    """
+    owner, normal, offset = faces
+    within = np.zeros(len(owner), dtype=bool)
+    if "parts/block" not in data:
+        return within
+    points, corner, first, start = (data[f"blocks/{name}"] for name in ("vertices", "face_vertex", "face_start", "vertex_start"))
+    part = np.searchsorted(data["parts/face_start"], np.arange(len(owner)), side="right") - 1
+    for face in np.flatnonzero(np.diff(first) == 4).tolist():
+        of_block = np.flatnonzero((owner == owner[face]) & (part != part[face]))
+        vertices = points[start[owner[face]] : start[owner[face] + 1]]
+        beyond = _BEYOND * np.ptp(vertices, axis=0).max()
+        meets = (normal[of_block] @ normal[face] < -1.0 + _BEYOND) & (np.abs(offset[of_block] + offset[face]) < beyond)
+        if meets.any():
+            places = _between(points[corner[first[face] : first[face + 1]]], vertices) + beyond * normal[face]
+            outside = places @ normal[of_block].T - offset[of_block] > beyond
+            parts = [outside[:, part[of_block] == one].any(axis=1) for one in np.unique(part[of_block])]
+            within[face] = not np.all(parts, axis=0).any()
+    return within
+
+
+def _between(loop: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """Return points (n, 3) of a face with four corners (4, 3), one between each two vertices (V, 3) that follow one another along it."""
+    middles = []
+    for side in (loop[1] - loop[0], loop[3] - loop[0]):
+        share = np.unique(np.clip([0.0, 1.0, *((vertices - loop[0]) @ side / (side @ side))], 0.0, 1.0))
+        share = share[np.diff(share, prepend=-1.0) > _BEYOND]
+        middles.append(0.5 * (share[1:] + share[:-1])[:, None] * side)
+    return (loop[0] + middles[0][:, None] + middles[1]).reshape(-1, 3)

@@ -6,15 +6,21 @@ from typing import Any
 import numpy as np
 
 from la_core.exchange import RADIUS_OVER_INSET
-from yade_scripts.contacts.convex_parts import Faces
+from yade_scripts.contacts.convex_parts import Faces, are_within
 
 CLEAR = 0.5  # of its radius: least gap between a sphere and the other faces of its block, which moving blocks must not close
 _ALONG, _ACROSS = 1.0 - 1e-6, 0.5  # cosine between normals: of one face; of a face across y, which a plane motion never reaches
+_IN_PLANE = 1e-9  # of the distance to the farthest face: a point this close to a plane lies in it
 _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 
 
 def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[np.ndarray, np.ndarray]:
-    """Return host (C,) and inset (C,), m, of each contact point's sphere; hosts, `boxes` and `faces` have block numbers of the file."""
+    """Return host (C,) and inset (C,), m, of each contact point's sphere; hosts, `boxes` and `faces` have block numbers of the file.
+
+    Faces where the parts of one block meet do not count: a sphere that looks out of them stays within the block.
+    """
+    within = are_within(data, faces)
+    faces = faces[0][~within], faces[1][~within], faces[2][~within]
     interface, position, plane = data["contacts/interface"], data["contacts/position"], bool(data["scene/plane"])
     block_a, block_b, normal = (data[f"interfaces/{name}"][interface] for name in ("block_a", "block_b", "normal"))
     on_a = depth_in_faces(position, normal, block_a, faces, plane)
@@ -78,7 +84,8 @@ def largest_radius(position: np.ndarray, normal: np.ndarray, block: np.ndarray, 
     """
     radius = np.empty(len(position))
     for rows, distance, along in _other_faces(position, normal, block, faces, plane):
-        behind = np.where(distance > 0.0, distance, np.inf)  # a point lies outside the planes of a compound block's inner corners
+        level = _IN_PLANE * np.where(np.isfinite(distance), np.abs(distance), 0.0).max(axis=1, keepdims=True)
+        behind = np.where(distance > level, distance, np.inf)  # a point lies outside the planes of a compound block's inner corners
         radius[rows] = (behind / (1.0 + CLEAR - along)).min(axis=1)
     return radius
 
