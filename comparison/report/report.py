@@ -66,6 +66,10 @@ def write_report(
     """
     units = Units(max((weight for comparison in comparisons if exists(weight := comparison.get("weight"))), default=None))
     scenes = [view_of_scene(folder, number, comparison, units) for number, comparison in enumerate(comparisons, 1)]
+    titles = [scene["title"] for scene in scenes]
+    for scene in scenes:
+        if titles.count(scene["title"]) > 1:  # such as a scene and its second attempt
+            scene["title"] += f" ({scene['name']})"
     page = {
         "head": report_head(folder, comparisons, head or {}),
         "force_unit": units.of("N")[1],

@@ -55,6 +55,13 @@ def test_every_input_of_the_facade_is_in_its_report_with_units_and_the_scene_fil
         assert words in inputs, words
 
 
+def test_scenes_of_one_title_are_told_apart_by_their_names(tmp_path: Path) -> None:
+    alike = {"title": "A wall", "verdict": None}
+    scenes = [alike | {"scene": "wall"}, alike | {"scene": "wall_harder"}, {"scene": "arch", "title": "An arch", "verdict": None}]
+    page = report.write_report(tmp_path, scenes, {}).read_text(encoding="utf-8")
+    assert re.findall(r"<h2 id=.scene-.*?>(.*?)</h2>", page) == ["A wall (wall)", "A wall (wall_harder)", "An arch"]
+
+
 def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() -> None:
     results = Results(analyse(load_scene(find("two_blocks"))))
     summary = limit_analysis_summary(results.analysis) | {"structure": structure_facts(results), "yade": None}
