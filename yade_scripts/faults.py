@@ -13,9 +13,13 @@ from yade_scripts.recorder import GRAVITY, Record, Row, Status
 from yade_scripts.settings import Settings, rattling_of
 
 
-def settlement_words(case: Case, settlement: float) -> str:
-    """Return a settlement with its unit, for reasons why a run ended. settlement: m, or rad for a support that turns."""
-    return f"a settlement of {settlement:.3g} {'rad' if case.is_rotation else 'm'}"
+def settlement_words(case: Case, settlement: float, start: float | None = None) -> str:
+    """Return a settlement with its unit, for reasons why a run ended; under a live load the blocks are displaced, and nothing settles.
+
+    settlement: m, or rad for a support that turns; start: where a range up to it begins.
+    """
+    motion, since = "settlement" if case.live is None else "displacement", "" if start is None else f"{start:.3g} to "
+    return f"a {motion} of {since}{settlement:.3g} {'rad' if case.is_rotation else 'm'}"
 
 
 def loss_of(case: Case, settings: Settings, row: Row, began: float) -> tuple[Status, str] | None:

@@ -61,12 +61,12 @@ class PlateauSearch:
         fit, best, ending = self._fit(), self._best, ""
         if best is not None and best.is_left(fit, EARLY * self._scale(fit)):
             fit, asked = best.fit, best.asked
-            ending = f"; the reaction leaves it before {self.record.settlement():.3g}"
+            ending = f"; the reaction leaves it before {settlement_words(self.case, self.record.settlement())}"
             self.record.cut(best.mark)
         self.plateau, reached = fit, self.record.settlement()
         if self._is_plateau(fit, self.settings.plateau_uncertainty):
             self.plateau = replace(fit, creeps=False)
-            return Status.PLATEAU, f"steady from a settlement of {fit.start:.3g} to {reached:.3g}{ending}", asked
+            return Status.PLATEAU, f"steady from {settlement_words(self.case, reached, fit.start)}{ending}", asked
         why = plateau.shortcoming(fit, self._scale(fit), self.settings.plateau_uncertainty)
         return Status.NO_PLATEAU, f"the whole travel is covered at {settlement_words(self.case, reached)} and {why}", asked
 

@@ -128,8 +128,9 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
 
 
 def end_words(run: Run, weight: float) -> str:
-    """Return how and why a run ended, in the units of a report of a structure of this weight, N."""
-    return Units(weight).words(f"{run.status}: {run.result['message']}")
+    """Return how and why the last attempt of a run ended, in the units of a report of a structure of this weight, N."""
+    last, *_ = str(run.result["message"]).split("; before, ")
+    return Units(weight).words(f"{run.status}: {last}")
 
 
 def _of_limit_analysis(analysis: LimitAnalysis, label: str, twists: np.ndarray, forces: np.ndarray, end: float) -> Motion:

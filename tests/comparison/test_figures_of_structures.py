@@ -15,7 +15,7 @@ from scenes import box, build, shipped
 from comparison.figures import canvas as drawing
 from comparison.figures import reaction_figure, report_figures, save, scene_figures, structure
 from comparison.figures.forces import forces_figure
-from comparison.figures.motion import drawn_motion, motions, shown_joints
+from comparison.figures.motion import drawn_motion, end_words, motions, shown_joints
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
@@ -34,6 +34,15 @@ def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
     left, below, wide, high = (share * size for share, size in zip(frame, (width, height) * 2, strict=True))
     inside = pixels[int(height - below - high) + FRAME : int(height - below) - FRAME, int(left) + FRAME : int(left + wide) - FRAME]
     return len(np.unique(inside.reshape(-1, inside.shape[-1]), axis=0)) > 1
+
+
+def test_a_figure_says_how_the_last_attempt_ended_and_leaves_those_before_to_the_report(tmp_path: Path) -> None:
+    message = (
+        "the time limit was reached at a settlement of 4e-05 m; before, at 2 times the speed: blocks rattle at a settlement of 1e-05 m"
+    )
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    run = synthetic_run(analysis, status="timeout", message=message)
+    assert end_words(run, 2000.0) == "timeout: the time limit was reached at a settlement of 0.04 mm"
 
 
 @pytest.mark.parametrize("kind", SCENES)

@@ -1,6 +1,7 @@
 """When a run in YADE may end, what it ends with, and what ends it before: records that are made up, without YADE."""
 
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -115,7 +116,7 @@ def test_the_best_plateau_is_kept_where_the_reaction_leaves_it(fits: list[platea
     assert one.look(4.0)
     status, message, asked = one.ended(4.0)
     assert status is STATUS.PLATEAU and one.plateau.reaction == 100.0 and asked == 2.0 and record.cuts == [(3, 2)]
-    assert "the reaction leaves it" in message
+    assert re.fullmatch(r"steady from a settlement of \S+ to \S+ m; the reaction leaves it before a settlement of \S+ m", message)
 
 
 def test_a_plateau_that_the_reaction_did_not_leave_is_the_last_one(fits: list[plateau.Plateau]) -> None:
@@ -177,18 +178,25 @@ def row(**values: float) -> Any:
     ],
 )
 def test_a_run_is_lost_where_forces_are_undefined_or_a_block_falls(values: dict[str, float], status: Any) -> None:
-    one = SimpleNamespace(support_speed=5.0, is_rotation=True)
+    one = SimpleNamespace(support_speed=5.0, is_rotation=True, live=None)
     chosen = SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1e9)
     found = faults.loss_of(one, chosen, row(**values), 0.0)
     assert (found and found[0]) is status
 
 
-@pytest.mark.parametrize(("is_rotation", "unit"), [(False, "m"), (True, "rad")])
-def test_a_run_is_lost_at_its_time_limit_and_says_where(is_rotation: bool, unit: str) -> None:
-    one = SimpleNamespace(support_speed=1.0, is_rotation=is_rotation)
+@pytest.mark.parametrize(
+    ("is_rotation", "live", "words"),
+    [
+        (False, None, "a settlement of 0.0002 m"),
+        (True, None, "a settlement of 0.0002 rad"),
+        (False, (1.0, 0.0, 0.0), "a displacement of 0.0002 m"),
+    ],
+)
+def test_a_run_is_lost_at_its_time_limit_and_says_where(is_rotation: bool, live: Any, words: str) -> None:
+    one = SimpleNamespace(support_speed=1.0, is_rotation=is_rotation, live=live)
     chosen = SimpleNamespace(fall_speed=0.5, max_travel=1e-3, time_limit=1.0)
     status, why = faults.loss_of(one, chosen, row(settlement=2e-4), -1e12)
-    assert status is STATUS.TIMEOUT and why.endswith(f"a settlement of 0.0002 {unit}")
+    assert status is STATUS.TIMEOUT and why.endswith(words)
 
 
 @pytest.mark.parametrize(
