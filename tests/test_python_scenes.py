@@ -134,7 +134,7 @@ def test_variants_of_other_values_have_other_names() -> None:
 def test_a_wrong_entry_of_an_array_is_said_once() -> None:
     for value, told in (
         (np.array([[0.0, 0.0, -1.0]]), "settlement.direction[0] = [0.0, 0.0, -1.0]: must be a number"),
-        ([0.0], "settlement.direction = [0.0]: has too few entries"),
+        ([0.0], "settlement.direction = [0.0]: has too few entries; needed: direction of a translation, of any length; down is [0, 0, -1]"),
         ([0.0, "down", -1.0], "settlement.direction[1] = 'down': must be a number"),
     ):
         with pytest.raises(la_core.SceneError) as refused:

@@ -142,7 +142,8 @@ def _left_out(drawn: Drawn, clean: Cleaned, blocks: list[Outline]) -> list[str]:
     told = remarks(clean.open_outlines, clean.stray(blocks), clean.around, clean.across)
     rows = [f"# CHECK: {words}" for words in told]
     if hidden := drawn.ignored.get(HIDDEN, 0):
-        rows.append(f"# CHECK: {hidden} entities that the drawing hides are left out; show their layers to have them read")
+        what = "1 entity that the drawing hides is left out" if hidden == 1 else f"{hidden} entities that the drawing hides are left out"
+        rows.append(f"# CHECK: {what}; show hidden layers to have them read")
     if clipped := drawn.ignored.get(CLIPPED, 0):
         rows.append(f"# CHECK: clip paths are not read ({clipped}), so what they cut off is read, too; delete it in the drawing")
     return rows

@@ -97,7 +97,7 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
             return SceneError(path, refused)
         return SceneError(path, "unknown key", hint=_valid_keys(str(key), own, told))
     if error["type"] == "missing" and isinstance(error["loc"][-1], int):
-        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value)
+        return SceneError(_key_path(error["loc"][:-1], data), "has too few entries", value=value, hint=_wanted(table, error["loc"][:-1]))
     if error["type"] == "missing":
         wanted = _wanted(table, error["loc"])
         if told is not None and wanted in told:
@@ -110,7 +110,8 @@ def _explained(error: Any, data: dict[str, Any], table: type[pydantic.BaseModel]
     rule = _RULES.get(error["type"], error["msg"].replace("Input should", "must"))
     if isinstance(value, str):
         rule = rule.replace("entries", "characters")
-    return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=_slip(error))
+    hint = _wanted(table, error["loc"]) if error["type"] == "tuple_type" else _slip(error)
+    return SceneError(path, rule.format(**error.get("ctx", {})), value=value, hint=hint)
 
 
 def _slip(error: Any) -> str:
@@ -184,6 +185,8 @@ def _meaning(field: Any) -> str:
 def _wanted(table: type[pydantic.BaseModel], location: tuple[Any, ...]) -> str:
     """What a missing key must hold: the words among which to choose, and its meaning."""
     *parents, key = location
+    if isinstance(key, int):  # an entry of an array: what the array holds
+        return _wanted(table, tuple(parents))
     field = _keys(_table_at(table, parents)).get(str(key))
     if field is None:
         return ""

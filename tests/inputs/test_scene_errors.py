@@ -109,7 +109,18 @@ CHANGED = {
     "misspelt role": (('"support"', '"suport"'), "block \"settling pad\".role = 'suport': must be 'free', 'fixed' or 'support'"),
     "zero direction": (("0.0, -1.0]", "0.0, 0.0]"), "settlement.direction = [0.0, 0.0, 0.0]: must not be the zero vector"),
     "zero gravity": (("-9.81", "0.0"), "gravity = [0.0, 0.0, 0.0]: must not be the zero vector"),
-    "two numbers for a direction": (("[0.0, 0.0, -1.0]", "[0.0, -1.0]"), "settlement.direction = [0.0, -1.0]: has too few entries"),
+    "two numbers for a direction": (
+        ("[0.0, 0.0, -1.0]", "[0.0, -1.0]"),
+        "settlement.direction = [0.0, -1.0]: has too few entries; needed: direction of a translation",
+    ),
+    "one number for a direction": (
+        ("[0.0, 0.0, -1.0]", "-1.0"),
+        "settlement.direction = -1.0: must be an array; needed: direction of a translation",
+    ),
+    "a number for a corner": (
+        (SHAPE, prism("[[0, 0], 1, [1, 1]]")),
+        'block "block".prism.profile[1] = 1: must be an array; needed: corners (x, z) in order (m)',
+    ),
     "four numbers for a direction": (
         ("0.0, -1.0]", "0.0, -1.0, 2.0]"),
         "settlement.direction = [0.0, 0.0, -1.0, 2.0]: has too many entries",
