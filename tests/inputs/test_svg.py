@@ -349,13 +349,16 @@ def test_colours_come_from_styles() -> None:
     assert [outline.colour for outline in drawn.outlines] == ["red", "#00f", "green", "grey"]
 
 
-def test_new_says_that_something_is_hidden(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("count", "words"), [(1, "1 entity that the drawing hides is left out"), (2, "2 entities that the drawing hides are left out")]
+)
+def test_new_says_that_something_is_hidden(count: int, words: str, tmp_path: Path) -> None:
     shown = '<g id="wall"><rect width="1000" height="500"/><rect x="1000" width="1000" height="500"/></g>'
-    old = f'<g id="old_survey" class="st0">{ONE}{ONE}</g>'
+    old = f'<g id="old_survey" class="st0">{count * ONE}</g>'
     text = f"<svg {NAMES} {PAGE}><style>.st0{{display:none;}}</style>{shown}{old}</svg>"
     (tmp_path / "wall.svg").write_text(text, encoding="utf-8")
     written = scene_from_file(tmp_path / "wall.svg", tmp_path)
-    assert "# CHECK: 2 entities that the drawing hides are left out" in written
+    assert f"# CHECK: {words}" in written
     assert "old_survey" not in written
 
 
