@@ -119,6 +119,10 @@ def test_the_settlement_is_the_way_of_the_support_that_leads_in_units_of_its_sha
     record = record_of((DOWN, 0.5 * DOWN), leader=3)
     scene.state(3).pos = CENTROID[3] - [0.0, 0.0, 1e-3]
     assert record.settlement() == pytest.approx(2e-3)
+    turned = np.array([0.0, 0.1, 0.0])  # a share of a straight settlement, as of supports along a profile
+    profile = record_of([[*np.cross([-1.0, 0.0, 0.0], turned), *turned]] * 2, leader=3, is_rotation=False)
+    scene.state(3).pos = CENTROID[3] + 3e-3 * np.cross(turned, CENTROID[3] - [-1.0, 0.0, 0.0])
+    assert profile.settlement() == pytest.approx(3e-3)
     axis = np.array([0.0, 2.0, 0.0])
     turning = record_of([[0.0, 0.0, 0.0, *axis]] * 2, leader=3)
     scene.state(3).ori = Turn(Rotation.from_rotvec([0.0, 4e-3, 0.0]) * BUILT[3], sign)
@@ -192,6 +196,8 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
     assert record.is_cut and record.settlement() == pytest.approx(3e-3) and len(record.rows) == 3
     record.keep_plateau(2e-3 - 1e-9)
     assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 2e-3, 3e-3])
+    record.keep_plateau(np.nan)  # there is none
+    assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 3e-3])
 
 
 def test_one_large_force_that_is_unbalanced_while_the_supports_move_is_a_jump(scene: Scene) -> None:

@@ -47,7 +47,9 @@ def case_of(*twists: Any) -> Any:
     return one
 
 
-@pytest.mark.parametrize("twists", [[DOWN], [DOWN, HALF, DOWN], [OBLIQUE], [TURN], [SCREW], [TURN, HALF_TURN, TURN]])
+@pytest.mark.parametrize(
+    "twists", [[DOWN], [DOWN, HALF, DOWN], [OBLIQUE], [TURN], [SCREW], [TURN, HALF_TURN, TURN], [[0.5 * value for value in SCREW]]]
+)
 def test_every_support_moves_by_its_own_unit_motion_times_the_speed(twists: list[list[float]]) -> None:
     one, clumps = case_of(*twists), [10, *range(20, 20 + len(twists))]
     drives = drives_of(one, clumps)
