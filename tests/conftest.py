@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, settings
 from matplotlib.figure import Figure
 
 from comparison.cli.commands import main
+from comparison.figures import report_figures
 from comparison.workflow.one_scene import run_scene
 from comparison.yade.run_record import Run, read_run
 from la_core.analysis import settings as settings_of_analysis
@@ -29,6 +30,7 @@ STARTS_YADE = {"cross_checked", "undisturbed", "copy", "yade", "ran", "altered_y
 # Scenes whose runs `make test` judges: seconds each, and together sliding joints in the plane, an arch, and blocks in space.
 QUICK = {"two_pads", "two_blocks", "arch_spreading", "slab_four_corners", "wall_third"}
 SHARED = {"two_pads", "arch_spreading", "wall_third"}  # asked for by tests of many modules, some of which take several
+NOT_ABOUT_DRAWING = {"coulomb", "inputs", "limit", "yade"}  # rooms whose tests run scenes and look at no figure of the run
 LONGEST = ("dome_sector", "facade", "wall_long", "corner_settling_end", "wall_half", "vault_spreading", "wall_tall", "wall_low_friction")
 
 
@@ -132,7 +134,7 @@ def cross_checked(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], C
     def run(name: str) -> CrossChecked:
         scene = load_scene(shipped.find(name))
         folder = results / name
-        summary = run_scene(scene, folder, Silent(), with_yade=True)
+        summary = run_scene(scene, folder, Silent(), with_yade=True, figures=report_figures)  # whatever the test that asks first draws
         analysis = read_case(folder / "case.h5", scene)
         return CrossChecked(scene, analysis, read_run(folder / "run.h5", analysis.assembly), summary, folder)
 
@@ -182,6 +184,13 @@ def copy(undisturbed: Path, tmp_path: Path) -> Path:
 def plain_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """One empty figure in the place of four, for tests that are not about drawing."""
     monkeypatch.setattr("comparison.figures.report_figures", lambda results: {"assembly": Figure})
+
+
+@pytest.fixture(autouse=True)
+def figures_where_they_are_looked_at(request: pytest.FixtureRequest) -> None:
+    """To draw them takes longer than to solve a small scene."""
+    if request.path.parent.name in NOT_ABOUT_DRAWING:
+        request.getfixturevalue("plain_figures")
 
 
 @pytest.fixture(autouse=True)

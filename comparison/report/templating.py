@@ -1,5 +1,6 @@
 """Templates of every report page, with all texts escaped, and nested values as pairs of name and text."""
 
+import functools
 import html
 import re
 from collections.abc import Iterator
@@ -10,8 +11,9 @@ import jinja2
 from comparison.numbers import DASH, first_sentence, format_number, plain_number, plural, with_uncertainty
 
 
+@functools.cache
 def template_environment(name: str) -> jinja2.Environment:
-    """Return the templates for the page of this name.
+    """Return the templates for the page of this name, compiled once: that takes longer than to fill them.
 
     HTML pages escape every text automatically; Markdown pages escape by the filter `md`.
     """

@@ -47,9 +47,14 @@ def test_a_page_of_results_is_what_the_record_says(name: str) -> None:
     assert written[name] == (GALLERY / name).read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def concluded() -> dict[str, str]:
+    return conclusions.pages()
+
+
 @pytest.mark.parametrize("name", ["growth.md", "peers.md", "accuracy.md", "startup.md", "cost.md", "friction.md", "seed_paper.md"])
-def test_a_page_with_conclusions_is_what_the_records_say(name: str) -> None:
-    assert conclusions.pages()[name] == (GALLERY / name).read_text(encoding="utf-8")
+def test_a_page_with_conclusions_is_what_the_records_say(name: str, concluded: dict[str, str]) -> None:
+    assert concluded[name] == (GALLERY / name).read_text(encoding="utf-8")
 
 
 def test_a_part_is_replaced_between_its_marks_and_nothing_else_is() -> None:

@@ -192,7 +192,7 @@ def test_a_scheduler_that_goes_away_in_the_middle_is_told_and_the_next_call_goes
     assert [row["state"] for row in run(WITH_YADE, out).rows] == ["done"] * 3
 
 
-def test_a_finished_campaign_keeps_the_name_of_the_workers_that_ran_it(tmp_path: Path) -> None:
+def test_a_finished_campaign_keeps_the_name_of_the_workers_that_ran_it(tmp_path: Path, plain_figures: None) -> None:
     out = tmp_path / "out"
     first = run(QUICK, out, Inline()).provenance["engine"]
     assert run(QUICK, out, Dask("tcp://nobody:1", out)).provenance["engine"] == first != "Dask"

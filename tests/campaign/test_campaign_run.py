@@ -174,7 +174,7 @@ def test_the_report_writes_damaged_and_missing_tables_again(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize("ended", [0, 1, 2])
+@pytest.mark.parametrize("ended", [0, 1, pytest.param(2, marks=pytest.mark.slow)])
 def test_the_report_of_an_interrupted_campaign_tells_of_the_cases_that_ended_and_says_that_others_are_missing(
     ended: int, tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -49,13 +49,13 @@ def ran_into() -> str:
 
 
 @pytest.mark.yade
-def test_without_a_configuration_the_defaults_hold() -> None:
+def test_without_a_configuration_the_defaults_hold(plain_figures: None) -> None:
     found = settings.load_settings()
     assert found.settings == Settings() and not found.sources
     assert ran_into() == "crosscheck-results"
 
 
-def test_what_is_nearer_to_the_command_holds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_nearer_to_the_command_holds(plain_figures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Command line before environment before the folder's file before the user's before the default; each says where it is from."""
     nearer = [settings.load_settings()]
     user = user_says('output = "by-user"\ntime_limit = 5')

@@ -93,7 +93,7 @@ def test_an_interruption_at_any_moment_leaves_nothing_half_done(seed: int, undis
     assert answer(out) == answer(undisturbed)
 
 
-def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_in_use_is_refused_and_free_again_afterwards(copy: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
     with alone_in(copy / "two_pads"):
         for command in (["run", "two_pads", "-o", str(copy), "-q"], ["report", str(copy), "-q"]):
             assert main(command) == TOOL

@@ -26,7 +26,7 @@ def test_run_without_yade_writes_every_file_and_then_finds_it_cached(tmp_path: P
     assert main(["report", str(out)]) == 0
 
 
-def test_a_changed_scene_is_solved_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_changed_scene_is_solved_again(tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
     path, out = tmp_path / "mine.toml", tmp_path / "out"
     text = shipped.find("two_pads").read_text().split("[expected]")[0]
     path.write_text(text)
@@ -38,7 +38,7 @@ def test_a_changed_scene_is_solved_again(tmp_path: Path, capsys: pytest.CaptureF
     assert json.loads((out / "mine" / "comparison.json").read_text())["weight"] == pytest.approx(1079.1)
 
 
-def test_a_half_written_case_is_recognised_and_redone(tmp_path: Path) -> None:
+def test_a_half_written_case_is_recognised_and_redone(tmp_path: Path, plain_figures: None) -> None:
     out = tmp_path / "out"
     assert main(["run", "two_pads", "-o", str(out), "--no-yade", "-q"]) == 0
     case = out / "two_pads" / "case.h5"
@@ -48,7 +48,7 @@ def test_a_half_written_case_is_recognised_and_redone(tmp_path: Path) -> None:
 
 
 def test_without_yade_on_the_machine_limit_analysis_is_kept_and_the_exit_code_is_3(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("CROSSCHECK_YADE", str(tmp_path / "nowhere"))
     out = tmp_path / "out"
@@ -62,7 +62,9 @@ def test_without_yade_on_the_machine_limit_analysis_is_kept_and_the_exit_code_is
     assert "apt-get install yade" in capsys.readouterr().out
 
 
-def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_broken_case_does_not_keep_the_others_from_the_report(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out"
     assert main(["run", "two_pads", "trilith", "-o", str(out), "--no-yade", "-q"]) == 0
     (out / "trilith" / "case.h5").write_bytes(b"not HDF5")
@@ -75,7 +77,7 @@ def test_a_broken_case_does_not_keep_the_others_from_the_report(tmp_path: Path, 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
 def test_a_folder_that_cannot_be_made_keeps_no_earlier_scene_from_the_report(
-    workers: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    workers: str, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "slab_four_corners").touch()
     assert main(["run", "two_pads", "slab_four_corners", "-o", str(tmp_path), "--no-yade", "-q", "--workers", workers]) == 3

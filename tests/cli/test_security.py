@@ -276,7 +276,9 @@ def test_a_sealed_file_of_another_hand_reads_no_other_file_and_fills_no_memory(
         exchange.read(path, FIELDS)
 
 
-def test_a_report_of_stored_results_touches_nothing_outside_of_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_report_of_stored_results_touches_nothing_outside_of_them(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Results may come from others: their scene's meshes may not lead elsewhere."""
     out = tmp_path / "out"
     assert main(["run", "rubble_wall", "-o", str(out), "--no-yade", "-q"]) == 0

@@ -183,7 +183,7 @@ def test_an_mp4_has_its_frames(animated: Path, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("plain_figures")
 def test_a_mechanism_alone_is_animated_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (SHIPPED / "ferris_tin_loi_1.toml").is_file()
-    assert main(["run", "ferris_tin_loi_1", "-o", str(tmp_path), "-q"]) == 0
+    assert main(["run", "ferris_tin_loi_1", "--no-yade", "-o", str(tmp_path), "-q"]) == 0
     assert main(["animate", str(tmp_path), "--fps", "1", "-q"]) == 0
     frames = pictures(tmp_path / "ferris_tin_loi_1" / ANIMATION)
     assert len(frames) == SECONDS + 1 and np.any(frames[0] != frames[-1])

@@ -18,7 +18,8 @@ SIX_DIGITS = 1e-6
 PUBLISHED = 5e-3  # relative; of published Coulomb values, which know no history
 LEAST = 1e-3  # relative, of the least values found
 
-every_wall = pytest.mark.parametrize("number", STACKS)
+LARGEST = pytest.param(6, marks=pytest.mark.slow)  # it takes half of the time of all
+every_wall = pytest.mark.parametrize("number", [1, 2, 3, 4, 5, LARGEST])
 
 
 def wall(number: int, plane: bool | str = "auto") -> Scene:
@@ -76,7 +77,9 @@ def test_interval_of_the_mechanism_begins_at_the_least_multiplier(number: int, a
     assert coulomb(analysed(number)).interval[0] == pytest.approx(LEAST_FOUND[number], rel=apart)
 
 
-@pytest.mark.parametrize(("number", "history"), [(1, 0.005), (2, 0.005), (3, 0.02), (4, 0.005), (5, 0.005), (6, 0.005)])
+@pytest.mark.parametrize(
+    ("number", "history"), [(1, 0.005), (2, 0.005), (3, 0.02), (4, 0.005), (5, 0.005), pytest.param(6, 0.005, marks=pytest.mark.slow)]
+)
 def test_four_steps_find_the_plateau_of_the_fine_path(number: int, history: float) -> None:
     """Both with the inset that YADE needs. In wall 3 few long steps lead to a second plateau, 1.4 % above, not to the least one found."""
     analysis = analysed(number)

@@ -108,7 +108,7 @@ def test_both_methods_agree_on_irregular_stones(cross_checked: Callable[[str], C
 
 
 @pytest.mark.parametrize("write", [as_obj, as_ply_folder])
-def test_a_run_keeps_the_meshes_and_can_be_reported_alone(write: Callable[[Path], Path], tmp_path: Path) -> None:
+def test_a_run_keeps_the_meshes_and_can_be_reported_alone(write: Callable[[Path], Path], tmp_path: Path, plain_figures: None) -> None:
     source, out = tmp_path / "source", tmp_path / "out"
     source.mkdir()
     scene = write(source)
@@ -118,7 +118,9 @@ def test_a_run_keeps_the_meshes_and_can_be_reported_alone(write: Callable[[Path]
     assert main(["report", "-q", str(out)]) == 0
 
 
-def test_a_changed_mesh_is_solved_again_and_an_unchanged_one_is_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_changed_mesh_is_solved_again_and_an_unchanged_one_is_not(
+    tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
     scene, out = as_obj(tmp_path), tmp_path / "out"
     run = ["run", str(scene), "-o", str(out), "--no-yade"]
     assert main(run) == 0
@@ -135,7 +137,7 @@ def test_a_changed_mesh_is_solved_again_and_an_unchanged_one_is_not(tmp_path: Pa
     assert summary["weight"] == pytest.approx(boxes().weight / 2.0)
 
 
-def test_a_stone_taken_out_of_the_folder_leaves_the_run_s_folder(tmp_path: Path) -> None:
+def test_a_stone_taken_out_of_the_folder_leaves_the_run_s_folder(tmp_path: Path, plain_figures: None) -> None:
     scene, out = as_ply_folder(tmp_path), tmp_path / "out"
     run = ["run", "-q", str(scene), "-o", str(out), "--no-yade"]
     assert main(run) == 0

@@ -13,13 +13,9 @@ ONCE_ENDLESS = (  # with the true inertia of every block and without regard to s
     "cube of 0.01 m on a block of 1 m", "cube of 0.001 m on a block of 1 m", "slab 100000 times as heavy above",
     "slab 100000 times as heavy below", "block 20 times as high", "block 200 times as high",
 )  # fmt: skip
+LARGE = "tower of 1,000 blocks"  # it takes as long as all others together; one of 100 is in every run
 SWINGING = "block 200 times as high"  # its energies do not close to the 5 % that a verdict needs
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
-
-
-@pytest.fixture(autouse=True)
-def no_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("comparison.figures.report_figures", lambda *results: {})
 
 
 def of(cases: list[HardCase], in_every_run: tuple[str, ...]) -> pytest.MarkDecorator:
@@ -33,7 +29,7 @@ def taken(case: HardCase, folder: Path, with_yade: bool) -> Outcome:
     return outcome(case, folder, Silent(), with_yade)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.slow if case.name == LARGE else (), id=case.name) for case in CASES])
 def test_limit_analysis_says_what_is_known(case: HardCase, tmp_path: Path) -> None:
     found = taken(case, tmp_path, with_yade=False)
     assert found.is_right, row(found)

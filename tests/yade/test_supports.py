@@ -1,0 +1,78 @@
+"""The engines that move supports: together they move every point of a support as its unit motion says, times the speed."""
+
+import sys
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from yade_scripts import case
+from yade_scripts.driving import drives_of, ramp, set_speed
+
+DOWN = [0.0, 0.0, -1.0, 0.0, 0.0, 0.0]
+HALF = [0.0, 0.0, -0.5, 0.0, 0.0, 0.0]
+OBLIQUE = [0.6, 0.0, -0.8, 0.0, 0.0, 0.0]
+TURN = [*np.cross([2.0, 0.0, -1.0], [0.0, 1.0, 0.0]), 0.0, 1.0, 0.0]  # about an axis along y through (2, 0, -1)
+SCREW = [*(np.cross([0.0, 3.0, 1.0], [0.0, 0.6, 0.8]) + 0.25 * np.array([0.0, 0.6, 0.8])), 0.0, 0.6, 0.8]
+HALF_TURN = [0.5 * value for value in TURN]
+
+
+class TranslationEngine(SimpleNamespace):
+    """Keeps what it is given, and moves points as YADE's documentation says."""
+
+    def moves(self, point: np.ndarray) -> np.ndarray:
+        return self.velocity * self.translationAxis
+
+
+class HelixEngine(SimpleNamespace):
+    """The same about and along an axis."""
+
+    def moves(self, point: np.ndarray) -> np.ndarray:
+        along = getattr(self, "linearVelocity", 0.0) * self.rotationAxis
+        return getattr(self, "angularVelocity", 0.0) * np.cross(self.rotationAxis, point - self.zeroPoint) + along
+
+
+@pytest.fixture(autouse=True)
+def engines(monkeypatch: pytest.MonkeyPatch) -> None:
+    stand_in: Any = ModuleType("yade")
+    stand_in.HelixEngine, stand_in.TranslationEngine = HelixEngine, TranslationEngine
+    monkeypatch.setitem(sys.modules, "yade", stand_in)
+
+
+def case_of(*twists: Any) -> Any:
+    one: Any = object.__new__(case.Case)
+    vars(one)["support_twists"] = np.array([[0.0] * 6, *twists])  # the first block is free
+    return one
+
+
+@pytest.mark.parametrize(
+    "twists", [[DOWN], [DOWN, HALF, DOWN], [OBLIQUE], [TURN], [SCREW], [TURN, HALF_TURN, TURN], [[0.5 * value for value in SCREW]]]
+)
+def test_every_support_moves_by_its_own_unit_motion_times_the_speed(twists: list[list[float]]) -> None:
+    one, clumps = case_of(*twists), [10, *range(20, 20 + len(twists))]
+    drives = drives_of(one, clumps)
+    set_speed(one, drives, 0.03)
+    assert len(drives) == len({tuple(twist) for twist in twists})  # one engine for supports that move alike
+    assert sorted(clump for drive in drives for clump in drive.ids) == clumps[1:]
+    for clump, twist in zip(clumps[1:], np.array(twists), strict=True):
+        (drive,) = [drive for drive in drives if clump in drive.ids]
+        for point in np.array([[0.0, 0.0, 0.0], [1.0, -2.0, 5.0]]):
+            assert_allclose(drive.moves(point), 0.03 * (twist[:3] + np.cross(twist[3:], point)), atol=1e-15)
+
+
+def test_supports_at_rest_stay_where_they_are() -> None:
+    one, point = case_of(DOWN, TURN, SCREW), np.array([1.0, 2.0, 3.0])
+    drives = drives_of(one, [10, 20, 21, 22])
+    assert_allclose([drive.moves(point) for drive in drives], 0.0)
+    set_speed(one, drives, 0.5)
+    set_speed(one, drives, 0.0)
+    assert_allclose([drive.moves(point) for drive in drives], 0.0)
+
+
+def test_a_ramp_begins_and_ends_smoothly() -> None:
+    """Half of the speed at half of its time, and as much missing before as there is beyond; full speed from its end on."""
+    assert [ramp(elapsed, 2.0) for elapsed in (0.0, 1.0, 2.0, 3.0)] == pytest.approx([0.0, 0.5, 1.0, 1.0])
+    assert ramp(0.5, 2.0) == pytest.approx(1.0 - ramp(1.5, 2.0)) and ramp(1e-3, 2.0) < 1e-6
+    assert ramp(0.0, 0.0) == 1.0  # no ramp at all
