@@ -13,6 +13,7 @@ Both return to the sharp law as the smoothing vanishes, and friction never excee
 Displacements are over `unit`, the travel of the fastest support point; forces are over the weight W.
 """
 
+import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,6 +95,12 @@ class ElasticJoints:
         mass = assembly.blocks.mass[assembly.blocks.free]
         self.mass = np.repeat(mass / mass.sum(), self.freedoms)
         self.normal, self.shear = (value * self.unit / assembly.weight for value in (stiffness.normal, stiffness.shear))
+
+    def under(self, share: float) -> "ElasticJoints":
+        """Return the same structure under a share of its weights."""
+        other = copy.copy(self)
+        other.weights, other._round_off = share * self.weights, share * self._round_off
+        return other
 
     @property
     def laid(self) -> JointState:

@@ -7,7 +7,8 @@ import numpy as np
 
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.followed_path import ANNEALED, LAST_VISCOSITY
-from la_core.coulomb.quasi_static_path import Falling, Point, QuasiStaticPath, come_to_rest, first_travel
+from la_core.coulomb.implicit_step import come_to_rest
+from la_core.coulomb.quasi_static_path import Falling, Point, QuasiStaticPath, first_travel
 from la_core.coulomb.tangent import Tangent
 from la_core.model import Assembly, JointStiffness
 

@@ -16,9 +16,9 @@ from la_core.coulomb import plateau
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow, follow_large
-from la_core.coulomb.implicit_step import State
+from la_core.coulomb.implicit_step import State, come_to_rest
 from la_core.coulomb.interval import stated_interval
-from la_core.coulomb.quasi_static_path import come_to_rest, first_travel
+from la_core.coulomb.quasi_static_path import first_travel
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.coulomb.tangent import Tangent
 from la_core.limit import Drive, Solution, Status
@@ -76,6 +76,14 @@ def predict(
     return without_answer(assembly, Status.UNBOUNDED, solution.seconds, solution.iterations)
 
 
+def _is_held_back(solution: CoulombSolution) -> bool:
+    """Whether the load of a live load's plateau is a negative one, which holds blocks back that fall without it.
+
+    The structure rests without the load, so no load that grows from nothing comes there: the blocks fall before.
+    """
+    return solution.value < -solution.uncertainty
+
+
 def _is_locked_in(solution: CoulombSolution) -> bool:
     """Whether the value comes from stresses that the blocks locked in on their way: it is far from all known ends of its interval.
 
@@ -104,7 +112,8 @@ def _followed_from_rest(
     if not followed:
         return without_answer(assembly, Status.FAILED, time.perf_counter() - start, iterations)
     solution = _answer(joints, stiffness, followed)
-    if solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value)):  # on one path
+    unknown = solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value))  # blocks fall on one path
+    if unknown or (joints.live and _is_held_back(solution)):
         return _of_falling_blocks(assembly, start, iterations)
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 

@@ -31,9 +31,6 @@ EASY = 8  # iterations of a step after which the next one may be longer
 LAST_SMOOTHING = 0.1  # of the path's: smoothing on a stretch with a viscosity of its own, towards the end
 SHORTEST_STEP = 1e-13  # of the travel
 AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
-REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
-AT_REST = 1e-6  # of the travel: displacement in the last step to rest
-MOST_REST_STEPS = 300
 SAGS = 300.0  # least travel over the elastic sag: the strain of the joints must not pass for a mechanism
 
 
@@ -101,7 +98,7 @@ class QuasiStaticPath:
     tangent : Tangent
         Its tangent matrices.
     rest : State
-        State at rest under gravity, from `come_to_rest`.
+        State at rest under gravity, from `implicit_step.come_to_rest`.
     viscosity : Falling
         Drag along the path.
     finer : float
@@ -251,44 +248,3 @@ def _change(before: State, after: State) -> float:
     """Change of the contact forces in a step, relative to the forces."""
     old, new = before.joints.force, after.joints.force
     return float(np.abs(new - old).sum() / max(np.abs(old).sum(), np.abs(new).sum(), 1e-12))
-
-
-def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, smoothing: float = 0.0) -> tuple[State | None, int]:
-    """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
-
-    The blocks are laid without force. A drag that falls with every step lets them sag until nothing moves.
-
-    Parameters
-    ----------
-    joints : ElasticJoints
-        Structure on its elastic joints.
-    tangent : Tangent
-        Its tangent matrices.
-    wedging : float
-        Motion of the support against its settlement before gravity acts, over the travel.
-    smoothing : float
-        Force over which contact points part and slip gradually.
-
-    Returns
-    -------
-    state : State or None
-        State at rest; its progress is that of the wedged support, -wedging.
-    iterations : int
-        Newton iterations.
-    """
-    state = State(-wedging, np.zeros_like(joints.weights), joints.laid)
-    state = replace(state, joints=replace(joints.laid, displacement=joints.displacement(state.blocks, -wedging)))
-    drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
-    iterations = 0
-    for _ in range(MOST_REST_STEPS):
-        trial = advance(joints, tangent, state, Target(-wedging, -wedging), drag, state.blocks, smoothing)
-        iterations += trial.iterations
-        if trial.state is None:
-            drag *= 10.0
-            continue
-        moved = float(np.abs(trial.state.blocks - state.blocks).max())
-        state = trial.state
-        if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
-            return state, iterations
-        drag = max(drag / 10.0, last)
-    return None, iterations

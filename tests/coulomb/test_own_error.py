@@ -14,7 +14,8 @@ from la_core.coulomb import (
 )
 from la_core.coulomb.certificate import Certificate, certify
 from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, come_to_rest
+from la_core.coulomb.implicit_step import come_to_rest
+from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath
 from la_core.coulomb.tangent import Tangent
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive

@@ -1,0 +1,91 @@
+"""How blocks come to rest under gravity: a light stone under a heavy block stays where friction can pinch it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scenes
+from coulomb_problems import FOUND, PLATEAU, problem
+
+from la_core.coulomb import predict, prediction
+from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.implicit_step import come_to_rest
+from la_core.coulomb.solution import without_answer
+from la_core.coulomb.tangent import Tangent
+from la_core.limit.associated import Status, solve_associated
+from la_core.limit.problem import Drive
+from la_core.scene import Scene
+
+FRICTION = 0.6
+PINCHED_UP_TO = 2.0 * math.atan(FRICTION)  # slope, rad: a stone without weight between a level roof and a slope
+
+
+def pinched_stone(slope: float, friction: float = FRICTION) -> Scene:
+    """A block with a corner that is a stone of its own, on a slope (rad), under a second block that is pushed away from the stone."""
+    across = 0.1
+    down = across * math.tan(slope)
+    lower = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.5 - down), (1.0 - across, 0.5), (0.0, 0.5))
+    stone = ((1.0, 0.5 - down), (1.0, 0.5), (1.0 - across, 0.5))
+    parts = (
+        scenes.box("ground", (-1.0, 0.0, -0.2), (2.0, 0.2, 0.0), "fixed"),
+        scenes.block("lower", prism=(lower, (0.0, 0.2))),
+        scenes.block("stone", prism=(stone, (0.0, 0.2))),
+        scenes.box("upper", (0.0, 0.0, 0.5), (1.0, 0.2, 1.0)),
+    )
+    return scenes.build(*parts, friction=friction, inset=0.001, live=(-1.0, 0.0, 0.0), model="coulomb")
+
+
+@pytest.mark.parametrize("slope", [20.0, 40.0, 50.0, 58.0])
+def test_a_stone_that_friction_can_pinch_comes_to_rest(slope: float) -> None:
+    """On a slope steeper than friction (31 degrees) the stone slips unless the block above presses it at once."""
+    assert math.radians(slope) < PINCHED_UP_TO
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(slope))))
+    rest, _ = come_to_rest(joints, Tangent(joints))
+    assert rest is not None and np.abs(rest.blocks).max() < 3.0 * joints.sag
+
+
+def test_a_stone_that_no_friction_can_pinch_has_no_equilibrium() -> None:
+    assembly, _ = problem(pinched_stone(PINCHED_UP_TO + 0.1))
+    assert solve_associated(assembly, Drive.LIVE).status is Status.INFEASIBLE
+
+
+@pytest.mark.parametrize("drag", [1e-4, 1e-2])
+def test_the_drag_of_growing_weights_does_not_decide(monkeypatch, drag: float) -> None:
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(50.0))))
+    usual, _ = come_to_rest(joints, Tangent(joints))
+    monkeypatch.setattr("la_core.coulomb.implicit_step.GROWING_DRAG", drag)
+    other, _ = come_to_rest(joints, Tangent(joints))
+    assert usual is not None and other is not None
+    assert np.abs(other.joints.force - usual.joints.force).max() < 0.05 * np.abs(usual.joints.force).max()
+
+
+def test_the_push_on_blocks_over_a_pinched_stone_has_its_multiplier() -> None:
+    """The upper block slides on its bed at mu, unless the stone gives way before; no state of equilibrium bears more than the bound."""
+    assembly, stiffness = problem(pinched_stone(math.radians(50.0)))
+    bound = solve_associated(assembly, Drive.LIVE)
+    solution = predict(assembly, stiffness, bound)
+    assert solution.status is Status.SOLVED
+    assert solution.value <= bound.value + FOUND and solution.value == pytest.approx(bound.value, rel=PLATEAU)
+
+
+@pytest.mark.parametrize(("value", "uncertainty", "is_held_back"), [(-0.2, 1e-3, True), (-1e-4, 1e-3, False), (0.2, 1e-3, False)])
+def test_a_load_against_the_push_holds_back_what_falls(value: float, uncertainty: float, is_held_back: bool) -> None:
+    assembly, _ = problem(pinched_stone(math.radians(50.0)))
+    solution = replace(without_answer(assembly, Status.SOLVED), value=value, uncertainty=uncertainty)
+    assert prediction._is_held_back(solution) is is_held_back
+
+
+def test_a_live_load_that_would_hold_blocks_back_has_no_value(monkeypatch) -> None:
+    monkeypatch.setattr(prediction, "_is_held_back", lambda _solution: True)
+    assembly, stiffness = problem(pinched_stone(math.radians(50.0)))
+    solution = predict(assembly, stiffness, solve_associated(assembly, Drive.LIVE))
+    assert solution.status is Status.FAILED and math.isnan(solution.value) and math.isinf(solution.uncertainty)
+
+
+def test_a_share_of_the_weights_scales_the_state() -> None:
+    """Elastic joints with friction are laid without force: half of the weights gives half of all forces."""
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(20.0))))
+    half, whole = (come_to_rest(one, Tangent(one))[0] for one in (joints.under(0.5), joints))
+    assert half is not None and whole is not None
+    assert half.joints.force == pytest.approx(0.5 * whole.joints.force, abs=1e-6)
