@@ -27,6 +27,7 @@ ROOMS = (
 )  # fmt: skip
 INNER = {  # the same within a room that has rooms of its own; "" is the room's own floor
     "la_core.scene": ("schema", "generators", "loads", ""),
+    "la_core.coulomb": ("path", ""),
     "comparison.campaign": ("", "workers", "figures", "report"),
     "comparison.cli": ("", "help_verbs", "study_verbs", "scene_verbs", "commands"),
 }

@@ -18,9 +18,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import State
-from la_core.coulomb.quasi_static_path import QuasiStaticPath
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.limit import Cones, Programme, ProgrammeOutcome
 from la_core.measures import residuals
 from la_core.model import global_forces

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.followed_path import ANNEALED, LAST_VISCOSITY
-from la_core.coulomb.implicit_step import come_to_rest
-from la_core.coulomb.quasi_static_path import Falling, Point, QuasiStaticPath, first_travel
-from la_core.coulomb.tangent import Tangent
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import Falling, Point, QuasiStaticPath, first_travel
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.model import Assembly, JointStiffness
 
 FIRST_VISCOSITY = 1e-3

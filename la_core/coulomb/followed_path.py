@@ -12,11 +12,12 @@ import numpy as np
 
 from la_core.coulomb import plateau
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import State, come_to_rest
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
-from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, first_travel
-from la_core.coulomb.tangent import Tangent
 
 # Of the travel, where the curve is not flat. Far along the path steps are long: on a leaning wall whose curve was flat after 64 travels,
 # six doublings took 988 iterations and four, which left an uncertainty of 1.6 %, took 981.

@@ -14,13 +14,14 @@ import numpy as np
 
 from la_core.coulomb import plateau
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
-from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow, follow_large
-from la_core.coulomb.implicit_step import State, come_to_rest
 from la_core.coulomb.interval import stated_interval
-from la_core.coulomb.quasi_static_path import first_travel
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.quasi_static_path import first_travel
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.solution import CoulombSolution, without_answer
-from la_core.coulomb.tangent import Tangent
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 from la_core.side_by_side import side_by_side

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb.certificate import joint_rates
-from la_core.coulomb.elastic_joints import ElasticJoints
 from la_core.coulomb.followed_path import ANNEALED, LAST_VISCOSITY
-from la_core.coulomb.implicit_step import State, come_to_rest
-from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath, first_travel
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.solution import CoulombSolution, without_sliding
-from la_core.coulomb.tangent import Tangent
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly, JointStiffness

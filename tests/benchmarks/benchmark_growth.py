@@ -33,7 +33,8 @@ from comparison.figures import save
 from comparison.yade import installation
 from la_core.analysis import one_pass, stage
 from la_core.analysis.case_file import write_case
-from la_core.coulomb import elastic_joints, interval, predict, quasi_static_path, tangent
+from la_core.coulomb import interval, predict
+from la_core.coulomb.path import elastic_joints, quasi_static_path, tangent
 from la_core.limit import associated, conic
 from la_core.limit.problem import Drive
 from la_core.model import assembly, joints

@@ -19,9 +19,10 @@ from rich.console import Console
 from comparison.progress import Narration
 from comparison.workflow import run_scene
 from la_core.analysis import LimitAnalysis, analyse
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import State, _settled
-from la_core.coulomb.tangent import Tangent
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.rest import settled
+from la_core.coulomb.path.tangent import Tangent
 from la_core.limit import Status
 
 SEED, COUNT = 102, 292
@@ -57,7 +58,7 @@ def main() -> None:
 def _rests_at_once(analysis: LimitAnalysis) -> bool:
     """Whether the blocks come to rest where all the weight acts at once."""
     joints = ElasticJoints(analysis.assembly, analysis.stiffness)
-    return _settled(joints, Tangent(joints), State(0.0, np.zeros_like(joints.weights), joints.laid), 0.0)[0] is not None
+    return settled(joints, Tangent(joints), State(0.0, np.zeros_like(joints.weights), joints.laid), 0.0)[0] is not None
 
 
 if __name__ == "__main__":

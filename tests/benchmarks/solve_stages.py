@@ -41,7 +41,8 @@ def main() -> int:
     from comparison.cli.scene_verbs import solve
     from comparison.progress import Narration
     from la_core.analysis import case_file, stage
-    from la_core.coulomb import certificate, followed_path, quasi_static_path
+    from la_core.coulomb import certificate, followed_path
+    from la_core.coulomb.path import quasi_static_path
     from la_core.limit import associated, conic
     from la_core.model import assembly
 

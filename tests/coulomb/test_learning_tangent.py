@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb import implicit_step
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import come_to_rest
-from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath
-from la_core.coulomb.tangent import MOST_LEARNT, LearningTangent, Tangent
+from la_core.coulomb.path import implicit_step
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import MOST_LEARNT, LearningTangent, Tangent
 from la_core.model import assemble, joint_stiffness
 
 SIZE = 8

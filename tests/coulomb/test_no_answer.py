@@ -132,7 +132,7 @@ def test_soft_joints_are_followed_until_their_strain_is_small() -> None:
 def test_iteration_that_fails_leaves_no_value(monkeypatch) -> None:
     assembly, stiffness = problem(small_wall())
     associated = solve_associated(assembly, Drive.YIELDING)
-    monkeypatch.setattr("la_core.coulomb.implicit_step.MOST_ITERATIONS", 0)
+    monkeypatch.setattr("la_core.coulomb.path.implicit_step.MOST_ITERATIONS", 0)
     solution = predict(assembly, stiffness, associated)
     assert solution.status is Status.FAILED and np.isnan(solution.value) and np.isnan(solution.forces).all()
 

@@ -13,10 +13,10 @@ from la_core.coulomb import (
     predict,
 )
 from la_core.coulomb.certificate import Certificate, certify
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import come_to_rest
-from la_core.coulomb.quasi_static_path import Falling, QuasiStaticPath
-from la_core.coulomb.tangent import Tangent
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 

@@ -65,6 +65,6 @@ def test_path_counts_what_it_solves() -> None:
 
 def test_path_that_breaks_off_is_shorter(monkeypatch) -> None:
     assembly, stiffness = problem(small_wall())
-    monkeypatch.setattr("la_core.coulomb.implicit_step.MOST_ITERATIONS", 0)
+    monkeypatch.setattr("la_core.coulomb.path.implicit_step.MOST_ITERATIONS", 0)
     path = follow_path(assembly, stiffness, stiffness.travel, 4)
     assert len(path.value) == len(path.settlement) == len(path.converged) < 5

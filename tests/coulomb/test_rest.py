@@ -9,10 +9,10 @@ import scenes
 from coulomb_problems import FOUND, PLATEAU, problem
 
 from la_core.coulomb import predict, prediction
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import come_to_rest
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.rest import come_to_rest
+from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.solution import without_answer
-from la_core.coulomb.tangent import Tangent
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.scene import Scene
@@ -54,7 +54,7 @@ def test_a_stone_that_no_friction_can_pinch_has_no_equilibrium() -> None:
 def test_the_drag_of_growing_weights_does_not_decide(monkeypatch, drag: float) -> None:
     joints = ElasticJoints(*problem(pinched_stone(math.radians(50.0))))
     usual, _ = come_to_rest(joints, Tangent(joints))
-    monkeypatch.setattr("la_core.coulomb.implicit_step.GROWING_DRAG", drag)
+    monkeypatch.setattr("la_core.coulomb.path.rest.GROWING_DRAG", drag)
     other, _ = come_to_rest(joints, Tangent(joints))
     assert usual is not None and other is not None
     assert np.abs(other.joints.force - usual.joints.force).max() < 0.05 * np.abs(usual.joints.force).max()

@@ -8,8 +8,8 @@ import pytest
 import scenes
 
 from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, plateau, predict, prediction
-from la_core.coulomb.elastic_joints import ElasticJoints, JointState
 from la_core.coulomb.followed_path import PredictionSettings, Reporter
+from la_core.coulomb.path.elastic_joints import ElasticJoints, JointState
 from la_core.limit import Drive, Status, solve_associated
 from la_core.model import assemble, joint_stiffness
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from la_core.coulomb.elastic_joints import ElasticJoints
-from la_core.coulomb.implicit_step import State, Target, Trial, advance
-from la_core.coulomb.tangent import Tangent
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State, Target, Trial, advance
+from la_core.coulomb.path.tangent import Tangent
 
 FIRST_STEP = 0.05  # of the elastic sag
 LONGEST_STEP = 0.05  # of the travel, or of the progress where that is more
@@ -98,7 +98,7 @@ class QuasiStaticPath:
     tangent : Tangent
         Its tangent matrices.
     rest : State
-        State at rest under gravity, from `implicit_step.come_to_rest`.
+        State at rest under gravity, from `rest.come_to_rest`.
     viscosity : Falling
         Drag along the path.
     finer : float

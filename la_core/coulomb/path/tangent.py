@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from la_core.coulomb.elastic_joints import ElasticJoints
+from la_core.coulomb.path.elastic_joints import ElasticJoints
 
 PIVOT = 0.01  # a diagonal entry this large beside its column's largest is a pivot: it keeps the order, and so the sparsity
 # Most moves that a tangent learns from; and the least s'H y over s's of a move that it learns from: below that, corrections would be large.

@@ -5,17 +5,14 @@ For displacements q of the free blocks, f(q) the contact forces and w the weight
 by a semi-smooth Newton iteration with the consistent tangent. A live load adds its multiplier as an unknown and its mean
 displacement as an equation. `drag` is the viscosity over the length of the step. It makes a step solvable where the structure
 is unstable without it: a shorter step always converges.
-
-Rest under gravity is the end of such steps, too. All the weight acts at once where that leads to rest. A light block may slip away
-in the first step, before what stands on it presses it. Then the weights grow from nothing.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.elastic_joints import ElasticJoints, JointState
-from la_core.coulomb.tangent import LearningTangent, Solve, Tangent
+from la_core.coulomb.path.elastic_joints import ElasticJoints, JointState
+from la_core.coulomb.path.tangent import LearningTangent, Solve, Tangent
 
 # Of the mean block weight: norm of the unbalanced forces of a converged step. A last iteration mostly leaves round-off; looser
 # steps would press unloaded joints enough for a large friction coefficient to make them jam.
@@ -30,19 +27,11 @@ MOST_ITERATIONS = 20  # new tangents of a step
 MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
 SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
-REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
-AT_REST = 1e-6  # of the travel: displacement in the last step to rest
-MOST_REST_STEPS = 300
-# Growing weights: the drag over the weight while blocks move by their sag; the first share of the weights, over the share at which the
-# contact points of the lightest block press it harder than the drag; growth of a step; its greatest and least length. Drags from 0.1 to
-# 0.0001 and ten times the first share led to rest in the same 16 structures.
-GROWING_DRAG, FIRST_SHARE, GROWING, LONGEST_SHARE, SHORTEST_SHARE = 3e-3, 1e-2, 1.6, 0.05, 1e-14
-FALLEN = 1.0  # of the travel: a block that moves farther under gravity falls. YADE ends there, too.
 
 
 @dataclass(frozen=True)
 class State:
-    """State of the structure at the end of a step; all numbers are scaled as in `la_core.coulomb.elastic_joints`.
+    """State of the structure at the end of a step; all numbers are scaled as in `la_core.coulomb.path.elastic_joints`.
 
     Attributes
     ----------
@@ -155,83 +144,6 @@ def advance(
         elif is_new and iterations - best_at >= (STALLED if least <= LOOSE * tolerance else LOST):
             break
     return Trial(balance.state(best) if least <= LOOSE * tolerance else None, iterations)
-
-
-def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, smoothing: float = 0.0) -> tuple[State | None, int]:
-    """State at rest under gravity, and the Newton iterations of the way; None where the blocks do not come to rest.
-
-    The blocks are laid without force. A drag that falls with every step lets them sag until nothing moves.
-
-    Parameters
-    ----------
-    joints : ElasticJoints
-        Structure on its elastic joints.
-    tangent : Tangent
-        Its tangent matrices.
-    wedging : float
-        Motion of the support against its settlement before gravity acts, over the travel.
-    smoothing : float
-        Force over which contact points part and slip gradually.
-
-    Returns
-    -------
-    state : State or None
-        State at rest; its progress is that of the wedged support, -wedging.
-    iterations : int
-        Newton iterations.
-    """
-    laid = State(-wedging, np.zeros_like(joints.weights), joints.laid)
-    laid = replace(laid, joints=replace(joints.laid, displacement=joints.displacement(laid.blocks, -wedging)))
-    state, iterations = _settled(joints, tangent, laid, smoothing)
-    if state is None:
-        grown, more = _under_growing_weights(joints, tangent, laid, smoothing)
-        state, last = (None, 0) if grown is None else _settled(joints, tangent, grown, smoothing, FALLEN)
-        iterations += more + last
-    return state, iterations
-
-
-def _settled(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float, farthest: float = np.inf) -> tuple[State | None, int]:
-    """State at rest under the whole weight, from one before, and Newton iterations; None where a block moves by more than `farthest`."""
-    drag, last = REST_DRAG * joints.normal, LAST_REST_DRAG * joints.normal
-    start, iterations = state.blocks, 0
-    for _ in range(MOST_REST_STEPS):
-        trial = advance(joints, tangent, state, Target(state.progress, state.progress), drag, state.blocks, smoothing)
-        iterations += trial.iterations
-        if trial.state is None:
-            drag *= 10.0
-            continue
-        moved = float(np.abs(trial.state.blocks - state.blocks).max())
-        state = trial.state
-        if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
-            return state, iterations
-        if float(np.abs(state.blocks - start).max()) > farthest:
-            break
-        drag = max(drag / 10.0, last)
-    return None, iterations
-
-
-def _under_growing_weights(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
-    """State after the weights have grown from nothing, and Newton iterations; None where no step is short enough.
-
-    At first the drag bears the weights, and all blocks sink alike. So no block slips away before its neighbours have closed on it.
-    """
-    viscosity = GROWING_DRAG / joints.sag
-    length = FIRST_SHARE * min(viscosity * float(joints.mass.min()) / joints.normal, 1.0)
-    share, iterations, rate = 0.0, 0, np.zeros_like(state.blocks)
-    while share < 1.0:
-        step = min(length, 1.0 - share)
-        grown, target = joints.under(share + step), Target(state.progress, state.progress)
-        trial = advance(grown, tangent, state, target, viscosity / step, state.blocks + step * rate, smoothing)
-        iterations += trial.iterations
-        if trial.state is None:
-            length = step / 4.0
-            if length < SHORTEST_SHARE:
-                return None, iterations
-            continue
-        rate = (trial.state.blocks - state.blocks) / step
-        share, state = 1.0 if step == 1.0 - share else share + step, trial.state
-        length = min(GROWING * step, LONGEST_SHARE)
-    return state, iterations
 
 
 @dataclass(frozen=True)
