@@ -108,10 +108,10 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
             level = (np.abs(offset[near] - offset[k]) <= tolerance[k]) & (found.normal[near] @ found.normal[k] > 1.0 - OPPOSITE**2)
             side_by_side = [k, *near[level].tolist()] if len(near) else [k]
             corners = [found.polygon[found.polygon_start[i] : found.polygon_start[i + 1]] for i in side_by_side]
-            joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else None
-            loops.append(corners[0] if joined is None else joined)
+            loop, joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else (corners[0], [])
+            loops.append(loop)
             kept.append(k)
-            left = left if joined is None else [i for i in left if i not in side_by_side]
+            left = [i for i in left if i not in [side_by_side[member] for member in joined]]
     order = np.argsort(kept)
     polygon, counts = np.concatenate([loops[i] for i in order]), np.array([len(loops[i]) for i in order])
     rows = np.array(kept)[order]
@@ -120,17 +120,24 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
     return Interfaces(found.block_a[rows], found.block_b[rows], found.normal[rows], area, polygon, start)
 
 
-def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> np.ndarray | None:
-    """Loop (n, 3) around polygons on one plane, or None where their union is not one convex polygon."""
+def _union(corners: list[np.ndarray], normal: np.ndarray, tolerance: float) -> tuple[np.ndarray, list[int]]:
+    """Loop (n, 3) around the first of some polygons on one plane and those that are connected with it, and the indices of these.
+
+    The loop is that of the first polygon alone where their union is not convex.
+    """
     (first,), (second,) = plane_axes(normal[None])
     origin = corners[0][0]
     flat = [np.column_stack([(loop - origin) @ first, (loop - origin) @ second]) for loop in corners]
-    whole = shapely.union_all([shapely.buffer(shapely.Polygon(loop), tolerance, join_style="mitre") for loop in flat])
+    wider = shapely.buffer([shapely.Polygon(loop) for loop in flat], tolerance, join_style="mitre")
+    apart = shapely.get_parts(shapely.union_all(wider))  # two blocks may meet in several places of one plane
+    whole = apart[shapely.intersects(apart, wider[0])][0]
     hull = shapely.convex_hull(whole)
     if shapely.area(hull) - shapely.area(whole) > tolerance * shapely.length(hull):
-        return None
-    outline, _ = true_corners(np.array([shapely.convex_hull(shapely.MultiPoint(np.concatenate(flat)))]), np.array([tolerance]))
-    return np.asarray(origin + outline[:, :1] * first + outline[:, 1:] * second)
+        return corners[0], []
+    connected = np.flatnonzero(shapely.intersects(whole, wider)).tolist()
+    points = shapely.MultiPoint(np.concatenate([flat[i] for i in connected]))
+    outline, _ = true_corners(np.array([shapely.convex_hull(points)]), np.array([tolerance]))
+    return np.asarray(origin + outline[:, :1] * first + outline[:, 1:] * second), connected
 
 
 def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:

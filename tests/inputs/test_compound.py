@@ -79,6 +79,18 @@ def test_a_face_that_is_cut_between_two_parts_has_one_joint() -> None:
     assert interfaces.area == pytest.approx([0.5, 0.5])
 
 
+def test_two_blocks_that_meet_in_two_places_of_one_plane_have_one_joint_in_each() -> None:
+    arch = [[0.0, 0.0], [0.4, 0.0], [0.42, 0.15], [0.5, 0.2], [0.58, 0.15], [0.6, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+    below = [[x, -z] for x, z in arch]  # chords of both, drawn on, cut both feet
+    scene = scenes.build(
+        *(
+            scenes.block(name, role=role, prism=(profile, [0.0, 1.0]))
+            for name, role, profile in [("below", "support", below), ("stone", "free", arch)]
+        ),
+    )
+    assert find_interfaces(scene.blocks).area == pytest.approx([0.4, 0.4])
+
+
 @pytest.mark.parametrize("plane", [True, False])
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_corner_block_is_carried_at_its_own_centroid(plane: bool, turned: bool) -> None:
