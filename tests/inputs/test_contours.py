@@ -7,6 +7,7 @@ import pytest
 
 from la_core.drawing import Cleaned, Drawn, cleaned
 from la_core.drawing.outlines import Outline
+from la_core.errors import SceneError
 from la_core.scene.generators.drawings import drawing_blocks, read_drawing
 from la_core.scene.schema.drawing import Drawing
 
@@ -91,3 +92,15 @@ def test_panes_in_a_listed_opening_become_no_blocks(tmp_path: Path) -> None:
     table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",), ground=("SILL",))
     shapes_built, counts = drawing_blocks(table, read_drawing(table, tmp_path), 0.0)
     assert [len(shapes_built), counts.openings, counts.in_openings] == [3, 1, 2]
+
+
+@pytest.mark.parametrize("opening", ["900 200 200 300", "150 150 100 100", "900 0 200 400"])
+def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(opening: str, tmp_path: Path) -> None:
+    x, y, width, height = opening.split()
+    rows = (
+        f'<g id="STONE"><rect width="2000" height="700"/></g><g id="WINDOW"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></g>'
+    )
+    (tmp_path / "pier.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
+    table = Drawing(file="pier.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
+    with pytest.raises(SceneError, match='lies in an outline on layer "STONE"'):
+        drawing_blocks(table, read_drawing(table, tmp_path), 0.0)

@@ -21,6 +21,7 @@ from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
 LAYER, COLOUR = "layer:", "colour:"
 LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
+MOSTLY, WHOLE = 0.5, 0.8  # of an opening in a stone, and of the stone in the opening: a stone with more of it is a frame in the opening
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
 
@@ -115,6 +116,7 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     lists = [_list_of(table, outline.place) for outline in clean.outlines]
     opened = [outline for outline, place in zip(clean.outlines, lists, strict=True) if place == "openings"]
     built = [(outline, ROLES_OF[place]) for outline, place in zip(clean.outlines, lists, strict=True) if place in ROLES_OF]
+    _refuse_holes(table, [outline for outline, _ in built], opened)
     outside = _outside([outline for outline, _ in built], opened)
     built = [one for one, is_outside in zip(built, outside, strict=True) if is_outside]
     if not built:
@@ -172,6 +174,23 @@ def _list_of(table: Drawing, place: tuple[str, str]) -> str:
     """The list of the table that names a layer with a colour; "blocks" where none does and the table lists no blocks."""
     every = {key: getattr(table, key) for key in LISTS} | {"blocks": table.blocks or ("*",)}
     return next((key for key, patterns in every.items() if _names(patterns, place)), "ignore")
+
+
+def _refuse_holes(table: Drawing, outlines: list[Outline], openings: list[Outline]) -> None:
+    """Raise SceneError for an outline around an opening: nothing is cut out of it, so it would be built solid."""
+    if not openings or not outlines:
+        return
+    polygons, holes = ([shapely.Polygon(outline.points) for outline in some] for some in (outlines, openings))
+    hole, stone = shapely.STRtree(polygons).query(holes)
+    common = shapely.area(shapely.intersection(np.array(holes)[hole], np.array(polygons)[stone]))
+    around = (common > MOSTLY * shapely.area(holes)[hole]) & (common < WHOLE * shapely.area(polygons)[stone])
+    for one, other in zip(hole[around].tolist(), stone[around].tolist(), strict=True):
+        x, z = (openings[one].points.mean(axis=0) + np.array(table.shift)).tolist()
+        raise SceneError(
+            f'{_at(table)}: the opening on layer "{openings[one].layer}" near ({x:.4g}, {z:.4g}) m',
+            f'lies in an outline on layer "{outlines[other].layer}", and an opening cuts nothing out of a block',
+            hint="draw the block around the opening, from a hole with a slit of 1 mm to an edge; a layer of frames belongs in `ignore`",
+        )
 
 
 def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
