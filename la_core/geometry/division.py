@@ -54,7 +54,7 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
     best: tuple[float, int, int, np.ndarray | None] = (np.inf, 0, 0, None)
     for corner in inward.tolist():
         for length, edge, meeting in _cuts_from(points, corner):
-            cost = length / 2.0 if (points[inward] == meeting).all(axis=1).any() else length
+            cost = length / 2.0 if _resolves(points, inward, corner, meeting) else length
             if cost < best[0]:
                 best = (cost, corner, edge, meeting)
     _, corner, edge, end = best
@@ -67,6 +67,16 @@ def _cut(points: np.ndarray, inward: np.ndarray) -> list[np.ndarray]:
     one = np.concatenate([rolled[: after + 1], end[None]])
     other = np.concatenate([rolled[:1], end[None], rolled[after + 1 + meets_corner :]])
     return [one, other]
+
+
+def _resolves(points: np.ndarray, inward: np.ndarray, corner: int, end: np.ndarray) -> bool:
+    """Whether a cut from a corner ends at an inward one (2,) and leaves it inward on neither side; else a sliver must be cut off there."""
+    for met in inward[(points[inward] == end).all(axis=1)].tolist():
+        arm, edge_in, edge_out = points[corner] - end, end - points[met - 1], points[(met + 1) % len(points)] - end
+        slack = FLATNESS * np.ptp(points, axis=0).max()
+        unit = arm / np.hypot(*arm)
+        return bool(edge_in[0] * unit[1] - edge_in[1] * unit[0] >= -slack and unit[0] * edge_out[1] - unit[1] * edge_out[0] <= slack)
+    return False
 
 
 def _cuts_from(points: np.ndarray, corner: int) -> list[tuple[float, int, np.ndarray]]:

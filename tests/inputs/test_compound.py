@@ -37,6 +37,12 @@ def test_a_profile_is_divided_by_as_few_cuts_as_it_has_inward_corners_in_line(pr
     assert is_divided(np.array(profile, dtype=float)) == count
 
 
+def test_inward_corners_that_are_all_but_level_leave_no_sliver() -> None:
+    """A survey is never exact: the cut from one of them to the other would have to be followed by one beside it."""
+    ears = np.array([[0.4, 0.0], [0.6, 0.0], [0.6, 0.15], [0.65, 0.15], [0.65, 0.3], [0.35, 0.3], [0.35, 0.151], [0.4, 0.151]])
+    assert sorted(shapely.area(shapely.Polygon(part)) for part in convex_parts(ears)) == pytest.approx([0.00745, 0.0075, 0.06])
+
+
 @given(st.lists(st.floats(0.2, 1.0), min_size=5, max_size=24), st.floats(0.0, 6.0))
 def test_any_star_is_divided_into_convex_parts(radii: list[float], turn: float) -> None:
     angle = turn + np.linspace(0.0, 2.0 * np.pi, len(radii), endpoint=False)
