@@ -66,7 +66,7 @@ def _require(place: Any, step: str | int, walked: str, key: str) -> None:
         if not isinstance(place, list):
             raise SceneError(f'"{key}"', f"{walked} is not an array")
         if step >= len(place):
-            raise SceneError(f'"{key}"', f"{walked} has {len(place)} entries; [0] is the first")
+            raise SceneError(f'"{key}"', f"{walked} has {len(place)} {'entry' if len(place) == 1 else 'entries'}; [0] is the first")
     elif isinstance(place, list):
         raise SceneError(f'"{key}"', f"{walked} is an array", hint=f"select one of its entries: {walked}[0].{step}")
     elif not isinstance(place, dict):

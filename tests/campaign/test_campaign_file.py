@@ -39,6 +39,7 @@ WRONG = {
     "wrong value for the scene": (sweep('vary = { "joint.friction" = [0.5, -1.0] }'), "joint.friction = -1.0: must"),
     "impossible structure": (sweep('set = { "block[2].box.to[0]" = -1.0 }'), "every coordinate of `to` must be greater"),
     "index beyond": (sweep('set = { "block[3].density" = 1.0 }'), "block has 3 entries; [0] is the first"),
+    "index beyond the only one": (sweep('set = { "wall[1].courses" = 3 }', "wall_third"), "wall has 1 entry; [0] is the first"),
     "index missing": (sweep('set = { "block.density" = 1.0 }'), "block is an array; select one of its entries: block[0].density"),
     "index of a table": (sweep('set = { "joint[0]" = 1.0 }'), "joint is not an array"),
     "below a value": (sweep('set = { "joint.friction.x" = 1.0 }'), "joint.friction is a value, not a table"),

@@ -220,3 +220,14 @@ def test_directions_stand_in_the_order_of_the_file(tmp_path: Path) -> None:
     rows = [row | {"settlement.direction": value} for row, value in zip(table.rows, given, strict=True)]
     (panel,) = matrix_panels(replace(table, rows=rows, axes={"settlement.direction": given}))
     assert panel.columns == ["(0, 0, −1)", "(−1, 0, 0)"]
+
+
+def test_a_campaign_without_yade_tells_of_no_disagreement_and_a_mechanism_has_the_masses_of_all_its_cases(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "two axes")
+    rows = [row | {"coulomb_mechanism": "1-a", "coulomb_moving_mass": 0.1 + 0.05 * (i % 2)} for i, row in enumerate(table.rows)]
+    write_campaign_report(replace(table, rows=[row | {"yade": None, "yade_mechanism": None} for row in rows]))
+    for page in ("report.html", "report.md"):
+        text = (tmp_path / page).read_text(encoding="utf-8")
+        assert "worst disagreement" not in text and "Cases are sorted" not in text and "0.100 to 0.150" in text
+    write_campaign_report(replace(table, rows=rows))
+    assert "the worst disagreement first" in (tmp_path / "report.md").read_text(encoding="utf-8")

@@ -163,3 +163,12 @@ def test_labels_of_mechanisms_are_equal_for_equal_ones_and_stand_round_off(scene
     without[fastest] = 0.0
     assert label is not None and mechanism_label(blocks, without) not in (label, None)
     assert mechanism_label(blocks, np.zeros_like(twists)) is None and mechanism_label(blocks, np.full_like(twists, np.nan)) is None
+
+
+def test_where_the_support_moves_alone_no_block_moves_whatever_round_off_is_left() -> None:
+    blocks = load_scene(find("two_pads")).blocks
+    twists = np.zeros((len(blocks.free), 6))
+    twists[blocks.names.index("settling pad")] = [0.0, 0.0, -1.0, 0.0, 0.0, 0.0]
+    noise = np.random.default_rng(5).normal(size=(20, *twists.shape)) * ROUND_OFF * blocks.free[:, None]
+    labels = {mechanism_label(blocks, twists + one) for one in (np.zeros_like(twists), *noise)}
+    assert len(labels) == 1 and str(labels.pop()).startswith("0-")

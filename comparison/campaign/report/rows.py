@@ -121,14 +121,15 @@ def changed(table: CampaignTable, changes: list[MechanismChange], lettered: Mapp
 
 
 def mechanisms(table: CampaignTable, lettered: Mapping[str, Mapping[str, str]]) -> Iterator[Words]:
-    """Yield every mechanism: letter, label, number of cases for each method, and the moving share of mass in its first case."""
+    """Yield every mechanism: letter, label, number of cases for each method, and the range of the moving share of mass in them."""
     for scene, letter_of in lettered.items():
         rows = [row for row in table.rows if sweep_of(row) == scene]
         for label, letter in letter_of.items():
             having = {method: [row for row in rows if str(row.get(f"{method}_mechanism")) == label] for method in METHODS}
             masses = [row.get(f"{method}_moving_mass") for method, some in having.items() for row in some]
             known = [mass for mass in masses if exists(mass)]
-            yield {"scene": scene, "letter": letter, "label": label, "mass": format_number(known[0] if known else None, 3)} | {
+            ends = dict.fromkeys(format_number(end(known, default=None), 3) for end in (min, max))
+            yield {"scene": scene, "letter": letter, "label": label, "mass": " to ".join(ends)} | {
                 method: len(some) for method, some in having.items()
             }
 
