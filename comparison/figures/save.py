@@ -23,10 +23,12 @@ def rendered(figure: Figure, suffix: str) -> bytes:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
-        if suffix == ".png":  # savefig draws twice; one drawing finds the same layout
+        if suffix == ".png":  # savefig draws twice; one drawing finds the same layout, unless a title has several lines
             before, canvas = figure.dpi, figure.canvas
             try:
                 figure.set_dpi(DPI)
+                if any("\n" in axes.get_title() for axes in figure.axes):
+                    figure.draw_without_rendering()
                 FigureCanvasAgg(figure).print_png(content, metadata=metadata)
             finally:
                 figure.set_dpi(before)

@@ -230,6 +230,16 @@ def test_blocks_that_slide_although_a_thrust_could_hold_them_need_a_thrust_or_an
         assert any(words in check.next_step for check in check_run(Results(analysis, fallen)))
 
 
+def test_blocks_that_stood_at_rest_and_fell_while_the_support_moved_need_no_thrust() -> None:
+    analysis = analyse(la_core.load("wall_third"))
+    run = perfect_run(analysis)
+    for settlement, words in ((run.result.settlement, "Run YADE slower"), (0.0, "Give the blocks a thrust")):
+        fallen = dataclasses.replace(run, result=dataclasses.replace(run.result, status="collapsed", settlement=settlement))
+        (check,) = (check for check in check_run(Results(analysis, fallen)) if check.name == "the structure stands")
+        assert check.verdict is Verdict.INCONCLUSIVE and words in check.next_step
+        assert ("thrust" in check.reason) == ("thrust" in words) and ("stood at rest" in check.reason) == (settlement > 0.0)
+
+
 @pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp arrises the multiplier is 0.004"), (0.6, "own step")])
 def test_where_no_load_is_borne_the_next_step_says_so(edge: float, words: str) -> None:
     """A block whose weight acts on the edge of what carries it, at the inset; on a longer base it bears a load."""

@@ -14,10 +14,12 @@ from comparison.figures import motions, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.line_labels import ROW, Word, write_words
+from comparison.figures.save import DPI, rendered
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
 from la_core.measures import ContactState, measure
+from la_core.model.assembly import assemble
 from la_core.scene.variants import variant
 
 
@@ -112,3 +114,16 @@ def test_a_point_that_opens_is_seen_around_one_that_slides(tmp_path: Path) -> No
     figure = dissipation_figure(analysis.assembly, solution.twists, replace(measures, states=states))
     (circle,), (cross,) = ([line for line in figure.axes[0].lines if line.get_marker() == marker] for marker in ("o", "X"))
     assert circle.get_markersize() > np.sqrt(2.0) * cross.get_markersize()
+
+
+@pytest.mark.parametrize("name", ["two_pads", "wall_third", "wall_tall"])
+def test_a_long_reason_above_a_mechanism_keeps_off_the_heading(name: str) -> None:
+    assembly = assemble(shipped(name))
+    motion = np.where(assembly.blocks.free[:, None], [0.1, 0.0, -1.0, 0.0, 0.0, 0.0], 0.0)
+    reasons = {"YADE": "collapsed: a block falls at 0.125 m/s after a settlement of 0.785 mm; YADE looked for new contacts"}
+    figure = structure.mechanism_figure(assembly, {"LA": motion, "YADE": np.nan * motion}, "", reasons=reasons, travel=1e-3)
+    figure.set_dpi(DPI)
+    rendered(figure, ".png")
+    words = [figure._suptitle, *(axes.title for axes in figure.axes), *(axes.xaxis.label for axes in figure.axes), *figure.legends]
+    assert len(words) == 6
+    assert not any(one.get_window_extent().overlaps(other.get_window_extent()) for one, other in combinations(words, 2))
