@@ -9,7 +9,9 @@ import scenes
 from coulomb_problems import FOUND, PLATEAU, problem
 
 from la_core.coulomb import predict, prediction
+from la_core.coulomb.path import rest
 from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State, Target, Trial
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.solution import without_answer
@@ -41,8 +43,8 @@ def test_a_stone_that_friction_can_pinch_comes_to_rest(slope: float) -> None:
     """On a slope steeper than friction (31 degrees) the stone slips unless the block above presses it at once."""
     assert math.radians(slope) < PINCHED_UP_TO
     joints = ElasticJoints(*problem(pinched_stone(math.radians(slope))))
-    rest, _ = come_to_rest(joints, Tangent(joints))
-    assert rest is not None and np.abs(rest.blocks).max() < 3.0 * joints.sag
+    found, _ = come_to_rest(joints, Tangent(joints))
+    assert found is not None and np.abs(found.blocks).max() < 3.0 * joints.sag
 
 
 def test_a_stone_that_no_friction_can_pinch_has_no_equilibrium() -> None:
@@ -89,3 +91,24 @@ def test_a_share_of_the_weights_scales_the_state() -> None:
     half, whole = (come_to_rest(one, Tangent(one))[0] for one in (joints.under(0.5), joints))
     assert half is not None and whole is not None
     assert half.joints.force == pytest.approx(0.5 * whole.joints.force, abs=1e-6)
+
+
+def test_weights_that_grow_only_by_tiny_shares_end_the_search(monkeypatch) -> None:
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(50.0))))
+    state, steps = State(0.0, np.zeros_like(joints.weights), joints.laid), []
+
+    def stubborn(grown: ElasticJoints, tangent: Tangent, before: State, target: Target, drag: float, *others: object) -> Trial:
+        steps.append(rest.GROWING_DRAG / joints.sag / drag)
+        return Trial(before if steps[-1] < 1e-9 else None, 1)
+
+    monkeypatch.setattr(rest, "advance", stubborn)
+    assert rest._under_growing_weights(joints, Tangent(joints), state, 0.0) == (None, rest.MOST_GROWING_STEPS)
+    assert len(steps) == rest.MOST_GROWING_STEPS and min(steps) > rest.SHORTEST_SHARE
+
+
+def test_a_stone_that_slips_out_as_the_weights_grow_falls() -> None:
+    """Each slope is too steep for friction alone, and nothing pinches the stone from above."""
+    ground = scenes.block("ground", "fixed", prism=(((-1.0, -0.2), (1.0, -0.2), (1.0, 0.0), (0.0, 1.0), (-1.0, 1.0)), (0.0, 0.2)))
+    stone = scenes.block("stone", prism=(((0.5, 0.5), (1.0, 0.0), (1.0, 0.5)), (0.0, 0.2)))
+    joints = ElasticJoints(*problem(scenes.build(ground, stone, friction=FRICTION, inset=0.001, live=(1.0, 0.0, 0.0), model="coulomb")))
+    assert come_to_rest(joints, Tangent(joints))[0] is None

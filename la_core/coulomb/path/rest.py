@@ -19,6 +19,7 @@ MOST_REST_STEPS = 300
 # contact points of the lightest block press it harder than the drag; growth of a step; its greatest and least length. Of 16
 # structures the same 13 came to rest with drags from 0.1 to 0.0001, and with ten times the first share.
 GROWING_DRAG, FIRST_SHARE, GROWING, LONGEST_SHARE, SHORTEST_SHARE = 3e-3, 1e-2, 1.6, 0.05, 1e-14
+MOST_GROWING_STEPS = 300  # also those that do not converge; random structures took 51 at most
 FALLEN = 1.0  # of the travel: a block that moves farther under gravity falls. YADE ends there, too.
 
 
@@ -76,14 +77,14 @@ def settled(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: fl
 
 
 def _under_growing_weights(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: float) -> tuple[State | None, int]:
-    """State after the weights have grown from nothing, and Newton iterations; None where no step is short enough.
+    """State after the weights have grown from nothing, and Newton iterations; None where no step is short enough, or too many are needed.
 
     At first the drag bears the weights, and all blocks sink alike. So no block slips away before its neighbours have closed on it.
     """
     viscosity = GROWING_DRAG / joints.sag
     length = FIRST_SHARE * min(viscosity * float(joints.mass.min()) / joints.normal, 1.0)
     share, iterations, rate = 0.0, 0, np.zeros_like(state.blocks)
-    while share < 1.0:
+    for _ in range(MOST_GROWING_STEPS):
         step = min(length, 1.0 - share)
         grown, target = joints.under(share + step), Target(state.progress, state.progress)
         trial = advance(grown, tangent, state, target, viscosity / step, state.blocks + step * rate, smoothing)
@@ -91,9 +92,11 @@ def _under_growing_weights(joints: ElasticJoints, tangent: Tangent, state: State
         if trial.state is None:
             length = step / 4.0
             if length < SHORTEST_SHARE:
-                return None, iterations
+                break
             continue
+        if step == 1.0 - share:
+            return trial.state, iterations
         rate = (trial.state.blocks - state.blocks) / step
-        share, state = 1.0 if step == 1.0 - share else share + step, trial.state
+        share, state = share + step, trial.state
         length = min(GROWING * step, LONGEST_SHARE)
-    return state, iterations
+    return None, iterations
