@@ -126,6 +126,9 @@ def test_two_predictions_tell_of_rounded_arrises_where_no_bound_exists(accuracy:
     analysis = analyse(with_accuracy(scene, accuracy))
     (check,) = requested_accuracy.check_accuracy(Results(analysis))
     assert analysis.is_without_bound and analysis.coulomb is not None and check.verdict is Verdict.AGREE
+    assert analysis.accuracy is not None
+    parts = analysis.accuracy.limit_analysis[-1].parts
+    assert parts[ROUNDED_HISTORY] >= parts[HISTORY] > 0.0  # of both predictions
     error = analysis.coulomb.value / (2.0 * math.sqrt(2.0)) - 1.0
     assert 0.0 < error <= check.limit_analysis <= accuracy
 

@@ -103,7 +103,14 @@ def test_weights_that_grow_only_by_tiny_shares_end_the_search(monkeypatch) -> No
 
     monkeypatch.setattr(rest, "advance", stubborn)
     assert rest._under_growing_weights(joints, Tangent(joints), state, 0.0) == (None, rest.MOST_GROWING_STEPS)
-    assert len(steps) == rest.MOST_GROWING_STEPS and min(steps) > rest.SHORTEST_SHARE
+    assert len(steps) == rest.MOST_GROWING_STEPS and rest.SHORTEST_SHARE < min(steps) < 1e-9
+
+
+def test_a_step_that_never_converges_is_shortened_only_so_far(monkeypatch) -> None:
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(50.0))))
+    monkeypatch.setattr(rest, "advance", lambda *_: Trial(None, 7))
+    found, iterations = come_to_rest(joints, Tangent(joints))
+    assert found is None and 7 * rest.MOST_REST_STEPS < iterations < 7 * (rest.MOST_REST_STEPS + 30)
 
 
 def test_a_stone_that_slips_out_as_the_weights_grow_falls() -> None:
@@ -112,3 +119,13 @@ def test_a_stone_that_slips_out_as_the_weights_grow_falls() -> None:
     stone = scenes.block("stone", prism=(((0.5, 0.5), (1.0, 0.0), (1.0, 0.5)), (0.0, 0.2)))
     joints = ElasticJoints(*problem(scenes.build(ground, stone, friction=FRICTION, inset=0.001, live=(1.0, 0.0, 0.0), model="coulomb")))
     assert come_to_rest(joints, Tangent(joints))[0] is None
+
+
+def test_a_tiny_share_of_the_weights_has_friction_as_the_whole() -> None:
+    """What counts as round-off shrinks with the weights; else no stone would be held while they are small."""
+    joints = ElasticJoints(*problem(pinched_stone(math.radians(20.0))))
+    found, _ = come_to_rest(joints, Tangent(joints))
+    assert found is not None
+    whole, share = joints.state(found.joints.displacement, joints.laid)[0].force, 1e-9
+    small = joints.under(share).state(share * found.joints.displacement, joints.laid)[0].force
+    assert np.abs(whole[:, 1]).max() > 0.0 and small == pytest.approx(share * whole, rel=1e-9, abs=1e-20)

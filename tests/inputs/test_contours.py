@@ -95,7 +95,7 @@ def test_panes_in_a_listed_opening_become_no_blocks(tmp_path: Path) -> None:
     assert [len(shapes_built), counts.openings, counts.in_openings] == [3, 1, 2]
 
 
-@pytest.mark.parametrize("opening", ["900 200 200 300", "150 150 100 100", "900 0 200 400"])
+@pytest.mark.parametrize("opening", ["900 200 200 300", "150 150 100 100", "900 0 200 400", "900 600 200 150"])
 def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(opening: str, tmp_path: Path) -> None:
     x, y, width, height = opening.split()
     rows = (

@@ -15,6 +15,7 @@ from la_core.geometry import Blocks
 from la_core.scene.generators.placing import leaning
 from yade_scripts import case, settings
 from yade_scripts.contacts.convex_parts import are_within
+from yade_scripts.contacts.sphere_placement import largest_radius
 
 SHARP = 7  # seed of a wall with a corner of 51 degrees
 
@@ -69,3 +70,14 @@ def test_a_face_lies_within_its_stone_where_all_of_it_meets_other_parts(
     corners = blocks.vertices[blocks.face_vertex[blocks.face_start[face] : blocks.face_start[face + 1]]]
     ends = ([0.4, 0.5], [0.6, 0.5]) if profile is TEE else ([0.4, 0.0], [0.4, 0.35])
     assert np.unique(corners[:, [0, 2]], axis=0) == pytest.approx(np.array(ends))
+
+
+def test_a_plane_in_which_a_point_lies_to_rounding_does_not_shrink_its_sphere() -> None:
+    """Such as that of an inner corner of the stone."""
+    normal = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+    offset = np.array([1.0, 0.0, 1.0, 0.0, 0.25])
+    point, down, block = np.array([[0.25, 0.0, 0.0]]), normal[3:4], np.zeros(1, dtype=int)
+    alone, with_plane = (
+        largest_radius(point, down, block, (np.zeros(count, dtype=int), normal[:count], offset[:count] + 1e-14), True) for count in (4, 5)
+    )
+    assert with_plane == pytest.approx(alone)
