@@ -48,7 +48,8 @@ def come_to_rest(joints: ElasticJoints, tangent: Tangent, wedging: float = 0.0, 
     """
     laid = State(-wedging, np.zeros_like(joints.weights), joints.laid)
     laid = replace(laid, joints=replace(joints.laid, displacement=joints.displacement(laid.blocks, -wedging)))
-    state, iterations = settled(joints, tangent, laid, smoothing)
+    farthest = FALLEN if smoothing > 0.0 else np.inf  # smooth joints have no other sign that a block falls
+    state, iterations = settled(joints, tangent, laid, smoothing, farthest)
     if state is None:
         grown, more = _under_growing_weights(joints, tangent, laid, smoothing)
         state, last = (None, 0) if grown is None else settled(joints, tangent, grown, smoothing, FALLEN)
@@ -68,10 +69,10 @@ def settled(joints: ElasticJoints, tangent: Tangent, state: State, smoothing: fl
             continue
         moved = float(np.abs(trial.state.blocks - state.blocks).max())
         state = trial.state
-        if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
-            return state, iterations
         if float(np.abs(state.blocks - start).max()) > farthest:
             break
+        if drag <= last * 1.001 and (moved <= AT_REST or smoothing > 0.0):  # smooth joints creep for ever
+            return state, iterations
         drag = max(drag / 10.0, last)
     return None, iterations
 
