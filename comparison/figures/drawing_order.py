@@ -151,7 +151,8 @@ class OuterFaces:
             step = np.roll(start, -1, axis=0) - start
             crosses = (start[:, 1] > 0.0) != (start[:, 1] + step[:, 1] > 0.0)
             sides = start[crosses, 0] - start[crosses, 1] * step[crosses, 0] / step[crosses, 1]
-            room[blocks.face_block[face]] = 2.0 * np.abs(sides).min(initial=np.inf)
+            block = blocks.face_block[face]
+            room[block] = min(room[block], 2.0 * np.abs(sides).min(initial=np.inf))
         return room
 
     def edges(self) -> np.ndarray:

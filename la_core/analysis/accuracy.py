@@ -169,7 +169,8 @@ def _finer(scene: Scene, analysis: LimitAnalysis, attempt: Attempt, accuracy: fl
     rounded = attempt.parts[ROUNDED]
     is_tied_to_inset = {"sphere_radius", "max_travel"} & set(scene.yade)  # the scene chose them for its inset
     finer_inset = max(least, _one_digit(inset * goal / rounded)) if rounded > goal and not is_tied_to_inset else inset
-    is_finer = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not attempt.parts[HISTORY] <= accuracy / 2.0
+    history = sum(value for part, value in attempt.parts.items() if part in (HISTORY, ROUNDED_HISTORY))
+    is_finer = level + 1 < len(ATTEMPTS) and "viscosity" in attempt.settings and not history <= accuracy / 2.0
     return (finer_inset, level + is_finer) if is_finer or finer_inset != inset else None
 
 

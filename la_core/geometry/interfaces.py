@@ -111,7 +111,7 @@ def _joined_over_parts(found: Interfaces, tolerance: np.ndarray) -> Interfaces:
             loop, joined = _union(corners, found.normal[k], tolerance[k]) if len(corners) > 1 else (corners[0], [])
             loops.append(loop)
             kept.append(k)
-            left = [i for i in left if i not in [side_by_side[member] for member in joined]]
+            left = np.setdiff1d(left, [side_by_side[member] for member in joined]).tolist()
     order = np.argsort(kept)
     polygon, counts = np.concatenate([loops[i] for i in order]), np.array([len(loops[i]) for i in order])
     rows = np.array(kept)[order]

@@ -238,6 +238,10 @@ def test_blocks_that_stood_at_rest_and_fell_while_the_support_moved_need_no_thru
         (check,) = (check for check in check_run(Results(analysis, fallen)) if check.name == "the structure stands")
         assert check.verdict is Verdict.INCONCLUSIVE and words in check.next_step
         assert ("thrust" in check.reason) == ("thrust" in words) and ("stood at rest" in check.reason) == (settlement > 0.0)
+    pushed = dataclasses.replace(analysis, scene=dataclasses.replace(analysis.scene, live=(1.0, 0.0, 0.0)))
+    fallen = dataclasses.replace(run, result=dataclasses.replace(run.result, status="collapsed"))
+    (check,) = (check for check in check_run(Results(pushed, fallen)) if check.name == "the structure stands")
+    assert check.next_step.startswith("Look for a block that slides out")
 
 
 @pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp arrises the multiplier is 0.004"), (0.6, "own step")])

@@ -12,7 +12,9 @@ from comparison.cli.commands import main
 from comparison.judge import requested_accuracy
 from comparison.verdict.check import Verdict
 from comparison.yade import Results
-from la_core.analysis.accuracy import ATTEMPTS, LOOSE, with_accuracy
+from la_core.analysis import accuracy as accuracy_of_analysis
+from la_core.analysis.accuracy import ATTEMPTS, ELASTIC, HISTORY, LOOSE, ROUNDED, ROUNDED_HISTORY, with_accuracy
+from la_core.analysis.result import Attempt
 from la_core.analysis.stage import analyse
 from la_core.scene.scene import Scene, scene_of_text
 
@@ -124,8 +126,21 @@ def test_two_predictions_tell_of_rounded_arrises_where_no_bound_exists(accuracy:
     analysis = analyse(with_accuracy(scene, accuracy))
     (check,) = requested_accuracy.check_accuracy(Results(analysis))
     assert analysis.is_without_bound and analysis.coulomb is not None and check.verdict is Verdict.AGREE
+    assert analysis.accuracy is not None
+    parts = analysis.accuracy.limit_analysis[-1].parts
+    assert parts[ROUNDED_HISTORY] >= parts[HISTORY] > 0.0  # of both predictions
     error = analysis.coulomb.value / (2.0 * math.sqrt(2.0)) - 1.0
     assert 0.0 < error <= check.limit_analysis <= accuracy
+
+
+def test_finer_paths_follow_where_the_uncertainties_of_two_predictions_take_too_much() -> None:
+    scene = scenes.build(*slot(height=0.3), friction=0.3, inset=0.0, live=(1.0, 0.0, 1.0), model="auto")
+    analysis = analyse(scene)
+    for of_both, level in ((0.001, None), (0.004, 2)):
+        parts = {ROUNDED: 0.0, ELASTIC: 0.0, HISTORY: 0.002, ROUNDED_HISTORY: of_both}
+        attempt = Attempt({"inset": analysis.assembly.inset, "viscosity": 1e-3}, 1.0, parts, 0.0)
+        finer = accuracy_of_analysis._finer(scene, analysis, attempt, 0.01, 1)
+        assert (finer and finer[1]) == level
 
 
 def test_a_prediction_without_bound_at_one_inset_leaves_the_part_of_rounded_arrises_unknown() -> None:

@@ -37,9 +37,11 @@ def test_a_profile_is_divided_by_as_few_cuts_as_it_has_inward_corners_in_line(pr
     assert is_divided(np.array(profile, dtype=float)) == count
 
 
-def test_inward_corners_that_are_all_but_level_leave_no_sliver() -> None:
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_inward_corners_that_are_all_but_level_leave_no_sliver(mirrored: bool) -> None:
     """A survey is never exact: the cut from one of them to the other would have to be followed by one beside it."""
     ears = np.array([[0.4, 0.0], [0.6, 0.0], [0.6, 0.15], [0.65, 0.15], [0.65, 0.3], [0.35, 0.3], [0.35, 0.151], [0.4, 0.151]])
+    ears = ([1.0, 0.0] + [-1.0, 1.0] * ears)[::-1] if mirrored else ears
     assert sorted(shapely.area(shapely.Polygon(part)) for part in convex_parts(ears)) == pytest.approx([0.00745, 0.0075, 0.06])
 
 
@@ -83,6 +85,14 @@ def test_a_face_that_is_cut_between_two_parts_has_one_joint() -> None:
     interfaces = find_interfaces(scene.blocks)
     assert list(zip(interfaces.block_a, interfaces.block_b, strict=True)) == [(0, 2), (1, 2)]
     assert interfaces.area == pytest.approx([0.5, 0.5])
+
+
+def test_a_joint_that_is_not_convex_keeps_the_joints_of_all_its_parts() -> None:
+    """A stone like an L before another one: its parts have a joint each."""
+    corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.3], [0.2, 0.3], [0.2, 1.0], [0.0, 1.0]]
+    wall = scenes.block("wall", role="fixed", prism=([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], [0.2, 0.4]))
+    scene = scenes.build(scenes.block("corner", prism=(corner, [0.0, 0.2])), wall, live=(1.0, 0.0, 0.0))
+    assert sorted(find_interfaces(scene.blocks).area) == pytest.approx([0.14, 0.3])
 
 
 def test_two_blocks_that_meet_in_two_places_of_one_plane_have_one_joint_in_each() -> None:

@@ -8,6 +8,7 @@ import pytest
 from la_core.drawing import Cleaned, Drawn, cleaned
 from la_core.drawing.outlines import Outline
 from la_core.errors import SceneError
+from la_core.geometry import Blocks
 from la_core.scene.generators.drawings import drawing_blocks, read_drawing
 from la_core.scene.schema.drawing import Drawing
 
@@ -94,13 +95,44 @@ def test_panes_in_a_listed_opening_become_no_blocks(tmp_path: Path) -> None:
     assert [len(shapes_built), counts.openings, counts.in_openings] == [3, 1, 2]
 
 
-@pytest.mark.parametrize("opening", ["900 200 200 300", "150 150 100 100", "900 0 200 400"])
+@pytest.mark.parametrize("opening", ["900 200 200 300", "150 150 100 100", "900 0 200 400", "900 600 200 150"])
 def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(opening: str, tmp_path: Path) -> None:
     x, y, width, height = opening.split()
     rows = (
         f'<g id="STONE"><rect width="2000" height="700"/></g><g id="WINDOW"><rect x="{x}" y="{y}" width="{width}" height="{height}"/></g>'
     )
     (tmp_path / "pier.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
-    table = Drawing(file="pier.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
-    with pytest.raises(SceneError, match='lies in an outline on layer "STONE"'):
+    table = Drawing(file="pier.svg", thickness=0.4, unit="mm", openings=("WINDOW",), shift=(10.0, 20.0))
+    middle = 10.0 + (float(x) + float(width) / 2.0) / 1e3, 20.0 - (float(y) + float(height) / 2.0) / 1e3
+    with pytest.raises(SceneError, match='lies in an outline on layer "STONE"') as refused:
         drawing_blocks(table, read_drawing(table, tmp_path), 0.0)
+    assert f"near ({middle[0]:.4g}, {middle[1]:.4g}) m" in str(refused.value)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 0.005])
+def test_a_stone_that_is_drawn_around_its_hole_with_a_slit_is_built(tolerance: float, tmp_path: Path) -> None:
+    """As the message and the pages advise; a tolerance wider than the slit leaves it open."""
+    hole = "1000.5,700 1000.5,500 1200,500 1200,200 900,200 900,500 999.5,500 999.5,700"
+    rows = f'<g id="STONE"><polygon points="0,0 2000,0 2000,700 {hole} 0,700"/></g><g id="WINDOW">{_rect("900 200 300 300")}</g>'
+    (tmp_path / "pier.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
+    table = Drawing(file="pier.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
+    (built,), _ = drawing_blocks(table, read_drawing(table, tmp_path), tolerance)
+    assert Blocks.gather(["pier"], ["free"], [1.0], [built.shape]).volume == pytest.approx([0.4 * (2.0 * 0.7 - 0.3 * 0.3 - 0.001 * 0.2)])
+
+
+def test_a_frame_in_an_opening_with_panes_of_their_own_is_no_stone_around_them(tmp_path: Path) -> None:
+    shapes = {
+        "SILL": ["0 1600 1400 100", "0 1700 1400 200"],
+        "WINDOW": ["0 0 1200 1600", "300 300 600 1000"],
+        "FRAME": ["100 100 1000 1400"],
+    }
+    rows = "".join(f'<g id="{layer}">{"".join(_rect(one) for one in some)}</g>' for layer, some in shapes.items())
+    (tmp_path / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="2000mm">{rows}</svg>')
+    table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",), ground=("SILL",))
+    shapes_built, counts = drawing_blocks(table, read_drawing(table, tmp_path), 0.0)
+    assert [len(shapes_built), counts.openings, counts.in_openings] == [2, 2, 1]
+
+
+def _rect(numbers: str) -> str:
+    x, y, width, height = numbers.split()
+    return f'<rect x="{x}" y="{y}" width="{width}" height="{height}"/>'

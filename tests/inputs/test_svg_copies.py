@@ -54,6 +54,10 @@ SAME = {
         '<symbol id="s" viewBox="0 0 2000 1500"><rect width="500" height="250"/></symbol><use href="#s" width="auto" height="Auto"/>',
         '<rect width="500" height="250"/>',
     ),
+    "nested drawing of the page's size": (
+        '<svg width="auto" height="Auto" viewBox="0 0 2000 1500"><rect width="500" height="250"/></svg>',
+        '<rect width="500" height="250"/>',
+    ),
     "fill": (f'{STONE}<use href="#stone" fill="red"/>', '<rect width="500" height="250" fill="red"/>'),
     "fill of the original": (
         '<defs><rect id="stone" width="500" height="250" fill="blue"/></defs><use href="#stone" fill="red"/>',

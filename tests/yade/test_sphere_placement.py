@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 import rubble_walls as rubble
 import scenes
 from scipy.spatial import ConvexHull
@@ -10,7 +11,11 @@ from scipy.spatial import ConvexHull
 from la_core import exchange
 from la_core.analysis.case_file import write_case
 from la_core.analysis.stage import analyse
+from la_core.geometry import Blocks
+from la_core.scene.generators.placing import leaning
 from yade_scripts import case, settings
+from yade_scripts.contacts.convex_parts import are_within
+from yade_scripts.contacts.sphere_placement import largest_radius
 
 SHARP = 7  # seed of a wall with a corner of 51 degrees
 
@@ -46,3 +51,33 @@ def test_faces_between_the_parts_of_a_stone_do_not_shrink_its_spheres(tmp_path: 
     one = case.from_fields(exchange.read(tmp_path / "case.h5", fields))
     assert len(one.parts[analysis.assembly.blocks.names.index("around")]) > 2
     assert one.own_inset.min() > 0.5 * one.inset
+
+
+TEE = [[0.4, 0.0], [0.6, 0.0], [0.6, 0.5], [1.0, 0.5], [1.0, 0.8], [0.0, 0.8], [0.0, 0.5], [0.4, 0.5]]  # its stem meets its bar
+FOOT = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.35], [0.4, 0.35], [0.4, 0.8], [0.0, 0.8]]  # its toe meets its leg
+
+
+@pytest.mark.parametrize("profile", [TEE, FOOT])
+@pytest.mark.parametrize(("foot", "head"), [((0.0, 0.4), (0.0, 0.4)), ((0.0, 0.4), (0.05, 0.3)), ((0.1, 0.2), (0.0, 0.4))])
+def test_a_face_lies_within_its_stone_where_all_of_it_meets_other_parts(
+    profile: list[list[float]], foot: tuple[float, float], head: tuple[float, float]
+) -> None:
+    """Also in walls whose faces lean: of two faces that meet, only the smaller one lies within."""
+    blocks = Blocks.gather(["stone"], ["free"], [2000.0], [leaning(profile, foot, head, (0.0, 0.8))])
+    data = {f"blocks/{name}": getattr(blocks, name) for name in ("vertices", "face_vertex", "face_start", "vertex_start")}
+    data |= {"parts/block": blocks.part_block, "parts/face_start": blocks.part_face_start}
+    (face,) = np.flatnonzero(are_within(data, (blocks.face_block, blocks.face_normal, blocks.face_offset)))
+    corners = blocks.vertices[blocks.face_vertex[blocks.face_start[face] : blocks.face_start[face + 1]]]
+    ends = ([0.4, 0.5], [0.6, 0.5]) if profile is TEE else ([0.4, 0.0], [0.4, 0.35])
+    assert np.unique(corners[:, [0, 2]], axis=0) == pytest.approx(np.array(ends))
+
+
+def test_a_plane_in_which_a_point_lies_to_rounding_does_not_shrink_its_sphere() -> None:
+    """Such as that of an inner corner of the stone."""
+    normal = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+    offset = np.array([1.0, 0.0, 1.0, 0.0, 0.25])
+    point, down, block = np.array([[0.25, 0.0, 0.0]]), normal[3:4], np.zeros(1, dtype=int)
+    alone, with_plane = (
+        largest_radius(point, down, block, (np.zeros(count, dtype=int), normal[:count], offset[:count] + 1e-14), True) for count in (4, 5)
+    )
+    assert with_plane == pytest.approx(alone)

@@ -59,7 +59,7 @@ def faces_of_parts(data: Mapping[str, Any], index: np.ndarray, faces: Faces) -> 
 def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:
     """Return whether each face (F,) lies within its block: everywhere beyond it there is another part of the block.
 
-    Parts of a block that is not convex are prisms: the faces where they meet have four corners.
+    Parts of a block that is not convex are profiles drawn out to two sides: the faces where they meet have four corners.
     """
     owner, normal, offset = faces
     within = np.zeros(len(owner), dtype=bool)
@@ -67,16 +67,18 @@ def are_within(data: Mapping[str, Any], faces: Faces) -> np.ndarray:
         return within
     points, corner, first, start = (data[f"blocks/{name}"] for name in ("vertices", "face_vertex", "face_start", "vertex_start"))
     part = np.searchsorted(data["parts/face_start"], np.arange(len(owner)), side="right") - 1
-    for face in np.flatnonzero(np.diff(first) == 4).tolist():
-        of_block = np.flatnonzero((owner == owner[face]) & (part != part[face]))
-        vertices = points[start[owner[face]] : start[owner[face] + 1]]
+    for block in np.flatnonzero(np.bincount(data["parts/block"]) > 1).tolist():
+        of_block = np.arange(*np.searchsorted(owner, [block, block + 1]))
+        vertices = points[start[block] : start[block + 1]]
         beyond = _BEYOND * np.ptp(vertices, axis=0).max()
-        meets = (normal[of_block] @ normal[face] < -1.0 + _BEYOND) & (np.abs(offset[of_block] + offset[face]) < beyond)
-        if meets.any():
-            places = _between(points[corner[first[face] : first[face + 1]]], vertices) + beyond * normal[face]
-            outside = places @ normal[of_block].T - offset[of_block] > beyond
-            parts = [outside[:, part[of_block] == one].any(axis=1) for one in np.unique(part[of_block])]
-            within[face] = not np.all(parts, axis=0).any()
+        for face in of_block[np.diff(first)[of_block] == 4].tolist():
+            others = of_block[part[of_block] != part[face]]
+            meets = (normal[others] @ normal[face] < -1.0 + _BEYOND) & (np.abs(offset[others] + offset[face]) < beyond)
+            if meets.any():
+                places = _between(points[corner[first[face] : first[face + 1]]], vertices) + beyond * normal[face]
+                outside = places @ normal[others].T - offset[others] > beyond
+                parts = [outside[:, part[others] == one].any(axis=1) for one in np.unique(part[others])]
+                within[face] = not np.all(parts, axis=0).any()
     return within
 
 
@@ -86,5 +88,7 @@ def _between(loop: np.ndarray, vertices: np.ndarray) -> np.ndarray:
     for side in (loop[1] - loop[0], loop[3] - loop[0]):
         share = np.unique(np.clip([0.0, 1.0, *((vertices - loop[0]) @ side / (side @ side))], 0.0, 1.0))
         share = share[np.diff(share, prepend=-1.0) > _BEYOND]
-        middles.append(0.5 * (share[1:] + share[:-1])[:, None] * side)
-    return (loop[0] + middles[0][:, None] + middles[1]).reshape(-1, 3)
+        middles.append(0.5 * (share[1:] + share[:-1]))
+    along, across = middles[0][:, None, None], middles[1][None, :, None]
+    edge, opposite = ((1.0 - along) * loop[first] + along * loop[last] for first, last in ((0, 1), (3, 2)))
+    return ((1.0 - across) * edge + across * opposite).reshape(-1, 3)

@@ -21,7 +21,7 @@ from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
 LAYER, COLOUR = "layer:", "colour:"
 LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
-MOSTLY, WHOLE = 0.5, 0.8  # of an opening in a stone, and of the stone in the opening: a stone with more of it is a frame in the opening
+MOSTLY, WHOLE = 0.5, 0.8  # of an opening in a stone, and of the stone in all openings: a stone with more of it is a frame in an opening
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
 
@@ -180,16 +180,18 @@ def _refuse_holes(table: Drawing, outlines: list[Outline], openings: list[Outlin
     """Raise SceneError for an outline around an opening: nothing is cut out of it, so it would be built solid."""
     if not openings or not outlines:
         return
-    polygons, holes = ([shapely.Polygon(outline.points) for outline in some] for some in (outlines, openings))
+    polygons, holes = (np.array([shapely.Polygon(outline.points) for outline in some]) for some in (outlines, openings))
     hole, stone = shapely.STRtree(polygons).query(holes)
-    common = shapely.area(shapely.intersection(np.array(holes)[hole], np.array(polygons)[stone]))
-    around = (common > MOSTLY * shapely.area(holes)[hole]) & (common < WHOLE * shapely.area(polygons)[stone])
-    for one, other in zip(hole[around].tolist(), stone[around].tolist(), strict=True):
+    around = shapely.area(shapely.intersection(holes[hole], polygons[stone])) > MOSTLY * shapely.area(holes[hole])
+    hole, stone = hole[around], stone[around]
+    built = shapely.area(shapely.intersection(polygons[stone], shapely.union_all(holes))) < WHOLE * shapely.area(polygons[stone])
+    for one, other in zip(hole[built].tolist(), stone[built].tolist(), strict=True):
         x, z = (openings[one].points.mean(axis=0) + np.array(table.shift)).tolist()
         raise SceneError(
             f'{_at(table)}: the opening on layer "{openings[one].layer}" near ({x:.4g}, {z:.4g}) m',
             f'lies in an outline on layer "{outlines[other].layer}", and an opening cuts nothing out of a block',
-            hint="draw the block around the opening, from a hole with a slit of 1 mm to an edge; a layer of frames belongs in `ignore`",
+            hint="draw the block around the opening, with a slit of 1 mm from the hole to an edge; list a layer of frames in `ignore`, and "
+            "also the opening's own layer where the block may stay solid",
         )
 
 
