@@ -14,7 +14,6 @@ ONCE_ENDLESS = (  # with the true inertia of every block and without regard to s
     "slab 100000 times as heavy below", "block 20 times as high", "block 200 times as high",
 )  # fmt: skip
 LARGE = "tower of 1,000 blocks"  # it takes as long as all others together; one of 100 is in every run
-SWINGING = "block 200 times as high"  # its energies do not close to the 5 % that a verdict needs
 RESIDUAL = 1e-6  # of the mean block weight: what an answer called solved promises
 
 
@@ -68,7 +67,7 @@ def test_mixed_sizes_and_slender_blocks_come_to_their_plateau(name: str, tmp_pat
     yade, prediction = found.summary["yade"], found.summary["limit_analysis"]["coulomb"]
     assert yade["status"] == "plateau"
     assert abs(yade["reaction"] - prediction["reaction"]) <= yade["uncertainty"] + 1e-4 * found.summary["weight"]
-    assert found.summary["verdict"] == ("inconclusive" if name == SWINGING else "agree"), found.summary["reason"]
+    assert found.summary["verdict"] == "agree", found.summary["reason"]
 
 
 def test_every_quick_case_is_a_case() -> None:
