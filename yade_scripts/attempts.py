@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from la_core.exchange import EARLIER_ATTEMPT
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.faults import rattles
@@ -106,7 +107,7 @@ def make(case: Case, derived: Settings, run: Callable[[Case, Settings, float], P
         made = attempt.settings
         how = f"at {plan.pace:g} times the speed, {made.stiffening:g} times the stiffness and a damping ratio of {made.damping_ratio:g}"
         how += ", the swing damped" if made.swing_damping > 0.0 else ""
-        history += f"; before, {how}: {attempt.message}"
+        history += f"{EARLIER_ATTEMPT}{how}: {attempt.message}"
         before = attempt if attempt.status is Status.PLATEAU else None
         plan = again
 

@@ -10,6 +10,7 @@ from comparison.numbers import Units
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
+from la_core.exchange import EARLIER_ATTEMPT
 from la_core.limit import Solution, Status
 from la_core.measures import contact_states, joint_states, mechanism
 from la_core.model import Assembly
@@ -129,7 +130,7 @@ def _magnification(assembly: Assembly, methods: Sequence[Motion], wanted: float)
 
 def end_words(run: Run, weight: float) -> str:
     """Return how and why the last attempt of a run ended, in the units of a report of a structure of this weight, N."""
-    last, *_ = str(run.result["message"]).split("; before, ")
+    last, *_ = str(run.result["message"]).split(EARLIER_ATTEMPT)
     return Units(weight).words(f"{run.status}: {last}")
 
 

@@ -39,7 +39,7 @@ NO_THRUST = (
     "Look for a block that slides out and falls before the structure fails (`crosscheck show`), and hold it or leave it out. Under a "
     "live load no support can give the blocks a thrust."
 )
-SLIPPED = "The blocks stood at rest: a later jump may throw one, and one that slides by about the inset may slip off its joint."
+SLIPPED = "The blocks stood at rest. A later jump may throw a block. A block that slides by about the inset may slip off its joint."
 LONGER = (
     "Let YADE go farther in proportion to the strain of the joints, and slower: `crosscheck run --try-harder` does this. Where a short "
     "joint forces a small inset, and with it a short travel, remove that joint from the drawing."

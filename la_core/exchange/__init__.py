@@ -14,6 +14,7 @@ from la_core.exchange.dem_settings import (
 )
 from la_core.exchange.fields import (
     CASE_FIELDS,
+    EARLIER_ATTEMPT,
     FIRST_PREDICTION,
     FIXED,
     FREE,
@@ -38,6 +39,7 @@ from la_core.exchange.hdf5 import holds, inputs_digest, present, read, values_of
 __all__ = [
     "AT_STAKE",
     "CASE_FIELDS",
+    "EARLIER_ATTEMPT",
     "FIRST_PREDICTION",
     "FIXED",
     "FREE",

@@ -11,6 +11,7 @@ compression positive along the normal. An undefined number is NaN, never 0.
 from dataclasses import dataclass
 
 FREE, FIXED, SUPPORT = 0, 1, 2
+EARLIER_ATTEMPT = "; before, "  # in `result/message`: stands before each attempt but the last
 
 
 @dataclass(frozen=True)
@@ -209,7 +210,7 @@ RUN_FIELDS = (
     Field("result/steps", "i8", (), "", "time steps taken"),
     Field("result/seconds", "f8", (), "s", "wall time inside YADE"),
     Field("result/version", "str", (), "", "YADE version"),
-    Field("result/message", "str", (), "", "one sentence on how the run ended"),
+    Field("result/message", "str", (), "", 'how the last attempt ended; then each earlier one after "; before, "'),
     Field("settings/json", "str", (), "", "all settings as used, a JSON object"),
     Field("record/stage", "i8", ("T",), "", "0 gravity, 1 settlement or live load"),
     Field("record/time", "f8", ("T",), "s", "model time"),

@@ -196,7 +196,7 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
     assert record.is_cut and record.settlement() == pytest.approx(3e-3) and len(record.rows) == 3
     record.keep_plateau(2e-3 - 1e-9)
     assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 2e-3, 3e-3])
-    record.keep_plateau(np.nan)  # there is none
+    record.keep_plateau(np.nan)  # no plateau is known
     assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 3e-3])
 
 

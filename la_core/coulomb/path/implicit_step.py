@@ -99,8 +99,10 @@ def advance(
 
     Parameters
     ----------
-    joints, tangent : ElasticJoints, Tangent
-        Structure on its elastic joints, and its tangent matrices.
+    joints : ElasticJoints
+        Structure on its elastic joints.
+    tangent : Tangent
+        Its tangent matrices.
     before : State
         State at the start of the step.
     target : Target

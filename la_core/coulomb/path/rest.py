@@ -15,10 +15,11 @@ from la_core.coulomb.path.tangent import Tangent
 REST_DRAG, LAST_REST_DRAG = 1e-5, 1e-7  # of the stiffness of a contact point
 AT_REST = 1e-6  # of the travel: displacement in the last step to rest
 MOST_REST_STEPS = 300
-# Growing weights: the drag over the weight while blocks move by their sag; the first share of the weights, over the share at which the
-# contact points of the lightest block press it harder than the drag; growth of a step; its greatest and least length. Of 16
-# structures the same 13 came to rest with drags from 0.1 to 0.0001, and with ten times the first share.
-GROWING_DRAG, FIRST_SHARE, GROWING, LONGEST_SHARE, SHORTEST_SHARE = 3e-3, 1e-2, 1.6, 0.05, 1e-14
+# Of growing weights. Of 16 structures the same 13 came to rest with drags from 0.1 to 0.0001, and with ten times the first share.
+GROWING_DRAG = 3e-3  # of the weight, while all blocks move by the sag
+FIRST_SHARE = 1e-2  # of the share at which contact points press the lightest block harder than the drag
+GROWING = 1.6  # length of a step over that of the step before
+LONGEST_SHARE, SHORTEST_SHARE = 0.05, 1e-14  # of the weights, in one step
 MOST_GROWING_STEPS = 300  # also those that do not converge; random structures took 51 at most
 FALLEN = 1.0  # of the travel: a block that moves farther under gravity falls. YADE ends there, too.
 
