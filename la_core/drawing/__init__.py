@@ -1,7 +1,7 @@
 """Elevations from drawings: closed outlines with their layers and colours, from DXF and SVG files."""
 
 from la_core.drawing.cleaning import Cleaned, cleaned, straightened
-from la_core.drawing.outlines import CLIPPED, HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline
+from la_core.drawing.outlines import CLIPPED, HIDDEN, UNITS, Drawn, LayerCount, OpenOutline, Outline, by_layer
 from la_core.drawing.reading import DRAWING_FORMATS, read_outlines
 from la_core.drawing.remarks import open_words, remarks
 
@@ -15,6 +15,7 @@ __all__ = [
     "LayerCount",
     "OpenOutline",
     "Outline",
+    "by_layer",
     "cleaned",
     "open_words",
     "read_outlines",

@@ -10,7 +10,11 @@ MOST_NAMED = 3  # open outlines that a sentence names
 
 
 def remarks(
-    open_outlines: Sequence[OpenOutline], stray: Sequence[LayerCount], around: Sequence[LayerCount], across: Sequence[LayerCount]
+    open_outlines: Sequence[OpenOutline],
+    stray: Sequence[LayerCount],
+    around: Sequence[LayerCount],
+    across: Sequence[LayerCount],
+    covered: Sequence[LayerCount] = (),
 ) -> list[str]:
     """Sentences about a drawing; none for what it does not have.
 
@@ -24,8 +28,10 @@ def remarks(
         Outlines that are left out because others lie within them.
     across : sequence of LayerCount
         Lines that divide blocks of other layers.
+    covered : sequence of LayerCount
+        Openings that blocks cover in part.
     """
-    told = (open_words(open_outlines), _stray_words(stray), _around_words(around), _across_words(across))
+    told = (open_words(open_outlines), _stray_words(stray), _around_words(around), _across_words(across), _covered_words(covered))
     return [words for words in told if words]
 
 
@@ -65,6 +71,13 @@ def _across_words(lines: Sequence[LayerCount]) -> str:
         return ""
     hint = "a layer without joints belongs in `ignore`"
     return f"{_listed(lines, 'line')} from edge to edge of blocks on other layers {'divides' if _is_one(lines) else 'divide'} them; {hint}"
+
+
+def _covered_words(openings: Sequence[LayerCount]) -> str:
+    if not openings:
+        return ""
+    reaches, it = ("reaches", "it") if _is_one(openings) else ("reach", "them")
+    return f"{_listed(openings, 'opening')} {reaches} into blocks, which stay whole; draw these blocks around {it}"
 
 
 def _is_one(some: Sequence[LayerCount]) -> bool:

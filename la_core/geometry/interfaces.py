@@ -159,7 +159,11 @@ def near_pairs(blocks: Blocks, margin: np.ndarray) -> np.ndarray:
 def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> None:
     """Raise SceneError for blocks that overlap: the first pair, and others that a reader can mend with it."""
     found: dict[tuple[str, str], tuple[float, tuple[float, float, float]]] = {}
+    is_hole = False
     for a, b, depth, middle in overlaps(blocks, pairs, tolerance):
+        if not found:
+            inset = np.concatenate([blocks.low[b] - blocks.low[a], blocks.high[a] - blocks.high[b]])
+            is_hole = bool((inset >= 0.0).all() or (inset <= 0.0).all())  # one lies within the other
         found.setdefault((blocks.names[a], blocks.names[b]), (depth, middle))
         if len(found) > MOST_NAMED:
             break
@@ -168,11 +172,15 @@ def _refuse_overlaps(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -
     (pair, (depth, _)), *others = found.items()
     more = ", ".join(f'"{one}" and "{other}" by {far:.3g} m' for (one, other), (far, _) in others[: MOST_NAMED - 1])
     rule = f"overlap by about {depth:.3g} m" + (f"; so do {more}{', and others' if len(others) >= MOST_NAMED else ''}" if more else "")
+    hint = "blocks may touch but not share volume"
+    if depth <= MOST_MORTAR:
+        hint += "; [geometry] tolerance removes overlaps of up to twice the tolerance"
+    elif is_hole:
+        hint += "; draw a hole within the outline of its block, with a slit of 1 mm from the hole to an edge"
     raise SceneError(
         f'blocks "{pair[0]}" and "{pair[1]}"',
         rule,
-        hint="blocks may touch but not share volume"
-        + ("; [geometry] tolerance removes overlaps of up to twice the tolerance" if depth <= MOST_MORTAR else ""),
+        hint=hint,
         blocks=pair,
         spots=[middle for _, middle in found.values()],
     )

@@ -10,6 +10,7 @@ from la_core.drawing.outlines import Outline
 from la_core.errors import SceneError
 from la_core.geometry import Blocks
 from la_core.scene.generators.drawings import drawing_blocks, read_drawing
+from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.schema.drawing import Drawing
 
 STONES = [((x, z), (x + 0.5, z + 0.25)) for z in (0.0, 0.25) for x in (0.0, 0.5)]
@@ -104,9 +105,47 @@ def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(open
     (tmp_path / "pier.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
     table = Drawing(file="pier.svg", thickness=0.4, unit="mm", openings=("WINDOW",), shift=(10.0, 20.0))
     middle = 10.0 + (float(x) + float(width) / 2.0) / 1e3, 20.0 - (float(y) + float(height) / 2.0) / 1e3
-    with pytest.raises(SceneError, match='lies in an outline on layer "STONE"') as refused:
+    with pytest.raises(SceneError, match='lies in blocks on layer "STONE"') as refused:
         drawing_blocks(table, read_drawing(table, tmp_path), 0.0)
     assert f"near ({middle[0]:.4g}, {middle[1]:.4g}) m" in str(refused.value)
+
+
+def _wall_of_two(opening: str, folder: Path) -> tuple[Drawing, MeshFile]:
+    """Two stones beside each other, 2 by 0.7 m, and an opening across their joint."""
+    layers = {"LEFT": "0 0 1000 700", "RIGHT": "1000 0 1000 700", "WINDOW": opening}
+    rows = "".join(f'<g id="{layer}">{_rect(numbers)}</g>' for layer, numbers in layers.items())
+    (folder / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
+    table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",), shift=(10.0, 20.0))
+    return table, read_drawing(table, folder)
+
+
+def test_an_opening_across_several_stones_is_refused_however_little_of_it_lies_in_each(tmp_path: Path) -> None:
+    table, file = _wall_of_two("900 200 200 300", tmp_path)
+    with pytest.raises(SceneError, match='lies in blocks on layer "LEFT", "RIGHT"'):
+        drawing_blocks(table, file, 0.0)
+
+
+@pytest.mark.parametrize(("reach", "is_told"), [(5, False), (40, False), (60, True), (200, True)])
+def test_an_opening_that_reaches_into_stones_is_told_since_they_stay_whole(reach: int, is_told: bool, tmp_path: Path) -> None:
+    """It reaches `reach` mm of its 500 mm down into both."""
+    table, file = _wall_of_two(f"600 {reach - 500} 900 500", tmp_path)
+    shapes_built, counts = drawing_blocks(table, file, 0.0)
+    blocks = Blocks.gather(["left", "right"], ["free"] * 2, [1.0] * 2, [named.shape for named in shapes_built])
+    assert blocks.volume == pytest.approx([0.28, 0.28])
+    place = f"(the first near (11.05, {20.25 - reach / 1e3:.4g}) m)"
+    expected = (
+        f'drawing "wall.svg": 1 opening on layer "WINDOW" {place} reaches into blocks, which stay whole; draw these blocks around it.'
+    )
+    assert counts.warnings() == ((expected,) if is_told else ())
+
+
+@pytest.mark.parametrize(("share", "blocks"), [(0.7, 3), (0.9, 2)])
+def test_an_outline_with_most_of_it_in_an_opening_is_no_block(share: float, blocks: int, tmp_path: Path) -> None:
+    rows = f'<g id="STONE">{_rect("0 0 1000 700")}{_rect("1500 0 500 700")}{_rect(f"{1500 - 200 * share} 100 200 200")}</g>'
+    rows += f'<g id="WINDOW">{_rect("1000 0 500 700")}</g>'
+    (tmp_path / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
+    table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
+    assert len(drawing_blocks(table, read_drawing(table, tmp_path), 0.0)[0]) == blocks
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 0.005])

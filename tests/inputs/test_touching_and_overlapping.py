@@ -94,9 +94,13 @@ def test_overlap_is_refused_with_its_depth(depth) -> None:
     assert ("[geometry] tolerance removes" in str(refused.value)) == (depth < 0.05)  # a deeper one is no error of coordinates
 
 
-def test_block_inside_a_block_is_refused() -> None:
-    with pytest.raises(SceneError, match='blocks "a" and "b": overlap'):
-        find_interfaces(gathered(box((0.0, 0.0, 0.0), (3.0, 3.0, 3.0)), box((1.0, 1.0, 1.0), (2.0, 2.0, 2.0))))
+@pytest.mark.parametrize("high", [2.0, 4.0])
+def test_block_inside_a_block_is_refused_and_may_be_meant_as_a_hole(high: float) -> None:
+    around, inner = box((0.0, 0.0, 0.0), (3.0, 3.0, 3.0)), box((1.0, 1.0, 1.0), (2.0, 2.0, high))
+    for pair in ((around, inner), (inner, around)):
+        with pytest.raises(SceneError, match='blocks "a" and "b": overlap') as refused:
+            find_interfaces(gathered(*pair))
+        assert ("draw a hole within the outline of its block" in str(refused.value)) == (high < 3.0)
 
 
 def test_same_block_twice_is_refused() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, cleaned, open_words, read_outlines, remarks
+from la_core.drawing import UNITS, Cleaned, Drawn, LayerCount, OpenOutline, Outline, by_layer, cleaned, open_words, read_outlines, remarks
 from la_core.errors import SceneError, nearest
 from la_core.geometry import prism
 from la_core.scene.generators.mesh import MeshFile
@@ -21,7 +21,8 @@ from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
 INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
 LAYER, COLOUR = "layer:", "colour:"
 LISTS = ("ignore", "openings", "ground", "support", "blocks")  # the first that names a layer counts
-MOSTLY, WHOLE = 0.5, 0.8  # of an opening in a stone, and of the stone in all openings: a stone with more of it is a frame in an opening
+IN_OPENINGS = 0.8  # of its area: an outline with more of it in openings is no block, but a pane or a frame
+TOLD, REFUSED = 0.1, 0.5  # of an opening's area: blocks that stay whole cover so much of it
 ROLES_OF = {"ground": "fixed", "support": "support", "blocks": "free"}  # of the lists of layers
 
 
@@ -50,6 +51,8 @@ class DrawnBlocks:
         Outlines around others, which are left out.
     across : tuple of LayerCount
         Lines that divide blocks of other layers.
+    covered : tuple of LayerCount
+        Openings that blocks cover in part; the blocks stay whole.
     ignored : dict of int
         Number of entities of each kind that are no outlines, such as texts.
     """
@@ -68,6 +71,7 @@ class DrawnBlocks:
     stray_lines: tuple[LayerCount, ...]
     around: tuple[LayerCount, ...]
     across: tuple[LayerCount, ...]
+    covered: tuple[LayerCount, ...]
     ignored: dict[str, int]
 
     def as_dict(self) -> dict[str, Any]:
@@ -75,8 +79,8 @@ class DrawnBlocks:
         return asdict(self)
 
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what is open, divides no block or lies around others, and on lines that divide blocks of other layers."""
-        told = remarks(self.open_outlines, self.stray_lines, self.around, self.across)
+        """Sentences on what is open, divides no block, lies around others, divides blocks of other layers, or is covered by blocks."""
+        told = remarks(self.open_outlines, self.stray_lines, self.around, self.across, self.covered)
         return tuple(f'drawing "{self.file}": {words}.' for words in told)
 
 
@@ -116,9 +120,9 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     lists = [_list_of(table, outline.place) for outline in clean.outlines]
     opened = [outline for outline, place in zip(clean.outlines, lists, strict=True) if place == "openings"]
     built = [(outline, ROLES_OF[place]) for outline, place in zip(clean.outlines, lists, strict=True) if place in ROLES_OF]
-    _refuse_holes(table, [outline for outline, _ in built], opened)
     outside = _outside([outline for outline, _ in built], opened)
     built = [one for one, is_outside in zip(built, outside, strict=True) if is_outside]
+    covered = _covered(table, [outline for outline, _ in built], opened)
     if not built:
         rule = "holds no closed outline" if not clean.outlines else "holds no outline of a block"
         raise SceneError(_at(table), rule, hint=nothing_found(clean, drawn))
@@ -127,10 +131,10 @@ def drawing_blocks(table: Drawing, file: MeshFile, tolerance: float) -> tuple[li
     shapes = [_named(table, number, outline, role) for number, (outline, role) in enumerate(built, 1)]
     compounds = sum(len(named.shape.parts) > 1 for named in shapes)
     counts = (clean.doubles, clean.specks, clean.loose, clean.straightened, int(np.sum(~outside)))
-    left_out = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around, clean.across)
-    open_ones, stray, around, across = (_shifted(some, table) for some in left_out)
+    told = (clean.open_outlines, clean.stray([outline for outline, _ in built]), clean.around, clean.across, covered)
+    open_ones, stray, around, across, covered = (_shifted(some, table) for some in told)
     return shapes, DrawnBlocks(
-        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, across, drawn.ignored
+        table.file, drawn.unit, len(shapes), compounds, len(opened), *counts, open_ones, stray, around, across, covered, drawn.ignored
     )
 
 
@@ -176,32 +180,38 @@ def _list_of(table: Drawing, place: tuple[str, str]) -> str:
     return next((key for key, patterns in every.items() if _names(patterns, place)), "ignore")
 
 
-def _refuse_holes(table: Drawing, outlines: list[Outline], openings: list[Outline]) -> None:
-    """Raise SceneError for an outline around an opening: nothing is cut out of it, so it would be built solid."""
+def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
+    """Mask of the outlines that do not lie in openings."""
     if not openings or not outlines:
-        return
-    polygons, holes = (np.array([shapely.Polygon(outline.points) for outline in some]) for some in (outlines, openings))
-    hole, stone = shapely.STRtree(polygons).query(holes)
-    around = shapely.area(shapely.intersection(holes[hole], polygons[stone])) > MOSTLY * shapely.area(holes[hole])
-    hole, stone = hole[around], stone[around]
-    built = shapely.area(shapely.intersection(polygons[stone], shapely.union_all(holes))) < WHOLE * shapely.area(polygons[stone])
-    for one, other in zip(hole[built].tolist(), stone[built].tolist(), strict=True):
-        x, z = (openings[one].points.mean(axis=0) + np.array(table.shift)).tolist()
+        return np.ones(len(outlines), dtype=bool)
+    polygons = _polygons(outlines)
+    inside = shapely.area(shapely.intersection(polygons, shapely.union_all(_polygons(openings))))
+    return np.asarray(inside < IN_OPENINGS * shapely.area(polygons))
+
+
+def _covered(table: Drawing, blocks: list[Outline], openings: list[Outline]) -> tuple[LayerCount, ...]:
+    """Openings that blocks cover in part, by layer; raises SceneError for one that mostly lies in blocks: it would be built solid."""
+    if not openings or not blocks:
+        return ()
+    stones, holes = _polygons(blocks), _polygons(openings)
+    hole, stone = shapely.STRtree(stones).query(holes)
+    shared = shapely.area(shapely.intersection(holes[hole], stones[stone])) / shapely.area(holes)[hole]
+    share = np.bincount(hole, weights=shared, minlength=len(holes))
+    worst = int(np.argmax(share))
+    if share[worst] > REFUSED:
+        x, z = (openings[worst].points.mean(axis=0) + np.array(table.shift)).tolist()
+        layers = ", ".join(dict.fromkeys(f'"{blocks[k].layer}"' for k in stone[(hole == worst) & (shared > 0.0)].tolist()))
         raise SceneError(
-            f'{_at(table)}: the opening on layer "{openings[one].layer}" near ({x:.4g}, {z:.4g}) m',
-            f'lies in an outline on layer "{outlines[other].layer}", and an opening cuts nothing out of a block',
+            f'{_at(table)}: the opening on layer "{openings[worst].layer}" near ({x:.4g}, {z:.4g}) m',
+            f"lies in blocks on layer {layers}, and an opening cuts nothing out of a block",
             hint="draw the block around the opening, with a slit of 1 mm from the hole to an edge; list a layer of frames in `ignore`, and "
             "also the opening's own layer where the block may stay solid",
         )
+    return by_layer((openings[k].layer, openings[k].points) for k in np.flatnonzero(share > TOLD))
 
 
-def _outside(outlines: list[Outline], openings: list[Outline]) -> np.ndarray:
-    """Mask of the outlines that do not lie in an opening."""
-    if not openings or not outlines:
-        return np.ones(len(outlines), dtype=bool)
-    polygons = shapely.polygons([shapely.linearrings(outline.points) for outline in outlines])
-    holes = shapely.union_all([shapely.Polygon(outline.points) for outline in openings])
-    return ~np.asarray(shapely.contains_properly(holes, shapely.point_on_surface(polygons)))
+def _polygons(outlines: list[Outline]) -> np.ndarray:
+    return np.array([shapely.Polygon(outline.points) for outline in outlines])
 
 
 def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedShape:
