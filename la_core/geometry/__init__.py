@@ -7,7 +7,7 @@ from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
 from la_core.geometry.polygons import next_corners, overlap_of, owners, plane_axes, polygons_of
-from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, loft, polyhedron, prism
+from la_core.geometry.shapes import FACE_FLATNESS, Shape, box, compound, divided_loft, loft, polyhedron, prism
 
 __all__ = [
     "FACE_FLATNESS",
@@ -21,6 +21,7 @@ __all__ = [
     "box",
     "compound",
     "contact_points",
+    "divided_loft",
     "face_corners",
     "face_pairs",
     "face_polygons",

@@ -1,7 +1,7 @@
 """Shapes of single blocks: boxes, prisms, lofts and polyhedra as vertices and faces, and compounds of such convex parts."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -9,6 +9,7 @@ import shapely
 
 from la_core.errors import SceneError
 from la_core.geometry.division import FLATNESS, convex_parts, without_straight_corners
+from la_core.geometry.polygons import plane_axes
 
 ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
 STEEP = 0.1  # sine of the angle to a face from which on an edge leads away from it, however short it is
@@ -27,11 +28,20 @@ class Shape:
         Loop of vertices of each face, part after part, counter-clockwise seen from outside.
     part_sizes : tuple of pairs of int
         Number of vertices and of faces of each convex part; () where there is one part.
+    outline : (2, n, 3) array or None
+        Corners of the front and of the back of a body of several parts between the two, each front counter-clockwise seen from outside, m;
+        None for any other body.
     """
 
     vertices: np.ndarray
     faces: tuple[tuple[int, ...], ...]
     part_sizes: tuple[tuple[int, int], ...] = ()
+    outline: np.ndarray | None = None
+
+    def moved(self, motion: Callable[[np.ndarray], np.ndarray]) -> "Shape":
+        """The shape after a motion that maps points (..., 3), m."""
+        outline = None if self.outline is None else motion(self.outline)
+        return replace(self, vertices=motion(self.vertices), outline=outline)
 
     @property
     def parts(self) -> "tuple[Shape, ...]":
@@ -46,14 +56,14 @@ class Shape:
         return tuple(parts)
 
 
-def compound(parts: Sequence[Shape]) -> Shape:
-    """One shape of convex parts that touch each other in faces; they move as one block."""
+def compound(parts: Sequence[Shape], outline: np.ndarray | None = None) -> Shape:
+    """One shape of convex parts that touch each other in faces; they move as one block. outline: see `Shape`."""
     if len(parts) == 1:
         return parts[0]
     start = np.cumsum([0, *(len(part.vertices) for part in parts)])
     faces = [tuple(corner + int(first) for corner in loop) for part, first in zip(parts, start, strict=False) for loop in part.faces]
     sizes = tuple((len(part.vertices), len(part.faces)) for part in parts)
-    return Shape(np.concatenate([part.vertices for part in parts]), tuple(faces), sizes)
+    return Shape(np.concatenate([part.vertices for part in parts]), tuple(faces), sizes, outline)
 
 
 def box(low: Sequence[float], high: Sequence[float]) -> Shape:
@@ -93,7 +103,30 @@ def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
         raise ValueError("the profile has no area")
     if not shapely.is_valid(shapely.Polygon(points)):
         raise ValueError("the profile crosses itself")
-    return compound([_extruded(part.tolist(), y) for part in convex_parts(points)])
+    outline = np.array([[(x, depth, z) for x, z in points] for depth in y])
+    return compound([_extruded(part.tolist(), y) for part in convex_parts(points)], outline)
+
+
+def divided_loft(front: np.ndarray, back: np.ndarray, normal: np.ndarray) -> Shape:
+    """Body between two plane outlines of n corners each, `front` and `back` (n, 3), m; a compound where the outlines are not convex.
+
+    `front` is counter-clockwise seen from outside, where its unit normal (3,) points. Raises ValueError where it crosses itself.
+    """
+    flat = (front - front[0]) @ np.concatenate(plane_axes(normal[None])).T
+    if not (shapely.Polygon(flat).is_valid and shapely.LinearRing(flat).is_ccw):
+        raise ValueError("the outline crosses itself")
+    parts = [loft(*_on_both(part, flat, front, back)) for part in convex_parts(flat)]
+    return compound(parts, np.stack([front, back]))
+
+
+def _on_both(part: np.ndarray, flat: np.ndarray, front: np.ndarray, back: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (m, 2) of a part, as (m, 3) on front and back, m; those where cuts end lie on both as the corners of the outline do."""
+    columns = [np.column_stack([points, np.ones(len(points))]) for points in (flat, part)]
+    sides = [columns[1] @ np.linalg.lstsq(columns[0], side, rcond=None)[0] for side in (front, back)]
+    corner, of_outline = np.nonzero((part[:, None] == flat[None]).all(axis=2))
+    for side, moved in zip(sides, (front, back), strict=True):
+        side[corner] = moved[of_outline]
+    return sides[0], sides[1]
 
 
 def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATNESS) -> Shape:

@@ -10,10 +10,10 @@ import scipy
 from la_core.errors import SceneError
 from la_core.geometry import Blocks, Shape, compound, near_pairs, next_corners, overlaps, owners, polyhedron
 from la_core.repair.facing import Facing, facing_faces
+from la_core.repair.outline_motion import MovedOutline, moved_outline, onto_planes
 from la_core.repair.planes import common_planes
 from la_core.repair.repairs import Repairs, Unclosed
 
-PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do not determine a corner along their line
 MOST_MOVE = 5.0  # over the motion of a face: a corner between oblique faces moves farther than they do
 PLANE = 1e-7  # of a block's size: a corner this close to a plane lies on it
 FIT = 1.5  # over the tolerance: largest distance of a corner from a plane fitted to the corners of many blocks
@@ -58,11 +58,19 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     pairs = facing_faces(parts, owner, reach[owner])
     limit = (FIT * tolerance + joints / 2.0)[owner[parts.face_block]]
     normal, offset, closed = common_planes(parts, pairs, _twins(parts, owner), limit)
-    moved = _moved_vertices(parts, normal, offset)
-    distance = np.linalg.norm(moved - parts.vertices, axis=1)
-    farthest = int(np.argmax(distance))
-    _refuse_far(parts, moved, normal, offset, MOST_MOVE * (tolerance + joints.max() / 2.0), origin)
-    pieces, owner_left = _pieces(parts, owner, moved, normal, offset)
+    most = MOST_MOVE * (tolerance + joints.max() / 2.0)
+    whole = _moved_outlines(shapes, origin, parts, owner, normal, offset, most)
+    single = ~np.isin(owner, list(whole))  # parts that move each by itself
+    moved = onto_planes(parts.vertices, parts.face_vertex, normal[owners(parts.face_start)], offset[owners(parts.face_start)])
+    moved[~single[parts.vertex_block]] = parts.vertices[~single[parts.vertex_block]]
+    _refuse_far(parts, moved, normal, offset, most, origin)
+    largest = np.zeros(len(shapes))
+    np.maximum.at(largest, owner[parts.vertex_block], np.linalg.norm(moved - parts.vertices, axis=1))
+    largest[list(whole)] = [one.largest_move for one in whole.values()]
+    farthest = int(np.argmax(largest))
+    pieces, owner_left = _pieces(parts, owner, single, moved, normal, offset)
+    pieces += [part for one in whole.values() for part in one.parts]
+    owner_left = np.concatenate([owner_left, np.repeat(list(whole), [len(one.parts) for one in whole.values()]).astype(int)])
     found = _cut_overlaps(names, pieces, owner_left, float(reach.max()))
     wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
     unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
@@ -70,8 +78,8 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     repairs = Repairs(
         tolerance=tolerance,
         joint_width=float(joints.max()),
-        largest_move=float(distance[farthest]),
-        moved_block=names[owner[parts.vertex_block[farthest]]] if distance[farthest] > 0.0 else "",
+        largest_move=float(largest[farthest]),
+        moved_block=names[farthest] if largest[farthest] > 0.0 else "",
         gaps_closed=int(np.sum(closed & (widest > CLOSED))),
         overlaps_closed=int(np.sum(closed & (widest < -CLOSED))),
         overlaps_cut=found.cut,
@@ -82,7 +90,7 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
 
 
 def _shifted(shape: Shape, shift: np.ndarray) -> Shape:
-    return replace(shape, vertices=shape.vertices + shift) if shift.any() else shape
+    return shape.moved(lambda points: points + shift) if shift.any() else shape
 
 
 def _twins(parts: Blocks, owner: np.ndarray) -> np.ndarray:
@@ -103,16 +111,18 @@ def _on_one_plane(normal: np.ndarray, offset: np.ndarray, size: float) -> np.nda
     return np.asarray(np.triu(level, 1))
 
 
-def _moved_vertices(parts: Blocks, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Vertices (V, 3), each moved the least way onto all planes of its faces, m."""
-    face = owners(parts.face_start)
-    lack = offset[face] - np.sum(normal[face] * parts.vertices[parts.face_vertex], axis=1)
-    matrix, right = np.zeros((len(parts.vertices), 3, 3)), np.zeros((len(parts.vertices), 3))
-    np.add.at(matrix, parts.face_vertex, normal[face][:, :, None] * normal[face][:, None, :])
-    np.add.at(right, parts.face_vertex, normal[face] * lack[:, None])
-    values, axes = np.linalg.eigh(matrix)
-    inverse = np.where(values > PARALLEL * values[:, -1:], 1.0 / np.maximum(values, np.finfo(float).tiny), 0.0)
-    return np.asarray(parts.vertices + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
+def _moved_outlines(
+    shapes: Sequence[Shape], origin: np.ndarray, parts: Blocks, owner: np.ndarray, normal: np.ndarray, offset: np.ndarray, most: float
+) -> dict[int, MovedOutline]:
+    """The blocks of several parts between front and back that move as wholes, each by at most `most` (m)."""
+    found = {}
+    for block, shape in enumerate(shapes):
+        if shape.outline is not None:
+            faces = owner[parts.face_block] == block
+            moved = moved_outline(_shifted(shape, -origin), normal[faces], offset[faces], most)
+            if moved is not None:
+                found[block] = moved
+    return found
 
 
 def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray, limit: float, origin: np.ndarray) -> None:
@@ -133,18 +143,19 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
             raise SceneError(f'block "{name}"', rule, hint=hint, blocks=[name])
 
 
-def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> tuple[list[Shape], np.ndarray]:
-    """The parts with moved vertices, and the block of each; a part that would be folded, or with two faces on one plane, is made anew.
+def _pieces(
+    parts: Blocks, owner: np.ndarray, single: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray
+) -> tuple[list[Shape], np.ndarray]:
+    """The `single` parts with moved vertices, and the block of each; one that would be folded, or has two faces on a plane, is made anew.
 
-    It is then the body behind its planes, with those faces alone that still bound it, and without a corner on a straight edge.
-
+    Such a part is then the body behind its planes, with those faces alone that still bound it, and without a corner on a straight edge.
     Parts of which nothing is left are dropped; raises SceneError for a block without another part.
     """
     size = np.linalg.norm(parts.high - parts.low, axis=1)
     edge = np.linalg.norm(moved[parts.face_vertex[next_corners(parts.face_start)]] - moved[parts.face_vertex], axis=1)
     shortest = np.minimum.reduceat(edge, parts.face_start[:-1][parts.part_face_start[:-1]])
     shapes: list[Shape | None] = []
-    for part in range(len(parts)):
+    for part in np.flatnonzero(single).tolist():
         first, last = parts.vertex_start[part], parts.vertex_start[part + 1]
         low, high = parts.part_face_start[part], parts.part_face_start[part + 1]
         beyond = moved[first:last] @ normal[low:high].T - offset[low:high]
@@ -156,11 +167,12 @@ def _pieces(parts: Blocks, owner: np.ndarray, moved: np.ndarray, normal: np.ndar
         else:
             planes = normal[low:high][~again], offset[low:high][~again]
             shapes.append(_between(*planes, moved[first:last].mean(axis=0), PLANE * size[part]))
-    left = np.array([shape is not None for shape in shapes])
-    gone = np.setdiff1d(owner, owner[left])
+    left = np.array([shape is not None for shape in shapes], dtype=bool)
+    block = owner[single]
+    gone = np.setdiff1d(block, block[left])
     if len(gone):
         raise _nothing_left(parts, int(np.argmax(owner == gone[0])))
-    return [shape for shape in shapes if shape is not None], owner[left]
+    return [shape for shape in shapes if shape is not None], block[left]
 
 
 def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: float) -> Shape | None:

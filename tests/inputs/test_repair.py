@@ -10,9 +10,11 @@ import scenes
 from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.geometry import find_interfaces
+from la_core.geometry import Blocks, find_interfaces
 from la_core.limit.problem import Drive
+from la_core.repair import close_joints
 from la_core.scene import Scene
+from la_core.scene.generators.placing import leaning, turned
 
 LENGTH, HEIGHT, DEPTH = 0.6, 0.3, 0.4
 ROUND_OFF = 1e-9
@@ -221,3 +223,45 @@ def test_a_part_thinner_than_its_errors_may_vanish() -> None:
     parts = (scenes.block("a", prism=(step, (0.0, 1.0))), scenes.block("b", prism=(above, (0.0, 1.0))))
     scene = scenes.build(*scenes.base(0.5, 1.0), *parts, scenes.table("geometry", tolerance=0.0012))
     assert ("a", "b") in joints(scene) and scene.blocks.volume[-2:].sum() == pytest.approx(1.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.002])
+def test_stones_that_lean_and_are_not_convex_close_their_joints_too(gap: float) -> None:
+    """Front and back of both lean, and both are turned in plan: the cut through the first one ends within its outline on either side."""
+    step = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0), (0.0, 1.0)]
+    beside = [(0.5 + gap, 0.5 + gap), (1.0, 0.5 + gap), (1.0, 1.0), (0.5 + gap, 1.0)]
+    shapes = [turned(leaning(one, (0.0, 0.4), (0.05, 0.38), (0.0, 1.0)), (0.0, 0.0, 0.0), 30.0) for one in (step, beside)]
+    closed, repairs = close_joints(["step", "beside"], shapes, 0.002, np.zeros(2))
+    blocks = Blocks.gather(["step", "beside"], ["fixed", "free"], [1.0, 1.0], closed)
+    assert len(closed[0].parts) == 2
+    assert repairs.largest_move <= gap + ROUND_OFF
+    assert len(find_interfaces(blocks)) == 2
+    by_height = 0.4 - 0.07 * np.array([0.25, 0.75])  # depth in the middle of the lower and of the upper half, m
+    assert blocks.volume == pytest.approx([0.5 * by_height[0] + 0.25 * by_height[1], 0.25 * by_height[1]], abs=0.5 * gap * 0.4 + ROUND_OFF)
+    assert blocks.volume.sum() == pytest.approx(0.5 * by_height.sum(), abs=ROUND_OFF)
+
+
+JOGGLE = [(0.0, 0.0), (0.0, 0.15), (-0.05, 0.15), (-0.05, 0.3)]  # a joint between two stones that rest on each other by a step, m
+
+
+def joggled_arch(error: float, seed: int, tolerance: float) -> Scene:
+    """A flat arch of a keystone and two stones on each side, whose joints are stepped; corners are wrong by up to `error`, m."""
+    left, right = ([[(x + side * px, z) for px, z in JOGGLE] for x in places] for side, places in ((1, (0.2, 0.4)), (-1, (0.6, 0.8))))
+    ends = [[(-0.2, 0.0), (-0.2, 0.3)], *left, *right, [(1.2, 0.0), (1.2, 0.3)]]
+    chance = np.random.default_rng(seed)
+    held = [((-0.2, -0.2), (0.2, 0.0), "fixed"), ((0.8, -0.2), (1.2, 0.0), "support")]
+    parts = [scenes.block(role, role=role, box=((a[0], 0.0, a[1]), (b[0], 0.3, b[1]))) for a, b, role in held]
+    for number, (before, after) in enumerate(pairwise(ends)):
+        corners = np.array([*after, *before[::-1]])
+        parts.append(scenes.block(f"{number}", prism=((corners + chance.uniform(-error, error, corners.shape)).tolist(), (0.0, 0.3))))
+    return scenes.build(*parts, scenes.table("geometry", tolerance=tolerance))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_surveyed_stones_with_steps_have_the_joints_of_the_true_ones(seed: int) -> None:
+    """The cut through such a stone is all but level with its steps: its parts alone would slide far along it."""
+    true, survey = joggled_arch(0.0, 0, 0.001), joggled_arch(0.003, seed, 0.006)
+    assert joints(survey) == joints(true)
+    assert len(joints(true)) == 2 + 4 * 3
+    assert not survey.repairs.unclosed
+    assert survey.weight == pytest.approx(true.weight, rel=0.02)

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from la_core.geometry import Shape, compound, loft, prism
+from la_core.geometry import Shape, prism
 
 Corner = tuple[float, float]  # x and z, m
 QUARTER = {0: (1.0, 0.0), 1: (0.0, 1.0), 2: (-1.0, 0.0), 3: (0.0, -1.0)}  # cosine and sine of quarter turns, without round-off
@@ -28,14 +27,14 @@ def leaning(profile: Sequence[Corner], foot: tuple[float, float], head: tuple[fl
     """
     if foot == head:
         return prism(profile, foot)
-    upright = prism(profile, (0.0, 1.0))  # checks the profile and turns it the right way round
-    parts = []
-    for part in upright.parts:
-        corners = part.vertices[: len(part.vertices) // 2]
-        share = ((corners[:, 2] - height[0]) / (height[1] - height[0]))[:, None]
-        sides = [np.hstack([corners[:, :1], (1.0 - share) * foot[side] + share * head[side], corners[:, 2:]]) for side in (0, 1)]
-        parts.append(loft(sides[0], sides[1]))
-    return compound(parts)
+
+    def lean(points: np.ndarray) -> np.ndarray:
+        """Points (..., 3) of an upright prism of unit depth, where they lie in the solid, m."""
+        share, side = (points[..., 2] - height[0]) / (height[1] - height[0]), points[..., 1]
+        front, back = ((1.0 - share) * foot[k] + share * head[k] for k in (0, 1))
+        return np.stack([points[..., 0], np.where(side == 0.0, front, back), points[..., 2]], axis=-1)
+
+    return prism(profile, (0.0, 1.0)).moved(lean)
 
 
 def turned(shape: Shape, about: Sequence[float], degrees: float) -> Shape:
@@ -45,4 +44,4 @@ def turned(shape: Shape, about: Sequence[float], degrees: float) -> Shape:
     angle = math.radians(degrees)
     cosine, sine = QUARTER[int(degrees // 90.0) % 4] if degrees % 90.0 == 0.0 else (math.cos(angle), math.sin(angle))
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    return replace(shape, vertices=(shape.vertices - about) @ turn.T + about)
+    return shape.moved(lambda points: (points - about) @ turn.T + about)

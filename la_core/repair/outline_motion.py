@@ -1,0 +1,103 @@
+"""Blocks that are not convex: the corners of their outline follow the faces of the block, and the outline is divided anew.
+
+The cuts between the convex parts of a block are lines that nobody drew. Where a cut is all but level with a face, a corner of its part
+that had to stay on both would slide far along them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.geometry import Shape, divided_loft
+
+ON_LINE = 1e-7  # of a block's size: an edge of a part this close to one of the outline lies on it
+PARALLEL = 1e-6  # of the greatest eigenvalue: planes this nearly parallel do not determine a corner along their line
+
+
+@dataclass(frozen=True)
+class MovedOutline:
+    """Convex parts of a block whose outline moved.
+
+    Attributes
+    ----------
+    parts : tuple of Shape
+        The parts.
+    largest_move : float
+        Largest displacement of a corner, m.
+    """
+
+    parts: tuple[Shape, ...]
+    largest_move: float
+
+
+def moved_outline(shape: Shape, normal: np.ndarray, offset: np.ndarray, limit: float) -> MovedOutline | None:
+    """Move the outline of a block onto the moved planes of its faces, and divide it anew.
+
+    None where the moved outline crosses itself, or the surface would move by more than `limit` (m).
+
+    Parameters
+    ----------
+    shape : Shape
+        The block, of several parts between the same front and back.
+    normal, offset : (F, 3) and (F,) arrays
+        Moved planes of the faces of all parts; offsets in m.
+    limit : float
+        Largest motion of the surface, m.
+    """
+    face = None if shape.outline is None else _faces_of_edges(shape, shape.outline[0])
+    if shape.outline is None or face is None:
+        return None
+    n = len(face)
+    edges = np.stack([face, np.roll(face, 1)], axis=1)  # the edges after and before each corner
+    planes = np.concatenate([np.column_stack([edges, np.full(n, cap)]) for cap in (0, 1)])  # faces 0 and 1 are front and back
+    corners = shape.outline.reshape(-1, 3)
+    moved = onto_planes(corners, np.repeat(np.arange(2 * n), 3), normal[planes.ravel()], offset[planes.ravel()])
+    depth = np.abs(np.einsum("kpi,ki->kp", normal[planes], corners) - offset[planes])
+    if depth.max() > limit:
+        return None
+    try:
+        parts = divided_loft(moved[:n], moved[n:], normal[0]).parts
+    except ValueError:
+        return None
+    return MovedOutline(parts, float(np.linalg.norm(moved - corners, axis=1).max()))
+
+
+def onto_planes(points: np.ndarray, point: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Points (n, 3), each moved the least way onto all of its planes, m.
+
+    point (p,): the point of each plane with its normal (p, 3) and offset (p,), m.
+    """
+    lack = offset - np.sum(normal * points[point], axis=1)
+    matrix, right = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
+    np.add.at(matrix, point, normal[:, :, None] * normal[:, None, :])
+    np.add.at(right, point, normal * lack[:, None])
+    values, axes = np.linalg.eigh(matrix)
+    inverse = np.where(values > PARALLEL * values[:, -1:], 1.0 / np.maximum(values, np.finfo(float).tiny), 0.0)
+    return np.asarray(points + np.einsum("vij,vj,vkj,vk->vi", axes, inverse, axes, right))
+
+
+def _faces_of_edges(shape: Shape, corners: np.ndarray) -> np.ndarray | None:
+    """A face (n,) of a part along each edge of the outline, from each of its corners (n, 3) to the next; None where an edge has none."""
+    sides = list(_sides(shape))
+    face, first, last = np.array([side[0] for side in sides]), np.array([side[1] for side in sides]), np.array([side[2] for side in sides])
+    along = np.roll(corners, -1, axis=0) - corners
+    length = np.linalg.norm(along, axis=1)
+    unit = along / length[:, None]
+    near = ON_LINE * float(np.ptp(corners, axis=0).max())
+    ends = [point[None] - corners[:, None] for point in (first, last)]
+    start, end = (np.einsum("ksi,ki->ks", arm, unit) for arm in ends)
+    off = np.maximum(*(np.linalg.norm(np.cross(arm, unit[:, None]), axis=2) for arm in ends))
+    shared = np.minimum(end, length[:, None]) - np.maximum(start, 0.0)  # negative where the side runs the other way
+    is_along = (off <= near) & (shared > near)
+    return face[is_along.argmax(axis=1)] if is_along.any(axis=1).all() else None
+
+
+def _sides(shape: Shape) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Number of each face between front and back of all parts, and both ends of its edge at the front, in the order of the front."""
+    start = 0
+    for part in shape.parts:
+        front = part.vertices[: len(part.vertices) // 2]
+        for k, (first, last) in enumerate(zip(front, np.roll(front, -1, axis=0), strict=True)):
+            yield start + 2 + k, first, last
+        start += len(part.faces)
