@@ -148,7 +148,7 @@ def _done(job: Job, listener: Listener) -> JobOutcome:
         mechanisms["coulomb"] = analysis.coulomb.twists
     if run is not None and summary["yade"] is not None:  # without YADE a run of an earlier call may still be stored
         mechanisms["yade"] = run.mechanism()
-    labels = {method: mechanism_label(analysis.assembly.blocks, twists) for method, twists in mechanisms.items()}
+    labels = {method: mechanism_label(analysis.assembly, twists) for method, twists in mechanisms.items()}
     answers = answers_of(summary, labels)
     answers["reason"] = _shortened(answers["reason"] or "", job)
     state = "failed" if answers["yade_status"] in ("missing", "failed") else "done"

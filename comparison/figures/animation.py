@@ -178,4 +178,4 @@ def _moves(assembly: Assembly, method: Motion) -> np.ndarray:
     """Return the mask (B,) of the free blocks that move, or that fall where there is no mechanism."""
     if not np.isfinite(method.twists).all():
         return (assembly.blocks.role == FREE) & np.isin(assembly.blocks.names, method.falling)
-    return mechanism.moving(assembly.blocks, method.twists)
+    return mechanism.moving(assembly, method.twists)

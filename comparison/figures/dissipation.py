@@ -100,7 +100,7 @@ def _draw_blocks(canvas: Canvas, assembly: Assembly, displacement: np.ndarray) -
     """Draw the displaced blocks, and the outlines of the moving blocks at rest."""
     blocks = assembly.blocks
     vertices = blocks.vertices + mechanism.point_velocity(blocks, displacement, blocks.vertices, blocks.vertex_block)
-    moves, roles = mechanism.moving(blocks, displacement), drawn_roles(assembly)
+    moves, roles = mechanism.moving(assembly, displacement), drawn_roles(assembly)
     face = [MOVES if is_moving else ROLE_FACE[role] for is_moving, role in zip(moves, roles, strict=True)]
     canvas.solids(vertices, face, [ROLE_HATCH[role] for role in roles])
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)

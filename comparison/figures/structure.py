@@ -146,7 +146,7 @@ def mechanism_figure(
 
 def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, factor: float, colour: str) -> None:
     blocks = assembly.blocks
-    moves = mechanism.moving(blocks, twists)
+    moves = mechanism.moving(assembly, twists)
     vertices = blocks.vertices + factor * mechanism.point_velocity(blocks, twists, blocks.vertices, blocks.vertex_block)
     canvas.solids(vertices, *looks(assembly, moves, colour))
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)

@@ -11,7 +11,7 @@ import numpy as np
 from comparison.judge.tolerances import reaction_tolerance
 from comparison.verdict import Check, Verdict
 from comparison.yade import Results
-from la_core.measures import MOVING_SHARE, block_speeds, mechanism, residuals
+from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, mechanism, residuals
 
 SIMILAR = 0.95  # modal assurance of two mechanisms that are the same to the eye
 ADMISSIBLE = 0.02  # of the fastest block: joints' elastic strain while YADE's mechanism moves, which the flow rule does not know
@@ -41,7 +41,7 @@ def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, i
         reason = "YADE stored fewer than two states on the plateau, so its mechanism is unknown."
         yield Check("mechanism similarity", Verdict.INCONCLUSIVE, reason=reason, next_step=MORE_STATES)
         return
-    moves = [mechanism.moving(blocks, motion) for motion in (predicted, twists)]
+    moves = [mechanism.moving(assembly, motion) for motion in (predicted, twists)]
     at_rest = not any(moving.any() for moving in moves)
     alike = 1.0 if at_rest else mechanism.similarity(blocks, predicted, twists)
     mass = 0.0 if at_rest else _mass_in_one_only(results, predicted, moves)
@@ -66,7 +66,7 @@ def _mass_in_one_only(results: Results, predicted: np.ndarray, moves: list[np.nd
     """
     assembly, twists = results.analysis.assembly, results.recorded.mechanism()
     blocks = assembly.blocks
-    fastest = max(block_speeds(blocks, motion).max() for motion in (predicted, twists))
+    fastest = max(fastest_speed(assembly, motion) for motion in (predicted, twists))
     apart = block_speeds(blocks, twists - predicted) > MOVING_SHARE * fastest
     return float(blocks.mass[(moves[0] != moves[1]) & apart].sum() / assembly.movable_mass)
 

@@ -74,7 +74,7 @@ def _mechanism_facts(results: Results) -> dict[str, Any]:
     assembly = results.analysis.assembly
     shown = {"yade" if method.label == "YADE" else "limit_analysis": method for method in motions(results).methods}
     known = {name: method for name, method in shown.items() if np.isfinite(method.twists).all()}
-    moving = {name: int(mechanism.moving(assembly.blocks, method.twists).sum()) for name, method in known.items()}
+    moving = {name: int(mechanism.moving(assembly, method.twists).sum()) for name, method in known.items()}
     facts: dict[str, Any] = {"moving_blocks": moving, "joints_of_one_method": {}}
     if len(known) == 2:
         gives = [np.isin(method.joints, (ContactState.OPENING, ContactState.SLIDING)) for method in known.values()]

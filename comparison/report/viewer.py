@@ -130,7 +130,7 @@ def _method(assembly: Assembly, motion: Motion, colour: int) -> tuple[dict[str, 
     """
     blocks = assembly.blocks
     known = bool(np.isfinite(motion.twists).all())
-    marked = mechanism.moving(blocks, motion.twists) if known else np.isin(blocks.names, motion.falling)
+    marked = mechanism.moving(assembly, motion.twists) if known else np.isin(blocks.names, motion.falling)
     bytes_each = 4 * (motion.displacement[0].size + 6 * len(assembly.interfaces))
     count = int(np.clip(LARGEST // bytes_each, 2, MOST_STATES))
     kept = (

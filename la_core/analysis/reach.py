@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import breadth_first_order
 from la_core.coulomb import ACCEPTED_RESIDUAL
 from la_core.exchange import FIXED, SUPPORT
 from la_core.limit import box_limits, maximise, scaled_problem
-from la_core.measures import MOVING_SHARE, block_speeds, residuals
+from la_core.measures import MOVING_SHARE, block_speeds, fastest_speed, residuals
 from la_core.model import Assembly, global_forces, twists_of
 from la_core.scene import Scene
 
@@ -146,7 +146,7 @@ def why_not_valid(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces
     if np.isfinite(twists).all():
         speed = block_speeds(whole.blocks, twists)
         nearest = np.where(near, speed, 0.0)
-        if nearest.max() > MOVING_SHARE * speed.max():  # the support is among the fastest, so noise is no motion
+        if nearest.max() > MOVING_SHARE * fastest_speed(whole, twists):
             return f'block "{whole.blocks.names[nearest.argmax()]}" moves within {MARGIN} layers of the blocks set aside'
     extended, falls = extend_forces(whole, reduced, forces)
     rest = _hold(whole, whole.blocks.free & ~reduced.aside)

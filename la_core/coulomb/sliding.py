@@ -102,7 +102,7 @@ def look_for_sliding(assembly: Assembly, stiffness: JointStiffness, associated: 
 
 def slides_in_mechanism(assembly: Assembly, solution: Solution) -> bool:
     """Whether loaded joints slide in the mechanism of a solution; none does where the support leaves alone and no block moves."""
-    if solution.status is not Status.SOLVED or not mechanism.moving(assembly.blocks, solution.twists).any():
+    if solution.status is not Status.SOLVED or not mechanism.moving(assembly, solution.twists).any():
         return False
     return mechanism.sliding_share(assembly, solution.twists, solution.forces) > SLIDING_SHARE
 

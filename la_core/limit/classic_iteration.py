@@ -16,7 +16,7 @@ import numpy as np
 from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.limit.static import StaticSolution, coulomb_limits, solve_static
-from la_core.measures import block_speeds, contact_speeds, residuals
+from la_core.measures import contact_speeds, fastest_speed, residuals
 from la_core.model import Assembly
 
 LOADED = 1e-6  # of the mean block weight: a contact point with a larger normal force is loaded
@@ -155,7 +155,7 @@ def dilation(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) -> floa
     """
     parting, sliding = contact_speeds(assembly, twists)
     compression = assembly.split(forces)[0]
-    fastest = block_speeds(assembly.blocks, twists).max()
+    fastest = fastest_speed(assembly, twists)
     counted = (compression > LOADED * assembly.mean_weight) & (sliding > SLIDES * fastest)
     exchanged = float(np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum())
     if not np.isfinite(exchanged):

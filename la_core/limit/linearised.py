@@ -28,7 +28,7 @@ from scipy import sparse
 from la_core.limit.associated import Solution, Status, falling_blocks, solution_of, without_value
 from la_core.limit.conic import TOLERANCE, Cones, ProgrammeAnswer, ProgrammeOutcome
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, driven_problem, scaled_problem
-from la_core.measures import block_speeds
+from la_core.measures import fastest_speed
 from la_core.model import Assembly, twists_of
 
 LEAST_FACETS = 4
@@ -148,6 +148,6 @@ def _confirmed(assembly: Assembly, driven: DrivenProblem, answer: ProgrammeAnswe
     """The solution with the status of the linearised problem; its forces are in the pyramids by construction."""
     flow, split = driven.rows @ answer.x + driven.offset, driven.cones.equalities
     violation = max(np.abs(flow[:split]).max(initial=0.0), -flow[split:].min(initial=0.0))
-    fastest = float(block_speeds(assembly.blocks, solution.twists).max()) / driven.speed
+    fastest = fastest_speed(assembly, solution.twists) / driven.speed
     worst = max(solution.equilibrium_residual, solution.duality_gap, violation / fastest if fastest > 0.0 else 0.0)
     return replace(solution, status=Status.SOLVED if worst <= ACCEPTED else Status.INACCURATE)

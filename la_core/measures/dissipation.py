@@ -118,7 +118,7 @@ def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, t
     if not (np.isfinite(twists).all() and np.isfinite(forces).all()):
         return np.full(len(assembly.points), int(ContactState.UNKNOWN))
     parting, slip = mechanism.contact_speeds(assembly, twists)
-    rest = threshold * float(mechanism.block_speeds(assembly.blocks, twists).max())
+    rest = threshold * mechanism.fastest_speed(assembly, twists)
     loaded = loaded_compression(assembly, forces) > 0.0
     dilation = np.where(loaded, assembly.points.friction * slip, 0.0)
     states = np.where(loaded, int(ContactState.STICKING), int(ContactState.IDLE))

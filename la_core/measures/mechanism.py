@@ -5,8 +5,8 @@ import numpy as np
 from la_core.geometry import Blocks
 from la_core.model import Assembly
 
-MOVING_SHARE = 0.05  # of the fastest body's speed: blocks below this stand still; elastic strain is far below it
-LEAST_EXCHANGE = 1e-6  # of the weight at the fastest block's speed: a mechanism with less power has rounding errors only
+MOVING_SHARE = 0.05  # of `fastest_speed`: blocks below this stand still; elastic strain is far below it
+LEAST_EXCHANGE = 1e-6  # of the weight at the fastest speed: a mechanism with less power has rounding errors only
 
 
 def point_velocity(blocks: Blocks, twists: np.ndarray, position: np.ndarray, block: np.ndarray) -> np.ndarray:
@@ -38,18 +38,25 @@ def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
     return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
 
 
-def moving(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
-    """Mask (B,) of the free blocks that move in a mechanism with twists (B, 6).
+def fastest_speed(assembly: Assembly, twists: np.ndarray) -> float:
+    """Largest speed over the vertices of the free blocks and the contact points of the supports, for twists (B, 6), in their unit.
 
-    The support's motion counts among the speeds: where the support moves away alone, the rest is noise, and no block moves.
+    A support counts: where it moves away alone, the rest is noise. Its contact points alone count, because a strip of ground that turns may
+    reach far beyond the structure.
     """
-    speed = block_speeds(blocks, twists)
-    return blocks.free & (speed > MOVING_SHARE * speed.max())
+    blocks = assembly.blocks
+    at_contacts = np.linalg.norm(assembly.relative_velocity(np.where(blocks.free[:, None], 0.0, twists)), axis=1)
+    return float(np.concatenate([block_speeds(blocks, twists)[blocks.free], at_contacts]).max(initial=0.0))
+
+
+def moving(assembly: Assembly, twists: np.ndarray) -> np.ndarray:
+    """Mask (B,) of the free blocks that move in a mechanism with twists (B, 6)."""
+    return assembly.blocks.free & (block_speeds(assembly.blocks, twists) > MOVING_SHARE * fastest_speed(assembly, twists))
 
 
 def moving_mass_share(assembly: Assembly, twists: np.ndarray) -> float:
     """Mass of the moving blocks over that of all free blocks of the scene."""
-    return float(assembly.blocks.mass[moving(assembly.blocks, twists)].sum() / assembly.movable_mass)
+    return float(assembly.blocks.mass[moving(assembly, twists)].sum() / assembly.movable_mass)
 
 
 def similarity(blocks: Blocks, first: np.ndarray, second: np.ndarray) -> float:
@@ -98,7 +105,7 @@ def sliding_share(assembly: Assembly, twists: np.ndarray, forces: np.ndarray) ->
     twists (B, 6) and forces (C, 3), N: the mechanism and its contact forces.
     """
     exchanged = np.abs(np.sum(assembly.dead_load * twists, axis=1)).sum()
-    exchanged = max(exchanged, LEAST_EXCHANGE * assembly.weight * block_speeds(assembly.blocks, twists).max())
+    exchanged = max(exchanged, LEAST_EXCHANGE * assembly.weight * fastest_speed(assembly, twists))
     if exchanged == 0.0:
         return 0.0
     return friction_power(assembly, twists, forces) / exchanged

@@ -5,7 +5,7 @@ Of forces or twists that are undefined, every residual is NaN: numpy's maximum k
 
 import numpy as np
 
-from la_core.measures.mechanism import block_speeds, contact_speeds
+from la_core.measures.mechanism import contact_speeds, fastest_speed
 from la_core.model import PLANE_FREEDOMS, Assembly, per_length
 
 
@@ -65,5 +65,5 @@ def penetration(assembly: Assembly, twists: np.ndarray) -> float:
 
 def _over_fastest(assembly: Assembly, twists: np.ndarray, violation: np.ndarray) -> float:
     """Largest violation (C,), at least 0, over the largest speed of a block; 0 where all blocks rest."""
-    fastest = float(block_speeds(assembly.blocks, twists).max())
+    fastest = fastest_speed(assembly, twists)
     return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0

@@ -134,8 +134,9 @@ def test_the_widest_gap_between_speeds_parts_what_moves_from_what_only_strains(
     speeds: list[float], moving: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(mechanism_labels, "block_speeds", lambda *_: np.array(speeds))
-    blocks: Any = SimpleNamespace(free=np.ones(3, dtype=bool), names=["a", "b", "c"])
-    label = mechanism_labels.mechanism_label(blocks, np.zeros((3, 6)))
+    monkeypatch.setattr(mechanism_labels, "fastest_speed", lambda *_: max(speeds))
+    assembly: Any = SimpleNamespace(blocks=SimpleNamespace(free=np.ones(3, dtype=bool), names=["a", "b", "c"]))
+    label = mechanism_labels.mechanism_label(assembly, np.zeros((3, 6)))
     assert label is not None and label.startswith(f"{moving}-")
 
 

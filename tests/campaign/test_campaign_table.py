@@ -155,20 +155,24 @@ def test_a_damaged_table_is_never_read(damage, tmp_path: Path) -> None:
 def test_labels_of_mechanisms_are_equal_for_equal_ones_and_stand_round_off(scene: str) -> None:
     analysis = analyse(load_scene(find(scene)))
     blocks, twists = analysis.assembly.blocks, analysis.bounds[analysis.main].twists
-    label = mechanism_label(blocks, twists)
+    label = mechanism_label(analysis.assembly, twists)
     noise = np.random.default_rng(5).normal(size=(20, *twists.shape)) * ROUND_OFF * np.abs(twists).max()
-    assert {mechanism_label(blocks, 7.0 * (twists + one)) for one in noise} == {label}
+    assert {mechanism_label(analysis.assembly, 7.0 * (twists + one)) for one in noise} == {label}
     fastest = int(np.argmax(np.where(blocks.free, np.abs(twists).max(axis=1), 0.0)))
     without = twists.copy()
     without[fastest] = 0.0
-    assert label is not None and mechanism_label(blocks, without) not in (label, None)
-    assert mechanism_label(blocks, np.zeros_like(twists)) is None and mechanism_label(blocks, np.full_like(twists, np.nan)) is None
+    assert label is not None and mechanism_label(analysis.assembly, without) not in (label, None)
+    assert (
+        mechanism_label(analysis.assembly, np.zeros_like(twists)) is None
+        and mechanism_label(analysis.assembly, np.full_like(twists, np.nan)) is None
+    )
 
 
 def test_where_the_support_moves_alone_no_block_moves_whatever_round_off_is_left() -> None:
-    blocks = load_scene(find("two_pads")).blocks
+    assembly = analyse(load_scene(find("two_pads"))).assembly
+    blocks = assembly.blocks
     twists = np.zeros((len(blocks.free), 6))
     twists[blocks.names.index("settling pad")] = [0.0, 0.0, -1.0, 0.0, 0.0, 0.0]
     noise = np.random.default_rng(5).normal(size=(20, *twists.shape)) * ROUND_OFF * blocks.free[:, None]
-    labels = {mechanism_label(blocks, twists + one) for one in (np.zeros_like(twists), *noise)}
+    labels = {mechanism_label(assembly, twists + one) for one in (np.zeros_like(twists), *noise)}
     assert len(labels) == 1 and str(labels.pop()).startswith("0-")

@@ -119,7 +119,7 @@ def moved_otherwise(run: Run, blocks: np.ndarray) -> Run:
 def others(analysis: LimitAnalysis) -> np.ndarray:
     """Blocks at rest in the prediction, with about a third of the mass."""
     blocks = analysis.assembly.blocks
-    still = np.flatnonzero(blocks.free & ~mechanism.moving(blocks, coulomb_of(analysis).twists))
+    still = np.flatnonzero(blocks.free & ~mechanism.moving(analysis.assembly, coulomb_of(analysis).twists))
     return still[np.cumsum(blocks.mass[still]) <= 0.31 * analysis.assembly.movable_mass]
 
 

@@ -45,7 +45,7 @@ def test_two_reactions_of_zero_agree_whatever_trembles(blocks: int, noise: float
 def test_noise_is_no_motion_where_the_support_leaves_alone() -> None:
     analysis = leaving(2)
     run = with_noise(analysis, perfect_run(analysis), 5e-3)
-    assert not mechanism.moving(analysis.assembly.blocks, run.mechanism()).any()
+    assert not mechanism.moving(analysis.assembly, run.mechanism()).any()
     # Not "moves away": it may also slide under a block that stays and presses on it.
     assert named(SIMILARITY, judged(analysis, run)).reason.startswith("No block moves in either method: only the support moves.")
 

@@ -78,6 +78,21 @@ def test_two_blocks_side_by_side_dissipate_alike_in_both_joints_that_slide(frict
     assert (measures.opening, measures.sliding, measures.sticking + measures.idle) == (0, 2 * points, points)
 
 
+@pytest.mark.parametrize("length", [1.0, 200.0])
+def test_a_support_that_reaches_far_beyond_the_structure_does_not_make_its_blocks_seem_at_rest(length: float) -> None:
+    """A block on two pads, of which the right one turns about a point below the block: its far end moves 200 times as fast."""
+    held = (
+        scenes.box("fixed", (0.0, 0.0, -0.1), (0.4, 0.2, 0.0), "fixed"),
+        scenes.box("turns", (0.5, 0.0, -0.1), (length, 0.2, 0.0), "support"),
+    )
+    about = {"axis": (0.0, 1.0, 0.0), "point": (0.4, 0.0, 0.0)}
+    assembly, solution = solved(scenes.build(scenes.box("block", (0.0, 0.0, 0.0), (1.0, 0.2, 0.5)), *held, settlement=about))
+    assert mechanism.fastest_speed(assembly, solution.twists) == pytest.approx(
+        np.hypot(1.0 - 0.4, 0.5), rel=SOLVER
+    )  # of the block's corner
+    assert measure(assembly, solution.twists, solution.forces).moving_mass_share == 1.0
+
+
 def test_a_block_pushed_over_a_plane_dissipates_all_the_live_load_brings() -> None:
     assembly, solution = solved(scenes.build(*SLIDER, friction=0.3, live=(1.0, 0.0, 0.0)), Drive.LIVE)
     measures = measure(assembly, solution.twists, solution.forces)
