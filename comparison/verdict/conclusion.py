@@ -13,12 +13,12 @@ HARDER = "`crosscheck run --try-harder` does this."
 TRIED = "This run had the finer settings of a second attempt already. Compare the scene with its source, or model a smaller part."
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
-    "Look for a gap, a missing support or a joint without contact where these blocks rest (`crosscheck show` draws the joints). "
-    "If the drawing is right, the structure needs support before anything else can be asked of it."
+    "Look for a gap, a missing support, or a joint without contact or with too little friction where these blocks rest (`crosscheck show` "
+    "draws the joints). If scene and friction are right, the structure needs support before anything else can be asked of it."
 )
 CHECK_LOADS = (
     "Look at the loads and ties on these blocks (`crosscheck show` draws them), and whether the structure stands without them. Then look "
-    "for a gap, a missing support or a joint without contact where they rest."
+    "for a gap, a missing support, or a joint without contact or with too little friction where they rest."
 )
 SMALLER_INSET = (
     "The structure stands on the edge of some joint: any worn arris makes it fall. The values for sharp arrises hold for perfect "

@@ -99,6 +99,15 @@ def test_what_falls_although_joints_connect_it_has_no_such_cause() -> None:
     assert found.verdict is Verdict.CANNOT_STAND and '"beam" would fall' in found.reason and "No joint" not in found.reason
 
 
+@pytest.mark.parametrize("load", [(), (scenes.table("[load]", blocks=["arch 4"], force=(0.0, 0.0, -100.0)),)])
+def test_an_arch_that_slips_out_of_its_joints_is_told_to_look_at_their_friction(load: tuple[str, ...]) -> None:
+    """No gap and no missing support: with ten times the friction it stands."""
+    slippery, rough = (analyse(scenes.build(scenes.arch(7, 0.3), *load, friction=friction)) for friction in (0.06, 0.6))
+    assert conclusion_of(rough, [], None).verdict is not Verdict.CANNOT_STAND
+    found = conclusion_of(slippery, [], None)
+    assert found.verdict is Verdict.CANNOT_STAND and "too little friction" in found.next_step
+
+
 def test_a_structure_that_stands_in_yade_although_it_cannot_is_a_disagreement() -> None:
     found = conclusion([Check("the structure stands", Verdict.DISAGREE, reason="it stands")], {"status": "plateau"}, ["block"])
     assert found.verdict is Verdict.DISAGREE and found.next_step
