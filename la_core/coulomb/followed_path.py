@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, Lasting, certified_end, certify, limit_state_near
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
@@ -176,6 +176,7 @@ def follow(
     viscosity = Falling(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
     passed: list[tuple[Plateau, QuasiStaticPath]] = []
+    lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way
     while True:
         for point in path.advance_to(end, _effort(joints, settings)):
             send(point.progress, end, point.value)
@@ -186,7 +187,7 @@ def follow(
             passed.append((found, path.copy()))
         if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
-            if is_last or ended[2].worst <= ACCEPTED_RESIDUAL:
+            if is_last or (ended[2].worst <= ACCEPTED_RESIDUAL and lasting.holds(path, *ended[:2])):
                 break
         if is_last:
             return None

@@ -30,6 +30,7 @@ from la_core.coulomb import (
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import residuals
+from la_core.model.joints import joint_stiffness
 
 NO_DILATION = 0.02  # of the support's speed: elastic strain rate at loaded sliding joints; associated flow would part at mu |u_t|
 BALANCE = 2e-2  # of the input: elastic energy that the last step still stores, and the dilation that is left
@@ -174,3 +175,17 @@ def test_interval_of_a_reaction_of_zero_is_stated_although_its_ends_are_rounded(
     low, high = hung.interval
     assert low <= high
     assert [hung.coulomb, low, high] == pytest.approx([0.0] * 3, abs=1e-6 * hung.scene.weight)
+
+
+def test_a_gap_that_closes_after_the_curve_is_flat_is_awaited() -> None:
+    """Stiffer joints leave narrower gaps, which close within the first travel: only the strain on the way differs."""
+    stones = scenes.table("[rubble]", origin=(0.0, 0.0, 0.0), size=(2.2, 0.9), depth=0.4, stones=12, seed=30, flatness=1.7)
+    ground = scenes.box("ground", (0.0, 0.0, -0.3), (1.032151, 0.4, 0.0), "fixed")
+    turning = scenes.box("turning", (1.032151, 0.0, -0.3), (2.2, 0.4, 0.0), "support")
+    hinge = {"axis": (0.0, -1.0, 0.0), "point": (3.2, 0.0, 0.0)}
+    scene = scenes.build(stones, ground, turning, friction=0.8, inset=0.001, settlement=hinge)
+    assembly, usual = answer(scene)
+    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
+    _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
+    assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
+    assert (len(usual.plateaus), len(stiffer.plateaus)) == (2, 0)
