@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from la_core.exchange import LEAST_REACTION
 from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.faults import settlement_words
@@ -109,10 +110,12 @@ class PlateauSearch:
         return plateau.is_steady((states[0], middle, now), self.case.free, fastest, shares)
 
     def _scale(self, fit: Plateau) -> float:
-        """Return the reaction by which uncertainties are measured."""
-        rest = (row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
-        at_rest = next(rest) if self.case.live is None else 1.0
-        return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest))
+        """Return the reaction by which uncertainties are measured; one of zero, on which no weight works, is noise by itself."""
+        if self.case.live is not None:
+            return max(abs(fit.reaction), self.settings.reaction_floor)
+        at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)
+        least = LEAST_REACTION * self.case.weight * (self.case.block_size if self.case.is_rotation else 1.0)
+        return max(abs(fit.reaction), self.settings.reaction_floor * abs(at_rest), least)
 
     def _is_plateau(self, fit: Plateau, uncertainty: float) -> bool:
         """Whether a fit is known well enough; one that creeps counts where its uncertainty, which holds the creep, is small."""

@@ -19,7 +19,9 @@ SETTINGS = SimpleNamespace(
     normal_stiffness=4.0 * STIFFNESS, stop_uncertainty=0.002, plateau_uncertainty=0.02, plateau_drift=0.05, reaction_floor=0.01,
     settings_uncertainty=1e-3, swing_damping=0.0,
 )  # fmt: skip
-CASE = SimpleNamespace(sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, is_rotation=False, live=None, free=np.arange(4))
+CASE = SimpleNamespace(
+    sag=SAG, normal_stiffness=STIFFNESS, support_speed=1.0, is_rotation=False, live=None, free=np.arange(4), weight=4000.0, block_size=0.5
+)
 STRAIN_ENDS = search.STRAIN_OF_SAG * SAG / 4.0 / 0.002  # m: settlement at which the strain of the joints is as small as may be
 
 
@@ -87,6 +89,17 @@ def test_a_run_ends_once_its_reaction_and_the_strain_of_its_joints_are_known_wel
     """way: settlement, over that at which 3 % of the sag over it is the uncertainty that ends a run."""
     fits.append(fit)
     assert looking(Told(way * STRAIN_ENDS)).look(0.0) is ends
+
+
+@pytest.mark.parametrize(("is_rotation", "least"), [(False, 0.4), (True, 0.2)])  # N, and N m with the size of a block as lever arm
+def test_a_reaction_of_zero_from_rest_on_is_measured_by_the_weight(is_rotation: bool, least: float, fits: list[plateau.Plateau]) -> None:
+    """Where a ring turns about an upright axis with all that it bears, no weight works, and YADE records noise alone."""
+    for share, ends in ((0.99, True), (1.01, False)):
+        fits.append(line(0.0, share * SETTINGS.stop_uncertainty * least))
+        one = looking(Told(1.01 * STRAIN_ENDS))
+        one.case = SimpleNamespace(**(vars(CASE) | {"is_rotation": is_rotation}))
+        one.record.rows[0].reaction = 0.0
+        assert one.look(0.0) is ends
 
 
 def test_joints_of_a_support_that_turns_strain_by_what_its_points_move(fits: list[plateau.Plateau]) -> None:
