@@ -15,7 +15,7 @@ from PIL import Image
 from comparison.figures.canvas import FAINT, YADE, Canvas, canvases, method_colour, tint, window
 from comparison.figures.motion import Motion, motions
 from comparison.figures.reaction import draw_levels
-from comparison.figures.structure import TITLE_WIDTH, looks, wrapped
+from comparison.figures.structure import TITLE_WIDTH, legend_below, looks, wrapped
 from comparison.numbers import format_number
 from comparison.run_folder import require_folder_of
 from comparison.yade import Results
@@ -65,7 +65,7 @@ class Story:
         (self.line,) = axes.plot([], [], color=YADE, linewidth=1.6, zorder=4, label="YADE, recorded" if run else "_none")
         (self.tip,) = axes.plot([], [], color=YADE, marker="o", markeredgecolor="black", markersize=6, zorder=6)
         handles = {name: handle for handle, name in zip(*axes.get_legend_handles_labels(), strict=True) if name not in written}
-        lower.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+        legend_below(lower, list(handles.values()), 3)
         self.reading = axes.set_title("settlement", fontsize=9, loc="left", parse_math=False)
         self.draw(1.0)
         self.figure.draw_without_rendering()

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from comparison.figures.canvas import FAINT, INK, ROLE_FACE, ROLE_HATCH, Canvas, canvases, drawn_roles, structure_size, window
+from comparison.figures.structure import legend_below
 from comparison.numbers import force_unit
 from la_core.geometry import next_corners, owners
 from la_core.measures import ContactState, MechanismMeasures, mechanism
@@ -64,7 +65,7 @@ def dissipation_figure(
     _draw_interfaces(canvas, assembly, displacement, measures.dissipation_per_interface)
     _draw_points(canvas, assembly, displacement, measures.states)
     _power_scale(figure, canvas, assembly, measures, push)
-    figure.legend(handles=_handles(measures), loc="outside lower center", ncols=6, columnspacing=1.4, fontsize=8, frameon=False)
+    legend_below(figure, _handles(measures))
     return figure
 
 

@@ -30,6 +30,7 @@ from comparison.figures.reaction_levels import (
     scales_of,
     whole_limits,
 )
+from comparison.figures.structure import legend_below
 from comparison.judge import compare_curves
 from comparison.numbers import format_number, several_plateaus, with_uncertainty
 from comparison.yade import Results, Run
@@ -85,7 +86,7 @@ def reaction_figure(results: Results) -> Figure:
         figure.set_figwidth(7.5)
     named = {name: handle for axes, _ in panels for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)}
     keys = {name: handle for name, handle in named.items() if name not in written}  # a labelled line needs no key
-    figure.legend(list(keys.values()), list(keys), loc="outside lower center", ncols=4 if close else 2, fontsize=8, frameon=False)
+    legend_below(figure, list(keys.values()), 4 if close else 2)
     return figure
 
 

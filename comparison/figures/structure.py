@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -249,9 +250,13 @@ def blank_figure(assembly: Assembly, count: int, title: str) -> Figure:
     return figure
 
 
-def legend_below(figure: Figure, handles: Sequence[Patch | Line2D]) -> None:
-    """Add a legend below the canvases."""
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6), columnspacing=1.4, fontsize=8, frameon=False)
+def legend_below(figure: Figure | SubFigure, handles: Sequence[Artist], most: int = 6) -> None:
+    """Add a legend below the axes, in as many columns, `most` at most, as are no wider together than the figure."""
+    for columns in range(max(min(len(handles), most), 1), 0, -1):
+        legend = figure.legend(handles=handles, loc="outside lower center", ncols=columns, columnspacing=1.4, fontsize=8, frameon=False)
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def _area(label: str, face: str, hatch: str = "") -> Patch:

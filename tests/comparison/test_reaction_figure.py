@@ -187,3 +187,21 @@ def test_curves_say_where_they_are_drawn_at_the_settlement_of_stiffer_joints(tim
     figure = reaction_figure(Results(analysis, run))
     keys = [text.get_text() for text in figure.legends[0].get_texts()]
     assert {plot_reaction.CURVE + told, plot_reaction.PATH + told} <= set(keys)
+
+
+def test_the_legend_is_no_wider_than_the_figure(tmp_path: Path) -> None:
+    """Four columns with a narrow interval, the curves and their largest difference on stiffer joints were cut off at both sides."""
+    analysis = followed(analyse(scene_of(tmp_path, SCENES["plane"])))
+    assert analysis.coulomb is not None
+    value = analysis.coulomb.value
+    narrow = replace(analysis.coulomb, interval=(0.999 * value, 1.001 * value))
+    path = frictional(analysis, (1.0, 1.3)).path
+    analysis = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=narrow), path=path)
+    run = replace(synthetic_run(analysis), settings={"normal_stiffness": 32.0 * analysis.stiffness.normal})
+    figure = reaction_figure(Results(analysis, run))
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    keys = " ".join(text.get_text() for text in legend.get_texts())
+    assert plot_reaction.APART in keys and plot_reaction.HISTORY in keys
+    drawn = legend.get_window_extent()
+    assert figure.bbox.x0 <= drawn.x0 and drawn.x1 <= figure.bbox.x1
