@@ -161,6 +161,20 @@ def test_an_answer_without_a_limit_is_inconclusive_and_says_why(
         assert "| pressed | ? inconclusive | unbounded |" in (tmp_path / "out" / "report.md").read_text()
 
 
+def test_a_tilt_that_a_wall_resists_at_any_angle_points_to_its_axis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "leaning.toml"
+    stones = (
+        scenes.box("table", (0.0, 0.0, -0.1), (2.0, 1.0, 0.0), "fixed"),
+        scenes.box("wall", (1.0, 0.0, 0.0), (1.5, 1.0, 1.0), "fixed"),
+        scenes.box("stone", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)),
+    )
+    path.write_text(scenes.text(*stones, tilt=(0.0, 1.0, 0.0), model="coulomb"))
+    assert main(["solve", str(path)]) == 4
+    captured = capsys.readouterr()
+    told = " ".join((captured.out + captured.err).split())
+    assert "Limit analysis ended as unbounded" in told and "the axis of the tilt" in told
+
+
 def in_a_slot(inset: float = 0.001, **effects: str) -> str:
     """A scene: a block that is pulled aslant out of a slot."""
     return scenes.text(*slot(), friction=0.3, inset=inset, live=(1.0, 0.0, 1.0), model="auto", effects=effects)
