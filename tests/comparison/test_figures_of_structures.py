@@ -122,6 +122,21 @@ def test_resultants_balance_the_weight_and_cross_their_joints(tmp_path: Path) ->
     assert scale == "1 kN" and "no forces are known" in second.get_title()
 
 
+def test_forces_are_seen_through_the_stones_of_a_pavement_that_hides_all_its_joints() -> None:
+    stones = [
+        box(f"stone {i} {j}", (0.2 * i, 0.2 * j, 0.0), (0.2 * (i + 1), 0.2 * (j + 1), 0.3), "fixed" if i in (0, 5) else "free")
+        for i in range(6)
+        for j in range(6)
+    ]
+    beds = [box("bed", (0.3, 0.1, -0.2), (0.8, 1.1, 0.0), "fixed"), box("pad", (0.82, 0.1, -0.2), (0.98, 1.1, 0.0), "support")]
+    assembly = assemble(build(*stones, *beds))
+    forces = 100.0 * assembly.normal
+    (axes,) = forces_figure(assembly, {"one": forces}).axes
+    drawn = [shapes for shapes in axes.collections if isinstance(shapes, LineCollection)]
+    assert len(assembly.blocks) > drawing.FEW
+    assert max((len(shapes.get_segments()) for shapes in drawn), default=0) == len(assembly.interfaces)
+
+
 def test_the_line_of_thrust_goes_through_an_arch_and_not_through_a_wall(tmp_path: Path) -> None:
     arch, wall = (analyse(shipped(name)).assembly for name in ("arch_spreading", "two_blocks"))
     pairs = thrust_line(arch)
