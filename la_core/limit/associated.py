@@ -21,13 +21,13 @@ from la_core.limit.no_sliding import shared_friction
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, box_limits, driven_problem, scaled_problem
 from la_core.limit.starting_scale import NEAR_REGULARISATION, starting_scale
 from la_core.limit.symmetric_part import SymmetricPart, symmetric_part
-from la_core.measures import residuals
+from la_core.measures import corner_speeds, residuals
 from la_core.model import Assembly, global_forces, support_motion, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
-FALLING_SHARE = 1e-3  # of the fastest falling block: blocks at least this fast count as falling in a certificate
+FALLING_SHARE = 1e-3  # of the fastest sinking: blocks at least this fast count as falling in a certificate
 LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
@@ -221,7 +221,7 @@ def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, part: Symmetric
     """The solution, or INFEASIBLE with the falling blocks where the structure cannot stand; with the cost of finding out.
 
     The certificate is an admissible motion with the supports at rest and positive work of the weights. Velocities are
-    at most one and the work is the greatest possible, so that every block that can fall does fall.
+    at most one and the work is the greatest possible, so that every block whose fall does work does fall.
     """
     posed = problem if part is None else part.at_rest(problem)
     fall = optimum(posed.power, *box_limits(posed))
@@ -234,12 +234,16 @@ def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, part: Symmetric
 
 
 def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
-    """Names of the blocks that sink in a motion (B, 6) of order one; empty where the weights do no positive work."""
+    """Names of the blocks that sink, or tip over, in a motion (B, 6) of order one; empty where the weights do no positive work.
+
+    The lower stones of a corbel tip with it although their centroids rise: a block counts where any part of it sinks.
+    """
     power, weight = np.sum(assembly.dead_load * twists, axis=1), assembly.block_weight
     if not power.sum() > LEAST_FALL * assembly.weight:
         return ()
     sinking = np.divide(power, weight, out=np.zeros_like(power), where=weight > 0.0)
-    return tuple(assembly.blocks.names[k] for k in np.flatnonzero(sinking >= FALLING_SHARE * sinking.max()))
+    fastest = np.maximum(sinking, np.where(assembly.blocks.free, corner_speeds(assembly.blocks, twists, assembly.down), 0.0))
+    return tuple(assembly.blocks.names[k] for k in np.flatnonzero(fastest >= FALLING_SHARE * fastest.max()))
 
 
 def solution_of(

@@ -3,7 +3,7 @@
 from la_core.measures import mechanism, residuals
 from la_core.measures.dissipation import ContactState, MechanismMeasures, contact_states, measure
 from la_core.measures.joint_measures import JointForces, joint_centres, joint_forces, joint_rows, joint_states, thrust_line
-from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds, fastest_speed
+from la_core.measures.mechanism import MOVING_SHARE, block_speeds, contact_speeds, corner_speeds, fastest_speed
 
 __all__ = [
     "MOVING_SHARE",
@@ -13,6 +13,7 @@ __all__ = [
     "block_speeds",
     "contact_speeds",
     "contact_states",
+    "corner_speeds",
     "fastest_speed",
     "joint_centres",
     "joint_forces",

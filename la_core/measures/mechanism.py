@@ -38,6 +38,12 @@ def block_speeds(blocks: Blocks, twists: np.ndarray) -> np.ndarray:
     return np.maximum.reduceat(np.linalg.norm(velocity, axis=1), blocks.vertex_start[:-1])
 
 
+def corner_speeds(blocks: Blocks, twists: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Largest velocity (B,) along a unit vector over the vertices of each block, for twists (B, 6); in the twists' unit."""
+    along = point_velocity(blocks, twists, blocks.vertices, blocks.vertex_block) @ direction
+    return np.maximum.reduceat(along, blocks.vertex_start[:-1])
+
+
 def fastest_speed(assembly: Assembly, twists: np.ndarray) -> float:
     """Largest speed over the vertices of the free blocks and the contact points of the supports, for twists (B, 6), in their unit.
 

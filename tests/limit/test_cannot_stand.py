@@ -96,6 +96,18 @@ def test_thin_arch_names_its_voussoirs_and_not_the_pier_beside_it(plane) -> None
 
 
 @both_models
+def test_a_corbel_that_tips_names_the_stones_whose_centroids_rise_as_well(plane) -> None:
+    """Of n stones, each shifted by s over the one below, all above the first tip about its end where s is beyond 1/n of a length."""
+    for shift, stands in ((0.1665, True), (0.1668, False)):
+        stones = [scenes.box(f"stone {k}", (k * shift, 0.0, 0.3 * k), (1.0 + k * shift, 1.0, 0.3 * k + 0.3)) for k in range(6)]
+        scene = scenes.build(*PADS, STANDING, *stones, plane=plane)
+        if stands:
+            assert solve_associated(assemble(scene), Drive.YIELDING).status is Status.SOLVED
+        else:
+            assert falling(scene) == {f"stone {k}" for k in range(1, 6)}
+
+
+@both_models
 def test_two_overhangs_may_both_fall(plane) -> None:
     parts = [
         scenes.box("left", (-0.95, 0.0, 0.0), (0.5, 1.0, 0.5)),

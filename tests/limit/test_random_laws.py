@@ -135,9 +135,15 @@ def test_highs_agrees_in_the_plane_and_brackets_the_answer_in_space(scene: Scene
 # --- structures that cannot stand --------------------------------------------------------------------------------------------
 
 
+def _part_sinks(assembly: Assembly, block: int, twist: np.ndarray) -> bool:
+    blocks = assembly.blocks
+    corners = blocks.vertices[blocks.vertex_block == block]
+    return any((twist[:3] + np.cross(twist[3:], corner - blocks.centroid[block])) @ assembly.down > 0.0 for corner in corners)
+
+
 @given(scene=random_scenes())
 def test_what_is_called_infeasible_falls(scene: Scene) -> None:
-    """infeasible: weights do work on an admissible motion, all named blocks sink, and HiGHS finds no equilibrium"""
+    """infeasible: weights do work on an admissible motion, all named blocks sink, at least in part, and HiGHS finds no equilibrium"""
     assembly = assemble(scene)
     solution = with_verdict(assembly, drives(assembly)[0])
     assume(solution.status is Status.INFEASIBLE)
@@ -147,7 +153,8 @@ def test_what_is_called_infeasible_falls(scene: Scene) -> None:
     assert flow_residual(assembly, motion) <= RESIDUAL
     share = work(assembly, motion) / assembly.weight
     assert share > 0.0
-    sinking = {name for name, power in zip(scene.blocks.names, np.sum(assembly.dead_load * motion, axis=1), strict=True) if power > 0.0}
+    power = np.sum(assembly.dead_load * motion, axis=1)
+    sinking = {name for k, name in enumerate(scene.blocks.names) if power[k] > 0.0 or _part_sinks(assembly, k, motion[k])}
     assert solution.falling and set(solution.falling) <= sinking
     most = distance_from_equilibrium(scene, assembly, 1.0)
     least = most if assembly.effects.plane else distance_from_equilibrium(scene, assembly, CIRCUMSCRIBED)
