@@ -10,9 +10,9 @@ from comparison.judge.energy import check_energy
 from comparison.judge.prediction import FINER_PATHS, MODEL_SLIDING, SLOWER_RUN, check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
-from comparison.judge.tolerances import accuracy_share, reaction_tolerance, unbalanced
+from comparison.judge.tolerances import accuracy_share, falls_slowly, reaction_tolerance, unbalanced
 from comparison.numbers import format_number, plural
-from comparison.verdict import Check, Verdict, inside, within
+from comparison.verdict import Check, Verdict, inside, named_blocks, within
 from comparison.yade import Results, Run
 from la_core.analysis import LimitAnalysis
 from la_core.coulomb import CoulombSolution
@@ -175,8 +175,9 @@ def _check_standing(results: Results) -> Check:
     least, name = analysis.bounds[analysis.main], "the structure stands"
     outcome = "it collapsed in YADE" if run.status == "collapsed" else f"YADE's run ended as {run.status}"
     if least.status is Status.INFEASIBLE:
-        verdict = Verdict.AGREE if run.status == "collapsed" else Verdict.DISAGREE
-        proof = f"Limit analysis proves that the structure cannot stand ({', '.join(least.falling[:5])} would fall)"
+        missed = Verdict.INCONCLUSIVE if falls_slowly(analysis.whole) else Verdict.DISAGREE
+        verdict = Verdict.AGREE if run.status == "collapsed" else missed
+        proof = f"Limit analysis proves that the structure cannot stand ({named_blocks(least.falling)} would fall)"
         return Check(name, verdict, reason="" if verdict is Verdict.AGREE else f"{proof}, but {outcome}.")
     if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from comparison.numbers import said_once, sentences
+from comparison.numbers import plural, said_once, sentences
 from comparison.verdict.check import Check, Verdict, overall
 
 MOST_NAMES = 5  # blocks that a reason names
@@ -24,6 +24,7 @@ SMALLER_INSET = (
     "The structure stands on the edge of some joint: any worn arris makes it fall. The values for sharp arrises hold for perfect "
     "blocks alone. A smaller [joint] inset tells how much rounding it bears."
 )
+SLOW = "The structure lacks so little balance that YADE's run ended before it fell."
 BEARS_NOTHING = (
     "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
@@ -111,12 +112,14 @@ def _after_second_attempt(step: str) -> str:
 def named_blocks(names: Sequence[str]) -> str:
     """Return the first names in quotes, and how many more blocks there are."""
     quoted = ", ".join(f'"{name}"' for name in names[:MOST_NAMES])
-    return quoted + (f" and {len(names) - MOST_NAMES} more blocks" if len(names) > MOST_NAMES else "")
+    return quoted + (f" and {plural(len(names) - MOST_NAMES, 'more block')}" if len(names) > MOST_NAMES else "")
 
 
 def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bool, rounded: float, cause: str) -> str:
     status = "" if yade is None else str(yade.get("status"))
-    other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, f"YADE's run ended as {status}.")
+    message = str((yade or {}).get("message") or "").splitlines()[:1]
+    ended = ": ".join([f"YADE's run ended as {status}", *message]) + "."
+    other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, SLOW if "plateau" in status else ended)
     under = "weight, loads and ties" if is_loaded else "own weight"
     arrises = f" where arrises are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
     proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{arrises}"

@@ -16,7 +16,7 @@ from comparison.judge.run_checks import check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary, conclusion_of
 from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
-from comparison.verdict import VERDICTS, Check, Verdict, conclusion, inside, mark_of, stored_check
+from comparison.verdict import VERDICTS, Check, Verdict, conclusion, inside, mark_of, named_blocks, stored_check
 from comparison.yade import Results
 from comparison.yade.run_record import read_run
 from la_core.analysis.result import LimitAnalysis
@@ -66,7 +66,12 @@ def test_with_both_methods_an_expected_value_that_is_met_is_part_of_their_agreem
 
 @pytest.mark.parametrize(
     ("yade", "words"),
-    [(None, "YADE was not run"), ({"status": "collapsed"}, "collapsed in YADE, too"), ({"status": "timeout"}, "ended as timeout")],
+    [
+        (None, "YADE was not run"),
+        ({"status": "collapsed"}, "collapsed in YADE, too"),
+        ({"status": "timeout"}, "ended as timeout."),
+        ({"status": "failed", "message": "not at rest\nTraceback"}, "ended as failed: not at rest."),
+    ],
 )
 def test_what_cannot_stand_says_so_with_the_blocks_that_fall(yade: dict[str, Any] | None, words: str) -> None:
     names = [f"block {number}" for number in range(8)]
@@ -75,6 +80,10 @@ def test_what_cannot_stand_says_so_with_the_blocks_that_fall(yade: dict[str, Any
     assert found.verdict is Verdict.CANNOT_STAND and found.next_step
     assert '"block 0"' in found.reason and "3 more blocks would fall" in found.reason and words in found.reason
     assert EXIT_OF_VERDICT[found.verdict] == CANNOT_STAND != 0
+
+
+def test_one_more_block_is_told_in_the_singular() -> None:
+    assert named_blocks([str(number) for number in range(6)]).endswith(" and 1 more block")
 
 
 PIER_AND_PAD = (
@@ -106,6 +115,18 @@ def test_an_arch_that_slips_out_of_its_joints_is_told_to_look_at_their_friction(
     assert conclusion_of(rough, [], None).verdict is not Verdict.CANNOT_STAND
     found = conclusion_of(slippery, [], None)
     assert found.verdict is Verdict.CANNOT_STAND and "too little friction" in found.next_step
+
+
+@pytest.mark.parametrize(("shift", "verdict"), [(0.1999, Verdict.CANNOT_STAND), (0.3, Verdict.DISAGREE)])
+def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float, verdict: Verdict) -> None:
+    """A corbel of five stones falls where each is shifted by more than 1/5 of its length less two insets, 0.1996 m."""
+    stones = [scenes.box(f"stone {k}", (k * shift, 0.0, 0.3 * k), (1.0 + k * shift, 1.0, 0.3 * k + 0.3)) for k in range(5)]
+    analysis = analyse(scenes.build(scenes.box("pad", (0.0, 0.0, -0.5), (1.0, 1.0, 0.0), "support"), *stones, inset=1e-3))
+    stood = perfect_run(analysis, reaction=analysis.assembly.weight)
+    found = conclusion_of(analysis, check_run(Results(analysis, stood)), {"status": "plateau", "message": "steady"})
+    assert found.verdict is verdict
+    assert ("ended before it fell" in found.reason) is (verdict is Verdict.CANNOT_STAND)
+    assert '"stone 1", "stone 2", "stone 3", "stone 4" would fall' in found.reason
 
 
 def test_a_structure_that_stands_in_yade_although_it_cannot_is_a_disagreement() -> None:
