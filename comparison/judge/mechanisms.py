@@ -19,6 +19,9 @@ SAME_MASS = 0.05  # share of the mass that may move in one method and not in the
 
 MORE_STATES = "Let YADE store more states ([yade] poses)."
 COMPARE_MECHANISMS = "Look at both mechanisms in the report's 3D view, and run the scene with a little lower and a little higher friction."
+BOUNDS_LEFT = (
+    "Work with the bounds and YADE's value. Where a support settles, a thrust ([yade] wedging) may hold the blocks in limit analysis."
+)
 
 
 def check_mechanism(results: Results, predicted: np.ndarray, determined: bool, is_alone: bool) -> Iterator[Check]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from comparison.judge.curves import earlier_agreement
-from comparison.judge.mechanisms import ADMISSIBLE, SIMILAR, check_mechanism
+from comparison.judge.mechanisms import ADMISSIBLE, BOUNDS_LEFT, SIMILAR, check_mechanism
 from comparison.judge.tolerances import (
     UNCERTAIN,
     Unsure,
@@ -40,6 +40,7 @@ BOUND_ONLY = {
 }
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
 FINER_PATHS = f"Let limit analysis follow finer paths, the cheaper of the two methods to refine. {HARDER}"
+FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
 SLOWER_RUN = f"Run YADE slower ([yade] speed: half of what the report lists) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 RESTS = "See in the figure whether the curve rests there. If so, turning blocks may release a thrust that friction held."
@@ -96,15 +97,17 @@ def predicted(results: Results) -> Prediction:
         stated = stated_uncertainty(analysis)
         return Prediction(coulomb.value, coulomb.interval, results.per_motion(coulomb.twists), slides, stated, doubt=doubt, next_step=step)
     slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
-    obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main) if slides else ("", "")
+    obstacle, step = _associated_obstacle(assembly.effects.friction, analysis.main, coulomb) if slides else ("", "")
     return Prediction(bound.value, unknown, results.per_motion(bound.twists), slides, obstacle=obstacle, next_step=step)
 
 
-def _associated_obstacle(friction: str, drive: Drive) -> tuple[str, str]:
+def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution | None) -> tuple[str, str]:
     """Why the associated answer is no prediction where joints slide, for the modelled effect `friction`, and what to do."""
     if friction == "none-slides":
         return f"Joints slide in YADE, but the scene excludes sliding in limit analysis. {BOUND_ONLY[drive]}", MODEL_SLIDING
     dilates = f"Sliding joints dilate in the associated mechanism and not in YADE. {BOUND_ONLY[drive]}"
+    if coulomb is not None and math.isinf(coulomb.uncertainty):
+        return f"The prediction has no value: {FELL}. {dilates}", BOUNDS_LEFT
     return dilates, FINER_PATHS if friction == "coulomb" else MODEL_SLIDING
 
 
@@ -121,8 +124,7 @@ def _doubt(coulomb: CoulombSolution) -> tuple[str, str]:
 
 def slides_unforeseen(results: Results) -> bool:
     """Return whether joints slide in YADE although limit analysis found no sliding joint and therefore left sliding out."""
-    analysis = results.analysis
-    effects = analysis.assembly.effects
+    effects = results.analysis.assembly.effects
     return effects.friction == "none-slides" and not effects.sliding_excluded and _slides_in_yade(results)
 
 
@@ -185,9 +187,8 @@ def _unsure_check(results: Results, check: Check, unsure: list[Unsure]) -> Check
     """Return the check of the reaction where a method is too uncertain: the floor alone, which no doubt widens, may still make it agree."""
     reason = " ".join(_unsure_words(one, results.scene.unit) for one in unsure)
     if check.difference is not None and abs(check.difference) <= floor(results):
-        return replace(
-            check, verdict=Verdict.AGREE, reason=f"{reason} The {results.scene.quantity}s agree within the floor of the tolerance alone."
-        )
+        alike = f"The {results.scene.quantity}s agree within the floor of the tolerance alone."
+        return replace(check, verdict=Verdict.AGREE, reason=f"{reason} {alike}")
     step = FINER_PATHS if unsure[0].method == "limit analysis" else SLOWER_RUN
     return replace(check, verdict=Verdict.INCONCLUSIVE, reason=reason, next_step=step)
 
@@ -296,5 +297,4 @@ def _scatter(results: Results) -> float:
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
     kept = settlement >= run.result.plateau_start
     size = max(abs(run.result.reaction), least_reaction(analysis) / UNCERTAIN)
-    line = run.result.reaction + run.result.slope * settlement
-    return float(np.std((reaction - line)[kept]) / size) if kept.any() else math.nan
+    return float(np.std((reaction - run.result.reaction - run.result.slope * settlement)[kept]) / size) if kept.any() else math.nan

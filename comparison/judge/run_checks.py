@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from comparison.judge.energy import check_energy
-from comparison.judge.prediction import FINER_PATHS, MODEL_SLIDING, SLOWER_RUN, check_prediction
+from comparison.judge.prediction import FELL, FINER_PATHS, MODEL_SLIDING, SLOWER_RUN, check_prediction
 from comparison.judge.reduced_model import check_displacement, check_plane, check_reach
 from comparison.judge.sections import check_sections
 from comparison.judge.tolerances import accuracy_share, falls_slowly, reaction_tolerance, unbalanced
@@ -123,7 +123,7 @@ def _thrust(scene: Scene) -> str:
 def _doubt(coulomb: CoulombSolution, unit: str) -> str:
     """Return what is wrong with a prediction that is not solved, as the end of a sentence."""
     if math.isinf(coulomb.uncertainty):
-        return ": the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"
+        return f": {FELL}"
     if coulomb.status is not Status.INACCURATE:
         return ", so it has no value"
     value = f"{format_number(coulomb.value, 5)} ± {format_number(coulomb.uncertainty, 2)} {unit}".rstrip()

@@ -1,5 +1,6 @@
 """Doubt that a method states never grows into an agreement."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -13,6 +14,7 @@ from comparison.verdict.check import Verdict
 from comparison.yade import Results
 from la_core.analysis.result import AccuracyRecord, LimitAnalysis
 from la_core.analysis.stage import analyse
+from la_core.limit.associated import Status
 from la_core.limit.problem import Drive
 from la_core.model.joints import TRAVEL_OVER_SIZE
 
@@ -36,6 +38,17 @@ def test_doubt_of_limit_analysis_is_no_agreement_and_names_limit_analysis_and_wh
     assert check.verdict is Verdict.INCONCLUSIVE
     assert check.reason.startswith("Limit analysis states an uncertainty") and "YADE states" not in check.reason
     assert "limit analysis" in check.next_step and "--try-harder" in check.next_step
+
+
+@pytest.mark.parametrize(
+    ("uncertainty", "reason", "step"), [(math.inf, "the blocks slide and fall", "bounds"), (math.nan, "", "finer paths")]
+)
+def test_a_prediction_without_a_value_says_why(wall: LimitAnalysis, uncertainty: float, reason: str, step: str) -> None:
+    """infinite: blocks fell on the way of limit analysis"""
+    failed = with_answers(wall, coulomb=coulomb_of(wall, status=Status.FAILED, uncertainty=uncertainty))
+    check = named(REACTION, judged(failed, perfect_run(wall)))
+    assert check.verdict is Verdict.INCONCLUSIVE and "dilate" in check.reason
+    assert reason in check.reason and step in check.next_step
 
 
 @pytest.mark.parametrize("share", [0.012, 0.045])
