@@ -77,6 +77,8 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     steady = yade.get("status", "plateau") == "plateau"
     least, recorded = shown(shared.get("reaction")), shown(yade.get("reaction")) if steady else None
     nearest = predicted if exists(predicted) else shown(shared.get("multiplier")) if live else least
+    least_tolerance = shown(comparison.get("least_tolerance"))
+    is_something = exists(nearest) and abs(nearest) > (least_tolerance or 0.0)  # a share of nothing is no number
     reactions = {
         "least": least,
         "greatest": shown(shared.get("reaction_max")),
@@ -105,7 +107,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "coulomb_status": coulomb.get("status") or DASH,
         "live": live,
         "difference_text": small_number(reactions["difference"], nearest, 5),
-        "difference_words": share_of(reactions["difference"], nearest),
+        "difference_words": share_of(reactions["difference"], nearest if is_something else None),
         "multiplier": shared.get("multiplier"),
         "angles": {name: (answer.get("angle"), answer.get("angle_uncertainty")) for name, answer in sources if "angle" in answer},
         "status": associated.get("status") or DASH,
@@ -145,7 +147,8 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
         yield f"angle of the tilt at collapse, {name}", f"{with_uncertainty(angle, uncertainty)} degrees" if exists(angle) else DASH, ""
     if exists(r["difference"]):
         over = f"{small_number(ratios['difference'], ratios['yade'], 4)}{share}" if exists(ratios["difference"]) and not r["live"] else ""
-        difference = " ".join(filter(None, (r["difference_text"], unit, f"({r['difference_words']})")))
+        share_words = "" if r["difference_words"] == DASH else f"({r['difference_words']})"
+        difference = " ".join(filter(None, (r["difference_text"], unit, share_words)))
         yield f"YADE less {r['less']}", difference, over
 
 

@@ -127,6 +127,16 @@ def test_a_reaction_that_is_only_round_off_is_zero() -> None:
     assert values.values_of(comparison, Units(comparison["weight"]))["least"] == 0.0
 
 
+@pytest.mark.parametrize(("share", "words"), [(0.9e-4, "–"), (1.1e-4, "+100 %")])
+def test_a_difference_is_no_share_of_a_reaction_that_counts_as_zero(share: float, words: str) -> None:
+    comparison = frictional_comparison()
+    weight = comparison["weight"]
+    comparison["limit_analysis"]["coulomb"]["reaction"], comparison["yade"]["reaction"] = share * weight, 2.0 * share * weight
+    results = values.values_of(comparison | {"least_tolerance": 1e-4 * weight}, Units(weight))
+    assert results["difference_words"] == words
+    assert ("%" in dict(row[:2] for row in values.value_rows(results))["YADE less Coulomb"]) is (words != "–")
+
+
 def test_powers_under_a_live_load_are_per_unit_power_of_the_load(tmp_path: Path) -> None:
     comparison = frictional_comparison(unit="", yade=None)
     answers = comparison["limit_analysis"]
