@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import Any, TypeGuard
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
-LEAST_UNCERTAINTY = 1e-9  # a smaller one is round-off
+LEAST_UNCERTAINTY = 1e-7  # a smaller one is round-off: a tenth of the residual that a solver is allowed
 MOST_PLACES = 6  # decimal places of a small number; one that needs more is written with an exponent
 NEARLY_ZERO = "≈ 0"
 LEAST_SHARE = 1e-3  # per cent: a smaller difference is as good as none

@@ -8,7 +8,7 @@ from typing import Any
 
 from la_core.errors import SceneError
 
-ROUND_OFF = 1e-9  # of the weight: a smaller reaction is zero but for the residuals of the solver
+ROUND_OFF = 1e-7  # of the weight: a smaller reaction is zero but for the residuals of the solver, of which 1e-6 are accepted
 OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
 
 
