@@ -26,8 +26,7 @@ REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
-    "it, so no bound exists. "
-    "If it is right, the blocks lock as they dilate"
+    "it, so no bound exists. If it is right, the blocks lock as they dilate"
 )
 JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
 MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
