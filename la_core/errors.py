@@ -93,7 +93,7 @@ def seconds_or_none(where: str, value: Any) -> float | None:
 def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
     """A hint with the valid key (or other `kind`) nearest to `word`; where none is similar, with the valid ones, of many the first."""
     choices = list(valid)
-    near = difflib.get_close_matches(word, choices, n=1, cutoff=0.5)
+    near = difflib.get_close_matches(word, choices, n=1)
     if near:
         return f'did you mean "{near[0]}"?'
     listed = choices if len(choices) <= MOST_LISTED else [*choices[:FEW_LISTED], f"... ({len(choices)} in all)"]

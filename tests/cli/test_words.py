@@ -43,6 +43,9 @@ def test_alone_it_shows_its_commands_and_the_tutorials(capsys: pytest.CaptureFix
 def test_a_misspelt_command_or_option_is_guessed(capsys: pytest.CaptureFixture[str]) -> None:
     assert 'did you mean "solve"?' in refusal(capsys, "slove", "two_pads")
     assert 'did you mean "--no-yade"?' in refusal(capsys, "run", "two_pads", "--noyade")
+    assert "valid options: --help, --quiet, --json, --output" in refusal(
+        capsys, "run", "two_pads", "--results", "x"
+    )  # like no other option
     assert 'did you mean "bash"?' in refusal(capsys, "completion", "bahs")
     assert "one argument too many" in refusal(capsys, "solve", "two_pads", "two_blocks")
 
