@@ -21,7 +21,6 @@ from scipy import sparse
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
-from la_core.coulomb.plateau import FLAT, reference_size
 from la_core.limit import Cones, Programme, ProgrammeOutcome
 from la_core.measures import residuals
 from la_core.model import global_forces
@@ -29,7 +28,6 @@ from la_core.model import global_forces
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
 END_ITERATIONS, LEAST_END_ITERATIONS, END_STEPS = 0.2, 200, 20  # most iterations of the last stretch over those of the path
-LEAST_CLOSING = 1e-3  # rate over that of the support at which an open point closes: less may be what is left of the strain
 LEAST_WORK = 1e-3  # of the weight's work over the support's motion
 MOST_ROUNDS = 12  # of two programmes each, to a limit state near the end of a path
 # Weight of half the squared distance from the end of the path, over the power in mean block weights: of the forces in the first round,
@@ -128,43 +126,6 @@ def certified_end(path: QuasiStaticPath, stretch: float) -> tuple[State, State, 
         if certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
             break
     return best
-
-
-def next_closing(joints: ElasticJoints, before: State, last: State) -> float:
-    """Progress at which the next open contact point closes if the blocks go on as from `before` to `last`; infinite where none does."""
-    gap, rate = last.joints.displacement[:, 0], joint_rates(joints, before, last).gap
-    closes = (last.joints.force[:, 0] == 0.0) & (gap > 0.0) & (rate < -LEAST_CLOSING)
-    return last.progress + float(np.min(gap[closes] / -rate[closes], initial=np.inf))
-
-
-@dataclass
-class Lasting:
-    """Whether a certified end lasts: as the blocks go on no open joint closes, or one has closed and the value is the same.
-
-    Blocks as laid have no gaps. A gap of elastic joints, which formed on the way to a plateau, may close long after the curve is flat, and
-    another mechanism follows: a rubble wall of 12 stones loses 1.2 % when a gap of one sag has closed, after 1.7 travels.
-
-    Attributes
-    ----------
-    latest : float
-        Progress beyond which no closing counts.
-    awaited : float
-        Progress at which an open joint closes.
-    value : float
-        Value of the path at the end that was looked at last; NaN before.
-    """
-
-    latest: float
-    awaited: float = 0.0
-    value: float = np.nan
-
-    def holds(self, path: QuasiStaticPath, before: State, last: State) -> bool:
-        """Look at a certified end, a mechanism from `before` to `last`, and say whether it lasts."""
-        if last.progress < self.awaited:
-            return False
-        earlier, self.value = self.value, path.value(last)
-        self.awaited = next_closing(path.joints, before, last)
-        return self.awaited > self.latest or abs(self.value - earlier) <= FLAT * reference_size(self.value)
 
 
 class _Pressed:

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, Lasting, certified_end, certify, limit_state_near
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
+from la_core.coulomb.lasting import Lasting
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
+import vaults_and_domes
 from coulomb_problems import (
     DIGIT,
     FOUND,
@@ -189,3 +190,25 @@ def test_a_gap_that_closes_after_the_curve_is_flat_is_awaited() -> None:
     _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
     assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
     assert (len(usual.plateaus), len(stiffer.plateaus)) == (2, 0)
+
+
+def test_a_force_that_still_changes_is_followed_until_its_contact_point_gives_way() -> None:
+    """A point of this vault opens 11 travels after the curve is flat; stiffer joints show it within the first travel."""
+    vault = vaults_and_domes.vault(
+        centre=(0.0, 0.0, 0.0),
+        radius=None,
+        embrace=None,
+        shape="pointed",
+        span=3.0,
+        rise=2.0,
+        thickness=0.56,
+        length=1.1,
+        voussoirs=6,
+        rings=2,
+    )
+    skew = {"axis": (-0.327, 1.5, -0.621), "point": (2.64, 3.54, 0.99)}
+    scene = scenes.build(vault, friction=0.79, inset=0.001, settlement=skew)
+    assembly, usual = answer(scene)
+    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
+    _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
+    assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
