@@ -13,6 +13,7 @@ from la_core.geometry.polygons import plane_axes
 
 ROUND_OFF = 1e-12  # of the distance from the origin: least thickness of a block, which still has four digits there
 STEEP = 0.1  # sine of the angle to a face from which on an edge leads away from it, however short it is
+PLANE_CUTS = 1e-7  # of the size: distance of a back from an affine image of the front
 FACE_FLATNESS = 1e-4  # of the size: corners this close to a plane lie on it; inexact corners must not split a face
 
 
@@ -110,23 +111,27 @@ def prism(profile: Sequence[Sequence[float]], y: Sequence[float]) -> Shape:
 def divided_loft(front: np.ndarray, back: np.ndarray, normal: np.ndarray) -> Shape:
     """Body between two plane outlines of n corners each, `front` and `back` (n, 3), m; a compound where the outlines are not convex.
 
-    `front` is counter-clockwise seen from outside, where its unit normal (3,) points. Raises ValueError where it crosses itself.
+    `front` is counter-clockwise seen from outside, where its unit normal (3,) points. Raises ValueError where it crosses itself, and where
+    `back` is no affine image of it: the cuts would not be plane.
     """
     flat = (front - front[0]) @ np.concatenate(plane_axes(normal[None])).T
     if not (shapely.Polygon(flat).is_valid and shapely.LinearRing(flat).is_ccw):
         raise ValueError("the outline crosses itself")
-    parts = [loft(*_on_both(part, flat, front, back)) for part in convex_parts(flat)]
+    columns = np.column_stack([flat, np.ones(len(flat))])
+    maps = [np.linalg.lstsq(columns, side, rcond=None)[0] for side in (front, back)]
+    if np.abs(columns @ maps[1] - back).max() > PLANE_CUTS * np.ptp(flat, axis=0).max():
+        raise ValueError("the cuts are not plane")
+    parts = [loft(*_on_both(part, flat, (front, back), maps)) for part in convex_parts(flat)]
     return compound(parts, np.stack([front, back]))
 
 
-def _on_both(part: np.ndarray, flat: np.ndarray, front: np.ndarray, back: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _on_both(part: np.ndarray, flat: np.ndarray, sides: Sequence[np.ndarray], maps: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Corners (m, 2) of a part, as (m, 3) on front and back, m; those where cuts end lie on both as the corners of the outline do."""
-    columns = [np.column_stack([points, np.ones(len(points))]) for points in (flat, part)]
-    sides = [columns[1] @ np.linalg.lstsq(columns[0], side, rcond=None)[0] for side in (front, back)]
+    both = [np.column_stack([part, np.ones(len(part))]) @ to_side for to_side in maps]
     corner, of_outline = np.nonzero((part[:, None] == flat[None]).all(axis=2))
-    for side, moved in zip(sides, (front, back), strict=True):
-        side[corner] = moved[of_outline]
-    return sides[0], sides[1]
+    for points, side in zip(both, sides, strict=True):
+        points[corner] = side[of_outline]
+    return both
 
 
 def polyhedron(vertices: Sequence[Sequence[float]], flatness: float = FACE_FLATNESS) -> Shape:

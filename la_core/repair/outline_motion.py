@@ -1,7 +1,8 @@
 """Blocks that are not convex: the corners of their outline follow the faces of the block, and the outline is divided anew.
 
 The cuts between the convex parts of a block are lines that nobody drew. Where a cut is all but level with a face, a corner of its part
-that had to stay on both would slide far along them.
+that had to stay on both would slide far along them. So would a corner between two faces that are all but level, of which only one moves:
+it becomes a step, one corner on either face.
 """
 
 from collections.abc import Iterator
@@ -34,7 +35,7 @@ class MovedOutline:
 def moved_outline(shape: Shape, normal: np.ndarray, offset: np.ndarray, limit: float) -> MovedOutline | None:
     """Move the outline of a block onto the moved planes of its faces, and divide it anew.
 
-    None where the moved outline crosses itself, or the surface would move by more than `limit` (m).
+    None where the moved outline crosses itself or cannot be divided by plane cuts, or a corner would move by more than `limit` (m).
 
     Parameters
     ----------
@@ -43,24 +44,33 @@ def moved_outline(shape: Shape, normal: np.ndarray, offset: np.ndarray, limit: f
     normal, offset : (F, 3) and (F,) arrays
         Moved planes of the faces of all parts; offsets in m.
     limit : float
-        Largest motion of the surface, m.
+        Largest motion of a corner, m; one that would slide farther along its faces becomes a step between them.
     """
     face = None if shape.outline is None else _faces_of_edges(shape, shape.outline[0])
     if shape.outline is None or face is None:
         return None
-    n = len(face)
-    edges = np.stack([face, np.roll(face, 1)], axis=1)  # the edges after and before each corner
-    planes = np.concatenate([np.column_stack([edges, np.full(n, cap)]) for cap in (0, 1)])  # faces 0 and 1 are front and back
-    corners = shape.outline.reshape(-1, 3)
-    moved = onto_planes(corners, np.repeat(np.arange(2 * n), 3), normal[planes.ravel()], offset[planes.ravel()])
-    depth = np.abs(np.einsum("kpi,ki->kp", normal[planes], corners) - offset[planes])
-    if depth.max() > limit:
+    sides = np.stack([np.roll(face, 1), face], axis=1)
+    outline, moved = shape.outline, _moved(shape.outline, sides, normal, offset)
+    slides = np.linalg.norm(moved - outline, axis=2).max(axis=0) > limit
+    if slides.any():
+        outline = np.repeat(outline, 1 + slides, axis=1)
+        sides = np.concatenate([np.tile(both[:, None], 2) if apart else both[None] for both, apart in zip(sides, slides, strict=True)])
+        moved = _moved(outline, sides, normal, offset)
+    largest_move = float(np.linalg.norm(moved - outline, axis=2).max())
+    if largest_move > limit:
         return None
     try:
-        parts = divided_loft(moved[:n], moved[n:], normal[0]).parts
+        parts = divided_loft(moved[0], moved[1], normal[0]).parts
     except ValueError:
         return None
-    return MovedOutline(parts, float(np.linalg.norm(moved - corners, axis=1).max()))
+    return MovedOutline(parts, largest_move)
+
+
+def _moved(outline: np.ndarray, sides: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """The outline (2, n, 3), each corner moved onto the planes of the faces before and after it, `sides` (n, 2), and of front or back."""
+    planes = np.concatenate([np.column_stack([sides, np.full(len(sides), cap)]) for cap in (0, 1)])  # faces 0 and 1 are front and back
+    point = np.repeat(np.arange(len(planes)), 3)
+    return onto_planes(outline.reshape(-1, 3), point, normal[planes.ravel()], offset[planes.ravel()]).reshape(outline.shape)
 
 
 def onto_planes(points: np.ndarray, point: np.ndarray, normal: np.ndarray, offset: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import scenes
 from la_core.analysis.modelling import structural_model
 from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
-from la_core.geometry import Blocks, find_interfaces
+from la_core.geometry import Blocks, find_interfaces, prism
 from la_core.limit.problem import Drive
 from la_core.repair import close_joints
 from la_core.scene import Scene
@@ -265,3 +265,35 @@ def test_surveyed_stones_with_steps_have_the_joints_of_the_true_ones(seed: int) 
     assert len(joints(true)) == 2 + 4 * 3
     assert not survey.repairs.unclosed
     assert survey.weight == pytest.approx(true.weight, rel=0.02)
+
+
+@pytest.mark.parametrize("dip", [0.0028, 0.003, 0.0032])
+def test_where_one_of_two_nearly_level_faces_moves_the_corner_between_them_becomes_a_step(dip: float) -> None:
+    """The left half of an L's bed closes a gap of 2 mm to a pad and the right half is free: their planes meet 0.05 m beside the corner."""
+    tolerance = 0.002
+    stone = [(0.0, 0.0), (0.5, -dip), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.4, 1.0), (0.0, 1.0)]
+    pad = [(0.0, -0.5), (0.5, -0.5), (0.5, -0.002), (0.0, -0.002)]
+    shapes = [prism(profile, (0.0, 0.4)) for profile in (stone, pad)]
+    closed, repairs = close_joints(["stone", "pad"], shapes, tolerance, np.zeros(2))
+    drawn, moved = (Blocks.gather(["stone", "pad"], ["free", "fixed"], [1.0, 1.0], some) for some in (shapes, closed))
+    assert repairs.largest_move <= tolerance
+    assert find_interfaces(moved).area == pytest.approx([0.5 * 0.4], rel=0.01)
+    assert moved.volume == pytest.approx(drawn.volume, abs=tolerance * 0.5 * 0.4)
+
+
+@pytest.mark.parametrize("degrees", [-0.45, -0.2])
+def test_beside_neighbours_that_are_turned_in_plan_a_stone_that_is_not_convex_keeps_plane_faces(degrees: float) -> None:
+    """Its end faces turn halfway towards the neighbours. Its back is then no copy of its front, and a cut between them is warped."""
+    profiles = [
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.5, 1.0), (0.0, 1.0)],
+        [(1.0, 0.0), (1.6, 0.0), (1.6, 0.5), (1.0, 0.5)],
+        [(-0.6, 0.0), (0.0, 0.0), (0.0, 1.0), (-0.6, 1.0)],
+    ]
+    stone, right, left = (prism(profile, (0.0, 0.5)) for profile in profiles)
+    names, turns = ["stone", "right", "left"], (turned(right, (1.0, 0.25, 0.0), degrees), turned(left, (0.0, 0.25, 0.0), -degrees))
+    closed, _ = close_joints(names, [stone, *turns], 0.012, np.zeros(3))
+    for part in closed[0].parts:
+        for loop in part.faces:
+            corners = part.vertices[list(loop)]
+            assert np.linalg.svd(corners - corners.mean(axis=0))[1][-1] < ROUND_OFF
+    assert len(find_interfaces(Blocks.gather(names, ["free"] * 3, [1.0] * 3, closed))) == 2
