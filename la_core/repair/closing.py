@@ -68,10 +68,10 @@ def close_joints(names: Sequence[str], shapes: Sequence[Shape], tolerance: float
     np.maximum.at(largest, owner[parts.vertex_block], np.linalg.norm(moved - parts.vertices, axis=1))
     largest[list(whole)] = [one.largest_move for one in whole.values()]
     farthest = int(np.argmax(largest))
-    pieces, owner_left = _pieces(parts, owner, single, moved, normal, offset)
+    pieces, owner_left = _pieces(parts, owner, single, moved, normal, offset, origin)
     pieces += [part for one in whole.values() for part in one.parts]
     owner_left = np.concatenate([owner_left, np.repeat(list(whole), [len(one.parts) for one in whole.values()]).astype(int)])
-    found = _cut_overlaps(names, pieces, owner_left, float(reach.max()))
+    found = _cut_overlaps(names, pieces, owner_left, float(reach.max()), origin)
     wholes = [compound([pieces[part] for part in np.flatnonzero(owner_left == block)]) for block in range(len(shapes))]
     unclosed = (*found.deep.values(), *_unclosed(names, parts, owner, pairs, closed, tolerance))
     widest = pairs.gap[pairs.widest]
@@ -144,7 +144,13 @@ def _refuse_far(parts: Blocks, moved: np.ndarray, normal: np.ndarray, offset: np
 
 
 def _pieces(
-    parts: Blocks, owner: np.ndarray, single: np.ndarray, moved: np.ndarray, normal: np.ndarray, offset: np.ndarray
+    parts: Blocks,
+    owner: np.ndarray,
+    single: np.ndarray,
+    moved: np.ndarray,
+    normal: np.ndarray,
+    offset: np.ndarray,
+    origin: np.ndarray,
 ) -> tuple[list[Shape], np.ndarray]:
     """The `single` parts with moved vertices, and the block of each; one that would be folded, or has two faces on a plane, is made anew.
 
@@ -171,7 +177,7 @@ def _pieces(
     block = owner[single]
     gone = np.setdiff1d(block, block[left])
     if len(gone):
-        raise _nothing_left(parts, int(np.argmax(owner == gone[0])))
+        raise _nothing_left(parts, int(np.argmax(owner == gone[0])), origin)
     return [shape for shape in shapes if shape is not None], block[left]
 
 
@@ -191,8 +197,8 @@ def _between(normal: np.ndarray, offset: np.ndarray, near: np.ndarray, least: fl
         return None
 
 
-def _nothing_left(parts: Blocks, part: int) -> SceneError:
-    name, (x, _, z) = parts.names[part], parts.centroid[part]
+def _nothing_left(parts: Blocks, part: int, origin: np.ndarray) -> SceneError:
+    name, (x, _, z) = parts.names[part], parts.centroid[part] + origin
     rule = f"is so thin that nothing of it, near x = {x:.4g} m and z = {z:.4g} m, would be left"
     return SceneError(f'block "{name}"', rule, hint="take a smaller tolerance, or remove the block", blocks=[name])
 
@@ -205,7 +211,7 @@ class _Overlaps:
     deep: dict[tuple[str, str], Unclosed] = field(default_factory=dict)
 
 
-def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float) -> _Overlaps:
+def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, most: float, origin: np.ndarray) -> _Overlaps:
     """Cut every part that overlaps another block by at most `most` (m), in place, along the face of the other that it passes least."""
     found = _Overlaps()
     for _ in range(ROUNDS):
@@ -219,7 +225,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
                 both = parts.names[a], parts.names[b]
                 found.deep[both] = Unclosed(both, middle, -depth)
             elif a not in changed and b not in changed:  # the next round finds the other pairs again
-                cut, rest = _cut_part(parts, a, b)
+                cut, rest = _cut_part(parts, a, b, origin)
                 pieces[cut] = rest
                 changed.add(cut)
         found.cut += len(changed)
@@ -228,7 +234,7 @@ def _cut_overlaps(names: Sequence[str], pieces: list[Shape], owner: np.ndarray, 
     return found
 
 
-def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
+def _cut_part(parts: Blocks, a: int, b: int, origin: np.ndarray) -> tuple[int, Shape]:
     """The part to cut of two overlapping ones, and its remainder."""
     _, plane, cut = max(_least_passing(parts, a, b), _least_passing(parts, b, a), key=lambda found: found[0])
     faces = slice(parts.part_face_start[cut], parts.part_face_start[cut + 1])
@@ -237,7 +243,7 @@ def _cut_part(parts: Blocks, a: int, b: int) -> tuple[int, Shape]:
     size = float(np.linalg.norm(parts.high[cut] - parts.low[cut]))
     rest = _between(normal, offset, parts.centroid[cut], PLANE * size)
     if rest is None:
-        raise _nothing_left(parts, cut)
+        raise _nothing_left(parts, cut, origin)
     return cut, rest
 
 

@@ -297,3 +297,11 @@ def test_beside_neighbours_that_are_turned_in_plan_a_stone_that_is_not_convex_ke
             corners = part.vertices[list(loop)]
             assert np.linalg.svd(corners - corners.mean(axis=0))[1][-1] < ROUND_OFF
     assert len(find_interfaces(Blocks.gather(names, ["free"] * 3, [1.0] * 3, closed))) == 2
+
+
+def test_what_would_vanish_far_from_the_origin_is_told_where_the_scene_has_it() -> None:
+    far = 1e6
+    low_high = {"sheet": (1.0, 1.001), "below": (0.0, 1.004), "above": (0.997, 2.0)}
+    shapes = [prism([(far, low), (far + 1.0, low), (far + 1.0, high), (far, high)], (0.0, 0.4)) for low, high in low_high.values()]
+    with pytest.raises(SceneError, match=r"near x = 1e\+06 m and z = 1 m"):
+        close_joints(list(low_high), shapes, 0.004, np.zeros(3))
