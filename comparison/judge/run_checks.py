@@ -173,21 +173,21 @@ def _check_standing(results: Results) -> Check:
     analysis, run = results.analysis, results.recorded
     least, name = analysis.bounds[analysis.main], "the structure stands"
     outcome = "it collapsed in YADE" if run.status == "collapsed" else f"YADE's run ended as {run.status}"
+    if least.status is Status.INFEASIBLE and run.status == "collapsed":
+        return Check(name, Verdict.AGREE)
     if least.status is Status.INFEASIBLE:
-        missed = Verdict.INCONCLUSIVE if falls_slowly(analysis.whole) else Verdict.DISAGREE
-        verdict = Verdict.AGREE if run.status == "collapsed" else missed
         proof = f"Limit analysis proves that the structure cannot stand ({named_blocks(least.falling)} would fall)"
-        return Check(name, verdict, reason="" if verdict is Verdict.AGREE else f"{proof}, but {outcome}.")
+        missed = Verdict.INCONCLUSIVE if falls_slowly(analysis.whole) else Verdict.DISAGREE
+        return Check(name, missed, reason=f"{proof}, but {outcome}.")
     if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
-    finds = analysis.main_answer.status is Status.SOLVED
-    limit = "Limit analysis finds an equilibrium" if finds else f"Limit analysis ended as {least.status}"
+    came = "finds an equilibrium" if analysis.main_answer.status is Status.SOLVED else f"ended as {least.status}"
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
     step = _thrust(results.scene)
     if _stood_at_rest(results):
         slides, step = f" {SLIPPED}", SLOWER_RUN
-    return Check(name, Verdict.INCONCLUSIVE, reason=f"{limit}, but {outcome} ({run.result.message}).{slides}", next_step=step)
+    return Check(name, Verdict.INCONCLUSIVE, reason=f"Limit analysis {came}, but {outcome} ({run.result.message}).{slides}", next_step=step)
 
 
 def _stood_at_rest(results: Results) -> bool:

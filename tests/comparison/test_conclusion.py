@@ -12,6 +12,7 @@ from runs import coulomb_run, perfect_run, with_answers, write_run
 
 import la_core
 from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
+from comparison.judge import run_checks
 from comparison.judge.run_checks import check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary, conclusion_of
 from comparison.numbers import Units
@@ -127,6 +128,16 @@ def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float,
     assert found.verdict is verdict
     assert ("ended before it fell" in found.reason) is (verdict is Verdict.CANNOT_STAND)
     assert '"stone 1", "stone 2", "stone 3", "stone 4" would fall' in found.reason
+
+
+def test_how_fast_a_structure_falls_is_not_asked_where_it_fell_in_yade_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The answer is a programme on the whole structure, and changes nothing there."""
+    analysis = analyse(scenes.build(*PIER_AND_PAD, scenes.box("beam", (0.6, 0.0, 0.0), (1.8, 1.0, 0.2))))
+    asked: list[Any] = []
+    monkeypatch.setattr(run_checks, "falls_slowly", asked.append)
+    verdicts = [check_run(Results(analysis, perfect_run(analysis, status=status)))[0].verdict for status in ("collapsed", "plateau")]
+    assert verdicts == [Verdict.AGREE, Verdict.DISAGREE]
+    assert len(asked) == 1
 
 
 def test_a_structure_that_stands_in_yade_although_it_cannot_is_a_disagreement() -> None:
