@@ -13,7 +13,7 @@ from la_core.analysis.stage import analyse
 from la_core.errors import SceneError
 from la_core.geometry import find_interfaces
 from la_core.geometry.division import convex_parts
-from la_core.geometry.shapes import prism
+from la_core.geometry.shapes import divided_loft, prism
 from la_core.limit.problem import Drive
 
 ROUND_OFF = 1e-9
@@ -151,3 +151,20 @@ def test_a_dart_that_no_cut_divides_is_refused_and_does_not_hang() -> None:
     ]
     with pytest.raises(ValueError, match="cannot be divided into convex parts"):
         prism(dart, (0.0, 0.4))
+
+
+def test_a_body_is_divided_between_outlines_of_which_plane_cuts_are_possible() -> None:
+    profile = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.5, 1.0), (0.0, 1.0)])
+    front, back = (np.column_stack([profile[:, 0], np.full(6, y), profile[:, 1]]) for y in (0.0, 0.4))
+    normal = np.array([0.0, -1.0, 0.0])
+    sheared = back + 0.1 * back[:, 2:]  # still an affine image of the front
+    assert len(divided_loft(front, sheared, normal).parts) == 2
+    warped = back.copy()
+    warped[3, 0] += 1e-4
+    for one, other, told in (
+        (front[::-1], back[::-1], "crosses"),
+        (front[[0, 2, 1, 3, 4, 5]], back[[0, 2, 1, 3, 4, 5]], "crosses"),
+        (front, warped, "not plane"),
+    ):
+        with pytest.raises(ValueError, match=told):
+            divided_loft(one, other, normal)

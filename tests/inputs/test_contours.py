@@ -110,18 +110,19 @@ def test_a_stone_around_an_opening_is_refused_since_it_would_be_built_solid(open
     assert f"near ({middle[0]:.4g}, {middle[1]:.4g}) m" in str(refused.value)
 
 
-def _wall_of_two(opening: str, folder: Path) -> tuple[Drawing, MeshFile]:
+def _wall_of_two(opening: str, folder: Path, more: str = "") -> tuple[Drawing, MeshFile]:
     """Two stones beside each other, 2 by 0.7 m, and an opening across their joint."""
     layers = {"LEFT": "0 0 1000 700", "RIGHT": "1000 0 1000 700", "WINDOW": opening}
     rows = "".join(f'<g id="{layer}">{_rect(numbers)}</g>' for layer, numbers in layers.items())
-    (folder / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
+    (folder / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}{more}</svg>')
     table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",), shift=(10.0, 20.0))
     return table, read_drawing(table, folder)
 
 
 def test_an_opening_across_several_stones_is_refused_however_little_of_it_lies_in_each(tmp_path: Path) -> None:
-    table, file = _wall_of_two("900 200 200 300", tmp_path)
-    with pytest.raises(SceneError, match='lies in blocks on layer "LEFT", "RIGHT"'):
+    """A third of the opening lies in either stone, and a stone beyond it touches it."""
+    table, file = _wall_of_two("900 500 200 300", tmp_path, f'<g id="BEYOND">{_rect("900 800 200 100")}</g>')
+    with pytest.raises(SceneError, match='lies in blocks on layer "LEFT", "RIGHT", and'):
         drawing_blocks(table, file, 0.0)
 
 
@@ -142,7 +143,7 @@ def test_an_opening_that_reaches_into_stones_is_told_since_they_stay_whole(reach
 @pytest.mark.parametrize(("share", "blocks"), [(0.7, 3), (0.9, 2)])
 def test_an_outline_with_most_of_it_in_an_opening_is_no_block(share: float, blocks: int, tmp_path: Path) -> None:
     rows = f'<g id="STONE">{_rect("0 0 1000 700")}{_rect("1500 0 500 700")}{_rect(f"{1500 - 200 * share} 100 200 200")}</g>'
-    rows += f'<g id="WINDOW">{_rect("1000 0 500 700")}</g>'
+    rows += f'<g id="WINDOW">{_rect("1000 0 500 150")}{_rect("1000 150 500 550")}</g>'  # of two lights
     (tmp_path / "wall.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="700mm">{rows}</svg>')
     table = Drawing(file="wall.svg", thickness=0.4, unit="mm", openings=("WINDOW",))
     assert len(drawing_blocks(table, read_drawing(table, tmp_path), 0.0)[0]) == blocks

@@ -13,6 +13,7 @@ from la_core.errors import SceneError
 from la_core.geometry import Blocks, find_interfaces, prism
 from la_core.limit.problem import Drive
 from la_core.repair import close_joints
+from la_core.repair.outline_motion import moved_outline
 from la_core.scene import Scene
 from la_core.scene.generators.placing import leaning, turned
 
@@ -267,16 +268,16 @@ def test_surveyed_stones_with_steps_have_the_joints_of_the_true_ones(seed: int) 
     assert survey.weight == pytest.approx(true.weight, rel=0.02)
 
 
-@pytest.mark.parametrize("dip", [0.0028, 0.003, 0.0032])
-def test_where_one_of_two_nearly_level_faces_moves_the_corner_between_them_becomes_a_step(dip: float) -> None:
+@pytest.mark.parametrize(("dip", "x"), [(0.0028, 0.0), (0.003, 0.0), (0.003, 1e6), (0.0032, 0.0)])
+def test_where_one_of_two_nearly_level_faces_moves_the_corner_between_them_becomes_a_step(dip: float, x: float) -> None:
     """The left half of an L's bed closes a gap of 2 mm to a pad and the right half is free: their planes meet 0.05 m beside the corner."""
     tolerance = 0.002
     stone = [(0.0, 0.0), (0.5, -dip), (1.0, 0.0), (1.0, 0.5), (0.4, 0.5), (0.4, 1.0), (0.0, 1.0)]
     pad = [(0.0, -0.5), (0.5, -0.5), (0.5, -0.002), (0.0, -0.002)]
-    shapes = [prism(profile, (0.0, 0.4)) for profile in (stone, pad)]
+    shapes = [prism([(x + px, z) for px, z in profile], (0.0, 0.4)) for profile in (stone, pad)]
     closed, repairs = close_joints(["stone", "pad"], shapes, tolerance, np.zeros(2))
     drawn, moved = (Blocks.gather(["stone", "pad"], ["free", "fixed"], [1.0, 1.0], some) for some in (shapes, closed))
-    assert repairs.largest_move <= tolerance
+    assert repairs.largest_move == pytest.approx(tolerance / 2.0, rel=1e-3) and repairs.moved_block == "stone"
     assert find_interfaces(moved).area == pytest.approx([0.5 * 0.4], rel=0.01)
     assert moved.volume == pytest.approx(drawn.volume, abs=tolerance * 0.5 * 0.4)
 
@@ -305,3 +306,33 @@ def test_what_would_vanish_far_from_the_origin_is_told_where_the_scene_has_it() 
     shapes = [prism([(far, low), (far + 1.0, low), (far + 1.0, high), (far, high)], (0.0, 0.4)) for low, high in low_high.values()]
     with pytest.raises(SceneError, match=r"near x = 1e\+06 m and z = 1 m"):
         close_joints(list(low_high), shapes, 0.004, np.zeros(3))
+
+
+@pytest.mark.parametrize("first", range(6))
+@pytest.mark.parametrize(("side", "width"), [(1.0, 0.4), (-1.0, 0.4), (1.0, 0.6), (-1.0, 0.6)])
+def test_a_notch_closes_on_what_stands_in_it_wherever_its_outline_begins(first: int, side: float, width: float) -> None:
+    """The sides of cuts lie along edges of the outline, too, and run the other way."""
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (width, 0.5), (width, 1.0), (0.0, 1.0)]
+    stone = [(side * x, z) for x, z in [*corners[first:], *corners[:first]]]
+    inner = [(side * x, z) for x, z in [(width + 0.002, 0.502), (1.0, 0.502), (1.0, 1.0), (width + 0.002, 1.0)]]
+    closed, repairs = close_joints(["stone", "inner"], [prism(profile, (0.0, 0.4)) for profile in (stone, inner)], 0.002, np.zeros(2))
+    assert repairs.largest_move <= 0.002
+    blocks = Blocks.gather(["stone", "inner"], ["free"] * 2, [1.0] * 2, closed)
+    assert sorted(find_interfaces(blocks).area) == pytest.approx(sorted([0.5 * 0.4, (1.0 - width) * 0.4]), rel=5e-3)
+    assert blocks.volume == pytest.approx([0.5 * (1.0 + width) * 0.4, 0.5 * (1.0 - width) * 0.4], rel=5e-3)
+
+
+def test_what_moves_farther_than_allowed_does_not_move_as_a_whole() -> None:
+    shape = prism([(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0), (0.0, 1.0)], (0.0, 0.4))
+    parts = Blocks.gather(["stone"], ["free"], [1.0], [shape]).parts
+    for push, moves in ((0.009, True), (0.011, False)):
+        offset = parts.face_offset + np.where(parts.face_normal[:, 2] < -0.5, push, 0.0)  # the bed alone
+        assert (moved_outline(shape, parts.face_normal, offset, 0.01) is not None) is moves
+
+
+def test_an_outline_leans_and_turns_with_its_shape() -> None:
+    profile = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.5, 0.5), (0.5, 1.0), (0.0, 1.0)]
+    shape = turned(leaning(profile, (0.0, 0.4), (0.05, 0.38), (0.0, 1.0)), (0.3, 0.2, 0.0), 30.0)
+    assert shape.outline is not None
+    distance = np.linalg.norm(shape.outline.reshape(-1, 1, 3) - shape.vertices[None], axis=2)
+    assert distance.min(axis=1) == pytest.approx(0.0, abs=ROUND_OFF)
