@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import scenes
-import vaults_and_domes
 from coulomb_problems import (
     DIGIT,
     FOUND,
@@ -31,7 +30,6 @@ from la_core.coulomb import (
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 from la_core.measures import residuals
-from la_core.model.joints import joint_stiffness
 
 NO_DILATION = 0.02  # of the support's speed: elastic strain rate at loaded sliding joints; associated flow would part at mu |u_t|
 BALANCE = 2e-2  # of the input: elastic energy that the last step still stores, and the dilation that is left
@@ -176,39 +174,3 @@ def test_interval_of_a_reaction_of_zero_is_stated_although_its_ends_are_rounded(
     low, high = hung.interval
     assert low <= high
     assert [hung.coulomb, low, high] == pytest.approx([0.0] * 3, abs=1e-6 * hung.scene.weight)
-
-
-def test_a_gap_that_closes_after_the_curve_is_flat_is_awaited() -> None:
-    """Stiffer joints leave narrower gaps, which close within the first travel: only the strain on the way differs."""
-    stones = scenes.table("[rubble]", origin=(0.0, 0.0, 0.0), size=(2.2, 0.9), depth=0.4, stones=12, seed=30, flatness=1.7)
-    ground = scenes.box("ground", (0.0, 0.0, -0.3), (1.032151, 0.4, 0.0), "fixed")
-    turning = scenes.box("turning", (1.032151, 0.0, -0.3), (2.2, 0.4, 0.0), "support")
-    hinge = {"axis": (0.0, -1.0, 0.0), "point": (3.2, 0.0, 0.0)}
-    scene = scenes.build(stones, ground, turning, friction=0.8, inset=0.001, settlement=hinge)
-    assembly, usual = answer(scene)
-    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
-    _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
-    assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
-    assert (len(usual.plateaus), len(stiffer.plateaus)) == (2, 0)
-
-
-def test_a_force_that_still_changes_is_followed_until_its_contact_point_gives_way() -> None:
-    """A point of this vault opens 11 travels after the curve is flat; stiffer joints show it within the first travel."""
-    vault = vaults_and_domes.vault(
-        centre=(0.0, 0.0, 0.0),
-        radius=None,
-        embrace=None,
-        shape="pointed",
-        span=3.0,
-        rise=2.0,
-        thickness=0.56,
-        length=1.1,
-        voussoirs=6,
-        rings=2,
-    )
-    skew = {"axis": (-0.327, 1.5, -0.621), "point": (2.64, 3.54, 0.99)}
-    scene = scenes.build(vault, friction=0.79, inset=0.001, settlement=skew)
-    assembly, usual = answer(scene)
-    stiff = 16.0 * joint_stiffness(assembly, scene.inset, {}).normal
-    _, stiffer = answer(scene, normal_stiffness=stiff, shear_stiffness=stiff)
-    assert usual.value == pytest.approx(stiffer.value, abs=usual.uncertainty + stiffer.uncertainty)
