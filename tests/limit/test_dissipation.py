@@ -93,6 +93,15 @@ def test_a_support_that_reaches_far_beyond_the_structure_does_not_make_its_block
     assert measure(assembly, solution.twists, solution.forces).moving_mass_share == 1.0
 
 
+def test_two_blocks_that_pass_each_other_are_as_fast_as_either() -> None:
+    stacked = (scenes.box("lower", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)), scenes.box("upper", (0.0, 0.0, 0.5), (1.0, 1.0, 1.0)))
+    assembly = assemble(scenes.build(SLIDER[1], *stacked, friction=0.3, live=(1.0, 0.0, 0.0)))
+    names = assembly.blocks.names
+    twists = np.zeros((len(names), 6))
+    twists[names.index("lower"), 0], twists[names.index("upper"), 0] = 1.0, -1.0
+    assert mechanism.fastest_speed(assembly, twists) == pytest.approx(1.0)
+
+
 def test_a_block_pushed_over_a_plane_dissipates_all_the_live_load_brings() -> None:
     assembly, solution = solved(scenes.build(*SLIDER, friction=0.3, live=(1.0, 0.0, 0.0)), Drive.LIVE)
     measures = measure(assembly, solution.twists, solution.forces)

@@ -102,6 +102,14 @@ def test_a_reaction_of_zero_from_rest_on_is_measured_by_the_weight(is_rotation: 
         assert one.look(0.0) is ends
 
 
+def test_a_multiplier_of_zero_is_measured_by_the_weights(fits: list[plateau.Plateau]) -> None:
+    for share, ends in ((0.99, True), (1.01, False)):
+        fits.append(line(0.0, share * SETTINGS.stop_uncertainty * SETTINGS.reaction_floor))
+        one = looking(Told(1.01 * STRAIN_ENDS))
+        one.case = SimpleNamespace(**(vars(CASE) | {"live": np.array([1.0, 0.0, 0.0])}))
+        assert one.look(0.0) is ends
+
+
 def test_joints_of_a_support_that_turns_strain_by_what_its_points_move(fits: list[plateau.Plateau]) -> None:
     fits += [line(), line()]
     for way, ends in ((1.01, True), (0.99, False)):
