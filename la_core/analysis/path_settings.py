@@ -5,7 +5,7 @@ import numpy as np
 from la_core import exchange
 from la_core.analysis.accuracy import scale
 from la_core.analysis.result import LimitAnalysis
-from la_core.coulomb import CoulombSolution
+from la_core.coulomb import FLAT, CoulombSolution, plateau_of
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
@@ -29,8 +29,8 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
     coulomb = _long_path(analysis)
     if coulomb is None:
         return {}
-    stiffening = min(STIFFENING_PER_TRAVEL * coulomb.travel, MOST_STIFFENING)
     settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    stiffening = min(STIFFENING_PER_TRAVEL * _flat_after(analysis, coulomb), MOST_STIFFENING)
     return {"least_stiffening": stiffening} | _share(settled, stiffening)
 
 
@@ -53,7 +53,24 @@ def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
     """Return the prediction if its path needed more than one travel; None otherwise, and where the scene sets stiffness or wedging."""
     given, coulomb = analysis.scene.yade, analysis.coulomb
     is_given = "normal_stiffness" in given or bool(given.get("wedging"))
-    return coulomb if coulomb is not None and coulomb.travel > LONG_PATH and not is_given else None
+    return coulomb if coulomb is not None and not is_given and _flat_after(analysis, coulomb) > LONG_PATH else None
+
+
+def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:
+    """Return the travels, 1, 2, 4 and so on, after which the curve was flat and settled at its last value; all of them where it never was.
+
+    A path goes on beyond a flat curve where a contact point is about to change its state. Where that changed nothing, YADE need not follow.
+    """
+    settled = _settled_after(coulomb, analysis.stiffness.travel, SETTLED * scale(analysis))
+    travels, values = coulomb.path_settlement / analysis.stiffness.travel, coulomb.path_value / scale(analysis)
+    end = 1.0
+    while end < coulomb.travel:
+        way = travels <= end
+        found = plateau_of(travels[way], values[way], end, values[way][-1])
+        if end >= settled and found.is_flat and abs(found.value - coulomb.value / scale(analysis)) <= FLAT:
+            return end
+        end *= 2.0
+    return coulomb.travel
 
 
 def _share(settled: float, stiffening: float) -> dict[str, float]:

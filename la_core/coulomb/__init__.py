@@ -4,12 +4,14 @@ from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.followed_path import PathProgress, PredictionSettings
 from la_core.coulomb.interval import interval_status
+from la_core.coulomb.plateau import FLAT, plateau_of
 from la_core.coulomb.prediction import predict, reaction_at_rest
 from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 
 __all__ = [
     "ACCEPTED_RESIDUAL",
+    "FLAT",
     "SAME_VALUE",
     "SLIDING_SHARE",
     "CoulombSolution",
@@ -20,6 +22,7 @@ __all__ = [
     "follow_path",
     "interval_status",
     "look_for_sliding",
+    "plateau_of",
     "predict",
     "reaction_at_rest",
     "slides_in_mechanism",

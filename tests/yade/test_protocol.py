@@ -162,7 +162,7 @@ def test_states_are_near_enough_for_any_plateau_to_hold_several(tmp_path: Path) 
 def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path_took_to_settle(travel: float, settled: float) -> None:
     """Travel over sag counts: up to 32 times the stiffness, then more of the travel, and at most all of it."""
     scene, way = scenes.shipped("two_pads"), np.linspace(0.0, travel, 200)
-    value = np.where(way <= settled * travel, 1.0015, 1.0005)
+    value = np.where(way <= settled * travel, 1.0015, 1.0009)  # never flat at the value
 
     def sets(scene: Scene) -> dict[str, float]:
         return settings_after_path(analysis_of(scene, way, value, 1.0))
@@ -178,6 +178,24 @@ def test_a_run_may_stop_only_where_its_plateau_lies_beyond_the_way_that_the_path
     assert sets(same_structure(scene, {"yade.normal_stiffness": 1e8}, "stiff")) == {}
     noise = settings_after_path(analysis_of(scene, way, 1e-9 * np.sin(way), 0.0))
     assert "plateau_share" not in noise  # noise about a reaction of zero is small beside the weight
+
+
+@pytest.mark.parametrize(("apart", "travels"), [(0.0, 1.0), (0.0004, 1.0), (0.0006, 16.0)])
+@pytest.mark.parametrize("settled", [0.0, 0.2, 1.5])
+def test_a_path_that_went_on_after_its_curve_was_flat_at_its_value_asks_for_no_stiffer_joints(
+    apart: float, travels: float, settled: float
+) -> None:
+    """The path waited for a contact point to change its state, up to 16 travels, and its value was the same, or not."""
+    scene, way = scenes.shipped("two_pads"), np.linspace(0.0, 16.0, 2000)
+    found = settings_after_path(analysis_of(scene, way, np.where(way <= settled, 2.0, 1.0 + apart), 1.0))
+    flat = travels if settled < 1.0 else max(travels, 8.0)  # the curve is flat over three quarters of the way
+    assert found.get("least_stiffening", 4.0) == min(4.0 * flat, 32.0)
+
+
+def test_a_curve_that_leaves_its_value_after_it_was_flat_there_is_followed_until_it_is_back() -> None:
+    way = np.linspace(0.0, 16.0, 2000)
+    found = settings_after_path(analysis_of(scenes.shipped("two_pads"), way, np.where((way > 2.5) & (way < 6.0), 1.1, 1.0), 1.0))
+    assert found == {"least_stiffening": 32.0, "plateau_share": pytest.approx(6.0 / 32.0 / 0.6, rel=2e-3)}
 
 
 @pytest.mark.parametrize(("near", "stiffening", "share"), [(0.3, 4.0, 0.125), (0.1, 4.0, None), (3.0, 12.0, 0.4167), (40.0, 32.0, 1.0)])
@@ -263,7 +281,8 @@ def test_a_run_that_would_be_long_takes_the_settings_of_a_long_run(tmp_path: Pat
     """What the scene sets holds in both; a file without settings of a long run, as of version 0.2.0, has one set for both."""
     analysis = analyse(same_structure(scenes.shipped("wall_third"), {"yade.rattling": 0.03}, "set"))
     assert analysis.coulomb is not None
-    late = replace(analysis.at_inset, coulomb=replace(analysis.coulomb, travel=16.0))
+    never_flat = replace(analysis.coulomb, travel=16.0, path_value=1.0009 * analysis.coulomb.path_value)
+    late = replace(analysis.at_inset, coulomb=never_flat)
     case_file.write_case(tmp_path / "case.h5", replace(analysis, at_inset=late), "test")
     data = exchange.read(tmp_path / "case.h5", (*exchange.CASE_FIELDS, exchange.SWAY, exchange.LONG_RUN_SETTINGS))
     one = case.from_fields(data)
