@@ -50,7 +50,7 @@ def forces_figure(assembly: Assembly, forces: Mapping[str, np.ndarray], title: s
         shown = np.isfinite(joints.centre).all(axis=1) & (sizes[label] > SMALLEST * largest)
         seen = np.zeros(len(shown), dtype=bool)
         seen[shown] = canvas.seen(joints.centre[shown])
-        if not seen.any():  # a pavement hides all its joints, and a figure without any force would say that there is none
+        if not seen.any():  # a pavement hides all its joints; their forces are drawn through the stones
             seen = shown
         half = 0.5 * LONGEST * structure_size(assembly.blocks) / largest * joints.force
         _lines(canvas, joints.centre[seen] - half[seen], joints.centre[seen] + half[seen], FORCE, 1.6)

@@ -6,14 +6,11 @@ floor counts: no uncertainty, however large, turns a difference into agreement.
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from comparison.yade import Results
 from la_core import exchange
 from la_core.analysis import LimitAnalysis
-from la_core.limit import Status, box_limits, optimum, scaled_problem
-from la_core.measures import block_speeds
-from la_core.model import Assembly, twists_of
+from la_core.limit import Status, share_of_free_fall
+from la_core.model import Assembly
 
 # Of the reaction: what neither method states. YADE's blocks move, by at most 1/400 of a block's size, and the prediction is for the
 # undeformed geometry. That changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
@@ -73,14 +70,8 @@ def unbalanced(results: Results) -> float:
 
 
 def falls_slowly(assembly: Assembly) -> bool:
-    """Return whether a structure that cannot stand starts to fall so slowly that YADE may take it for a state in balance.
-
-    The power of the weights over the weight times the fastest corner of every block is then at most UNBALANCED: 1 is free fall.
-    """
-    problem = scaled_problem(assembly)
-    twists = twists_of(assembly, optimum(problem.power, *box_limits(problem)).x)
-    power = float(np.sum(assembly.dead_load * twists))
-    return power <= UNBALANCED * float(assembly.block_weight @ block_speeds(assembly.blocks, twists))
+    """Return whether a structure that cannot stand starts to fall so slowly that YADE may take it for a state in balance."""
+    return share_of_free_fall(assembly) <= UNBALANCED
 
 
 def accuracy_share(analysis: LimitAnalysis) -> float:

@@ -78,7 +78,7 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
     least, recorded = shown(shared.get("reaction")), shown(yade.get("reaction")) if steady else None
     nearest = predicted if exists(predicted) else shown(shared.get("multiplier")) if live else least
     least_tolerance = shown(comparison.get("least_tolerance"))
-    is_something = exists(nearest) and abs(nearest) > (least_tolerance or 0.0)  # a share of nothing is no number
+    is_something = exists(nearest) and abs(nearest) > (least_tolerance or 0.0)  # a per cent of zero is undefined
     reactions = {
         "least": least,
         "greatest": shown(shared.get("reaction_max")),

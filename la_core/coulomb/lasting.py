@@ -15,7 +15,7 @@ from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
 from la_core.coulomb.plateau import FLAT, reference_size
 
-LEAST_CLOSING = 1e-3  # rate over that of the support at which an open point closes: less may be what is left of the strain
+LEAST_CLOSING = 1e-3  # over the support's rate: an open point that closes more slowly may only follow the strain of the joints
 
 
 def next_change(joints: ElasticJoints, before: State, last: State) -> float:

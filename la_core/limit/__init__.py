@@ -4,6 +4,7 @@ from la_core.limit import section_forces
 from la_core.limit.associated import Solution, Status, solve_associated
 from la_core.limit.classic_iteration import ClassicParameters, ClassicSolution, solve_sequentially
 from la_core.limit.conic import Cones, Programme, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
+from la_core.limit.falling import share_of_free_fall
 from la_core.limit.linearised import solve_linearised
 from la_core.limit.plane_in_space import residual_in_space
 from la_core.limit.problem import ACCEPTED, Drive, ScaledProblem, box_limits, scaled_problem
@@ -28,6 +29,7 @@ __all__ = [
     "residual_in_space",
     "scaled_problem",
     "section_forces",
+    "share_of_free_fall",
     "solve_associated",
     "solve_linearised",
     "solve_sequentially",

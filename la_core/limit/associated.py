@@ -17,18 +17,17 @@ import numpy as np
 from scipy import sparse
 
 from la_core.limit.conic import REGULARISATION, TOLERANCE, ProgrammeAnswer, ProgrammeOutcome, maximise, optimum
+from la_core.limit.falling import falling_blocks
 from la_core.limit.no_sliding import shared_friction
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, box_limits, driven_problem, scaled_problem
 from la_core.limit.starting_scale import NEAR_REGULARISATION, starting_scale
 from la_core.limit.symmetric_part import SymmetricPart, symmetric_part
-from la_core.measures import corner_speeds, residuals
+from la_core.measures import residuals
 from la_core.model import Assembly, global_forces, support_motion, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
 ATTEMPTS = ((False, False), (True, True), (False, True))  # equilibrate, refine: quick, thorough, and for joints almost without friction
-FALLING_SHARE = 1e-3  # of the fastest sinking: blocks at least this fast count as falling in a certificate
-LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
 
 
 class Status(enum.StrEnum):
@@ -231,19 +230,6 @@ def _unless_it_falls(assembly: Assembly, problem: ScaledProblem, part: Symmetric
     if names and residuals.flow_rule_violation(assembly, twists) <= ACCEPTED:
         return without_value(assembly, Status.INFEASIBLE, cost, names)
     return replace(solution, seconds=cost.seconds, iterations=cost.iterations)
-
-
-def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
-    """Names of the blocks that sink, or tip over, in a motion (B, 6) of order one; empty where the weights do no positive work.
-
-    The lower stones of a corbel tip with it although their centroids rise: a block counts where any part of it sinks.
-    """
-    power, weight = np.sum(assembly.dead_load * twists, axis=1), assembly.block_weight
-    if not power.sum() > LEAST_FALL * assembly.weight:
-        return ()
-    sinking = np.divide(power, weight, out=np.zeros_like(power), where=weight > 0.0)
-    fastest = np.maximum(sinking, np.where(assembly.blocks.free, corner_speeds(assembly.blocks, twists, assembly.down), 0.0))
-    return tuple(assembly.blocks.names[k] for k in np.flatnonzero(fastest >= FALLING_SHARE * fastest.max()))
 
 
 def solution_of(

@@ -25,8 +25,9 @@ import numpy as np
 import scipy
 from scipy import sparse
 
-from la_core.limit.associated import Solution, Status, falling_blocks, solution_of, without_value
+from la_core.limit.associated import Solution, Status, solution_of, without_value
 from la_core.limit.conic import TOLERANCE, Cones, ProgrammeAnswer, ProgrammeOutcome
+from la_core.limit.falling import falling_blocks
 from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem, driven_problem, scaled_problem
 from la_core.measures import fastest_speed
 from la_core.model import Assembly, twists_of

@@ -74,7 +74,7 @@ def measure(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, threshol
     forces : (C, 3) array
         Contact forces on block b, N, global axes.
     threshold : float
-        Contact points are at rest up to this share of the fastest block's speed.
+        Contact points are at rest up to this share of `mechanism.fastest_speed`.
     """
     known = bool(np.isfinite(twists).all() and np.isfinite(forces).all())
     states = contact_states(assembly, twists, forces, threshold)
@@ -113,7 +113,7 @@ def contact_states(assembly: Assembly, twists: np.ndarray, forces: np.ndarray, t
     forces : (C, 3) array
         Contact forces on block b, N, global axes.
     threshold : float
-        Contact points are at rest up to this share of the fastest block's speed.
+        Contact points are at rest up to this share of `mechanism.fastest_speed`.
     """
     if not (np.isfinite(twists).all() and np.isfinite(forces).all()):
         return np.full(len(assembly.points), int(ContactState.UNKNOWN))

@@ -44,7 +44,7 @@ def cone_violation(assembly: Assembly, forces: np.ndarray) -> float:
 
 
 def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
-    """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over the largest speed of a block.
+    """Largest violation of u_n >= mu |u_t| (scaled by 1/sqrt(1 + mu^2)) over `fastest_speed`.
 
     The largest relative velocity is no measure, because it is zero where blocks move along with their support.
     """
@@ -58,12 +58,12 @@ def flow_rule_violation(assembly: Assembly, twists: np.ndarray) -> float:
 
 
 def penetration(assembly: Assembly, twists: np.ndarray) -> float:
-    """Largest speed at which blocks penetrate each other, over the largest speed of a block, for twists (B, 6)."""
+    """Largest speed at which blocks penetrate each other, over `fastest_speed`, for twists (B, 6)."""
     normal, _ = contact_speeds(assembly, twists)
     return _over_fastest(assembly, twists, -normal)
 
 
 def _over_fastest(assembly: Assembly, twists: np.ndarray, violation: np.ndarray) -> float:
-    """Largest violation (C,), at least 0, over the largest speed of a block; 0 where all blocks rest."""
+    """Largest violation (C,), at least 0, over `fastest_speed`; 0 where all blocks rest."""
     fastest = fastest_speed(assembly, twists)
     return float(np.maximum(0.0, violation.max()) / fastest) if fastest != 0.0 else 0.0

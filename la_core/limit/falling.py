@@ -1,0 +1,36 @@
+"""How a structure that cannot stand falls: which blocks, and how fast beside free fall."""
+
+import numpy as np
+
+from la_core.limit.conic import optimum
+from la_core.limit.problem import box_limits, scaled_problem
+from la_core.measures import block_speeds, corner_speeds
+from la_core.model import Assembly, twists_of
+
+FALLING_SHARE = 1e-3  # of the fastest sinking: blocks at least this fast count as falling in a certificate
+LEAST_FALL = 1e-8  # of the weight: power at unit speed that a certificate needs, above the solver's tolerance
+
+
+def falling_blocks(assembly: Assembly, twists: np.ndarray) -> tuple[str, ...]:
+    """Names of the blocks that sink, or tip over, in a motion (B, 6) of order one; empty where the weights do no positive work.
+
+    The lower stones of a corbel tip with it although their centroids rise: a block counts where any part of it sinks.
+    """
+    power, weight = np.sum(assembly.dead_load * twists, axis=1), assembly.block_weight
+    if not power.sum() > LEAST_FALL * assembly.weight:
+        return ()
+    sinking = np.divide(power, weight, out=np.zeros_like(power), where=weight > 0.0)
+    fastest = np.maximum(sinking, np.where(assembly.blocks.free, corner_speeds(assembly.blocks, twists, assembly.down), 0.0))
+    return tuple(assembly.blocks.names[k] for k in np.flatnonzero(fastest >= FALLING_SHARE * fastest.max()))
+
+
+def share_of_free_fall(assembly: Assembly) -> float:
+    """How fast a structure that cannot stand starts to fall: 1 in free fall, near 0 where it lacks little balance.
+
+    It is the power of the weights, loads and ties in the motion that gives them the greatest one, over the sum of the weight of every
+    block times the speed of its fastest corner.
+    """
+    problem = scaled_problem(assembly)
+    twists = twists_of(assembly, optimum(problem.power, *box_limits(problem)).x)
+    power = float(np.sum(assembly.dead_load * twists))
+    return power / float(assembly.block_weight @ block_speeds(assembly.blocks, twists))
