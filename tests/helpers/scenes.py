@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import la_core
+from la_core.analysis.modelling import structural_model
 from la_core.geometry.blocks import ROLES
 from la_core.scene.scene import Scene, load_scene
 
@@ -185,3 +186,9 @@ def moved(
         plane=plane,
         model=scene.effects.friction,
     )
+
+
+def joints(scene: Scene) -> list[tuple[str, str]]:
+    """Pairs of blocks with a joint that counts."""
+    found = structural_model(scene).assembly.interfaces
+    return sorted((scene.blocks.names[a], scene.blocks.names[b]) for a, b in zip(found.block_a, found.block_b, strict=True))
