@@ -20,6 +20,7 @@ from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.plateau import reference_size
 from la_core.coulomb.solution import CoulombSolution, without_sliding
 from la_core.limit import Solution, Status
 from la_core.measures import mechanism
@@ -125,8 +126,8 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     iterations += path.iterations
     if path.last.progress < end:
         return True, "a step on elastic joints has no answer", iterations
-    value = joints.value_in_units(path.points[-1].value)
-    if abs(value - associated.value) > SAME_VALUE * abs(associated.value):
+    bound = associated.value / joints.value_in_units(1.0)
+    if abs(path.points[-1].value - bound) > SAME_VALUE * reference_size(bound):
         return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value", iterations
     less = f"{1.0 - LESS_FRICTION:.0%}"
     return False, f"no joint slides while the support moves, even with {less} less friction: its history does not matter", iterations

@@ -63,6 +63,16 @@ def test_where_the_support_leaves_alone_no_joint_slides_in_the_mechanism_but_one
     assert "slides while the support moves" in decided_model(scene).assembly.effects.reasons["friction"]
 
 
+@pytest.mark.parametrize("settlement", [scenes.DOWN, (0.6, 0.0, -1.0)])
+def test_where_the_support_leaves_alone_friction_decides_nothing(settlement: tuple[float, ...]) -> None:
+    """A reaction of zero is known to a share of the weight, not of its own rounding errors; sharp arrises then have a prediction."""
+    scene = scenes.build(*scenes.wall(3, 2, split=1.1), inset=0.001, settlement=settlement, model="auto")
+    answer = analyse(scene)
+    assert answer.assembly.effects.friction == "none-slides"
+    assert answer.coulomb is not None and answer.sharp.coulomb is not None
+    assert [answer.coulomb.value, answer.sharp.coulomb.value] == pytest.approx([0.0, 0.0], abs=SOLVER * scene.weight)
+
+
 def test_a_motion_without_power_does_not_slide_by_its_rounding_errors() -> None:
     """A lintel turns about the edge below its centroid: neither its weight nor friction does work, and their quotient is noise."""
     parts = [
