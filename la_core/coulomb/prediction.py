@@ -72,9 +72,20 @@ def predict(
     if not (has_bound or may_move):
         return without_answer(assembly, associated.status)
     solution = _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
-    if has_bound or (solution.status is Status.SOLVED and not _is_locked_in(solution)):
+    if has_bound:
+        return _reaching_to(solution, associated.value, assembly.has_live_load)
+    if solution.status is Status.SOLVED and not _is_locked_in(solution):
         return solution
     return without_answer(assembly, Status.UNBOUNDED, solution.seconds, solution.iterations)
+
+
+def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> CoulombSolution:
+    """Return the prediction with an uncertainty that reaches to the bound where its value is beyond: no state in balance is there.
+
+    A path may end beyond while its drag still holds blocks that fail first, because they have little of the mass.
+    """
+    beyond = solution.value - bound if is_live else bound - solution.value
+    return replace(solution, uncertainty=max(solution.uncertainty, beyond))
 
 
 def _is_held_back(solution: CoulombSolution) -> bool:

@@ -27,8 +27,8 @@ class CoulombSolution:
     value : float
         Reaction (N; N m for a rotation) or multiplier on the plateau.
     uncertainty : float
-        Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes; infinite where
-        the blocks fell on the way.
+        Uncertainty of the value, in its unit, from paths of different viscosity and from what the curve still changes. It reaches to the
+        bound where the value is beyond; infinite where the blocks fell on the way.
     plateaus : (K,) array
         Values of all plateaus where paths end on several or a curve leaves one; empty where there is one.
     interval : tuple of float

@@ -45,6 +45,22 @@ def test_stated_uncertainty_holds_against_finer_paths(mu, split) -> None:
     assert abs(solution.value - reference.value) <= solution.uncertainty <= PLATEAU * solution.value
 
 
+def test_uncertainty_of_a_value_beyond_its_bound_reaches_to_the_bound() -> None:
+    """A light post tips at b/h first, but so short a path ends while its drag holds it and the heavy block slides at mu."""
+    grounds = (
+        scenes.box("ground", (0.0, 0.0, -0.2), (1.0, 1.0, 0.0), "fixed"),
+        scenes.box("other", (5.0, 0.0, -0.2), (6.0, 1.0, 0.0), "fixed"),
+    )
+    block = scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    post = scenes.box("post", (5.0, 0.0, 0.0), (5.1, 1.0, 0.3), density=0.2)
+    assembly, stiffness = problem(scenes.build(*grounds, block, post, inset=0.001, live=(1.0, 0.0, 0.0)))
+    bound = solve_associated(assembly, Drive.LIVE)
+    assert bound.value == pytest.approx(0.098 / 0.3, rel=1e-4)
+    solution = predict(assembly, stiffness, bound, settings=PredictionSettings(effort=2e3))
+    assert solution.status is Status.INACCURATE and solution.value > 1.5 * bound.value
+    assert solution.value - solution.uncertainty <= bound.value + 1e-12
+
+
 @every_scene
 def test_end_of_the_path_is_certified(name) -> None:
     _, solution = answer(SCENES[name]())
