@@ -35,8 +35,8 @@ def parser() -> GuessingParser:
     whole = GuessingParser(
         prog="crosscheck",
         description="Cross-checks rigid-block limit analysis and discrete elements (YADE) on masonry with a settling support.",
-        epilog="begin with: crosscheck tutorial (six tutorials with calculations by hand), or: crosscheck run two_pads. "
-        f"exit codes: {', '.join(f'{code} {meaning}' for code, meaning in MEANINGS.items())}",
+        epilog="Begin with `crosscheck tutorial`, six tutorials with calculations by hand, or with `crosscheck run two_pads`. "
+        f"Exit codes. {' '.join(f'{code}: {meaning}.' for code, meaning in MEANINGS.items())}",
     )
     whole.add_argument("--version", action="version", version=f"crosscheck {version()}")
     verbs = whole.add_subparsers(metavar="COMMAND")
@@ -98,7 +98,7 @@ def _add_show(add: AddVerb) -> None:
 
 
 def _add_solve(add: AddVerb) -> None:
-    solve = add("solve", "run limit analysis only: first the bounds, then the prediction; `crosscheck run` uses its answer")
+    solve = add("solve", "run limit analysis only: first the bounds, then the prediction; `crosscheck run` uses this answer")
     solve.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     extent = solve.add_mutually_exclusive_group()
     extent.add_argument("--bounds", action="store_true", help="stop after the bounds, which take seconds, and store nothing")
@@ -172,7 +172,7 @@ def _add_compare(add: AddVerb) -> None:
     text = "compare two campaigns, before and after a change: verdicts, reactions, mechanisms, costs; exit code 1 if they differ"
     compare = add("compare", text)
     compare.add_argument("before", metavar="DIR1", type=Path, help="folder of `crosscheck campaign`, before the change")
-    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after it")
+    compare.add_argument("after", metavar="DIR2", type=Path, help="folder of `crosscheck campaign`, after the change")
     compare.add_argument("-o", "--output", type=page, metavar="PAGE", help="write the comparison: HTML, Markdown or JSON file")
 
 

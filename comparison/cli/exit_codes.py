@@ -23,7 +23,7 @@ EXIT_OF_VERDICT = {
 }
 GRAVITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, USAGE, TOOL)  # from mild to grave; the gravest of several scenes decides
 MEANINGS = {  # of every exit code, for the help and the page of the command line
-    AGREE: "agree; where YADE was not asked (`--no-yade`): the expected value is met, or the scene states none",
+    AGREE: "agree; without YADE (`--no-yade`): the expected value is met, or the scene states none",
     DISAGREE: "disagree; of `compare`: something changed",
     USAGE: "usage or scene error",
     TOOL: "a tool is missing or failed",

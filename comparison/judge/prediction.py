@@ -39,9 +39,9 @@ BOUND_ONLY = {
     Drive.LIVE: "The associated answer is then only an upper bound of the multiplier, and YADE may lie below it.",
 }
 MODEL_SLIDING = 'Set friction = "coulomb" in the scene\'s [effects] table for a prediction.'
-FINER_PATHS = f"Let limit analysis follow finer paths, the cheaper of the two methods to refine. {HARDER}"
+FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a finer run of YADE. {HARDER}"
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
-SLOWER_RUN = f"Run YADE slower ([yade] speed: half of what the report lists) and on stiffer joints. {HARDER}"
+SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 RESTS = "See in the figure whether the curve rests there. If so, turning blocks may release a thrust that friction held."
 TWO_LEVELS = f"{RESTS} Otherwise repeat both methods with finer settings. {HARDER}"
@@ -115,7 +115,7 @@ def _doubt(coulomb: CoulombSolution) -> tuple[str, str]:
     """Why a prediction may confirm YADE but not contradict it, and what to do; two times "" where it may do both."""
     if len(coulomb.plateaus):
         several = ", ".join(f"{value:.4g}" for value in coulomb.plateaus)
-        return f"The structure has several plateaus ({several}), so a single one cannot contradict YADE.", LEAST_FAVOURABLE
+        return f"The structure has several plateaus ({several}), so a single plateau cannot contradict YADE.", LEAST_FAVOURABLE
     if coulomb.status is not Status.SOLVED:
         residual = f"largest residual {coulomb.certificate:.1e}"
         return f"The end of the path is no limit state ({residual}), so its value cannot contradict YADE.", FINER_PATHS

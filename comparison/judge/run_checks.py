@@ -20,19 +20,19 @@ from la_core.limit import Drive, Status
 from la_core.measures import residuals
 from la_core.scene import Scene
 
-CHECK_SOURCE = "Compare the scene with its source, and [expected] with the friction law and the inset that it was given for."
+CHECK_SOURCE = "Compare the scene with its source, and see for which friction law and inset the value of [expected] holds."
 MORE_TIME = "Allow more seconds with --time-limit, or model larger blocks."
 REPAIR_YADE = "See `crosscheck doctor`, and yade.log in the scene's folder; then run the scene again."
 PLAIN_SCENE = "Look at the scene (`crosscheck show`): blocks of very different size or weight are hard for the solver. Try a smaller part."
 OTHER_DIRECTION = (
     "Look at the direction of the settlement or of the live load, or at the axis of the tilt: no mechanism with dilatant friction follows "
-    "it, so no bound exists. If it is right, the blocks lock as they dilate"
+    "this motion, so no bound exists. If the direction is right, the blocks lock as they dilate"
 )
 JAM = ", and without dilatancy they come to no certain plateau either: they may jam"
 MODEL_STRAIN = 'Leave elasticity = "none" out of the scene\'s [effects] table for a prediction: without dilatancy the blocks may move.'
 GIVE_THRUST = "Give the blocks a thrust ([yade] wedging), as the shipped scene flat_arch does."
 OTHER_THRUST = (
-    "The thrust of [yade] wedging does not hold the blocks. Give it another size, or compare the friction with its source: with little "
+    "The thrust of [yade] wedging does not hold the blocks. Change its size, or compare the friction with its source: with little "
     "friction no thrust may hold them once the support yields."
 )
 NO_THRUST = (

@@ -30,7 +30,7 @@ def _sentences(comparison: dict[str, Any], units: Units) -> Iterator[str]:
     if associated.get("status") == "infeasible":
         if comparison.get("verdict") != Verdict.CANNOT_STAND:  # else the verdict itself names the blocks that fall
             yield _falls(associated.get("falling") or [])
-        yield "No forces between the blocks can hold it, so there is no reaction."
+        yield "No forces between the blocks can hold the structure, so there is no reaction."
     elif "multiplier" in associated:
         yield from _under_load(comparison, facts, units)
     else:
@@ -106,10 +106,10 @@ def angle_words(comparison: dict[str, Any]) -> str:
     if name == BOUND:
         found = f"at most {found} ({UPPER})"
     if exists(yade.get("angle")) and yade.get("status") == "plateau":
-        found += f" and by {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
+        found += f" and of {with_uncertainty(yade['angle'], yade.get('angle_uncertainty'))} degrees in YADE"
     axis = (comparison.get("structure") or {}).get("tilt")
     about = f" about {_vector(axis)}" if axis else ""
-    return f"The structure fails when the ground is tilted{about} by {found}; the multiplier is the tangent."
+    return f"The structure fails at a tilt of the ground{about} of {found}; the multiplier is the tangent of this angle."
 
 
 def predicted_value(comparison: dict[str, Any]) -> float:
@@ -141,7 +141,7 @@ def _moving_words(comparison: dict[str, Any], facts: dict[str, Any]) -> str:
     measures = comparison.get("mechanism_measures") or {}
     share = ((measures.get("coulomb") or measures.get("associated")) or {}).get("moving_mass_share")
     if not count:
-        return "no block moves with it"
+        return "no block moves"
     weight = f" ({format_number(100.0 * share, 2)} % of the weight)" if exists(share) else ""
     which = "the only block" if count == total == 1 else f"{count} of the {total} blocks"
     return f"{which}{weight} move{'s' if count == 1 else ''}"

@@ -19,18 +19,18 @@ LIMITATIONS = (
     "forces balance the same weights, and each method finds a different set. Both methods must agree on reactions and on sums of "
     "forces over sections.",
     "Where joints slide, the associated answer is a bound and not a prediction: its flow rule makes sliding joints open "
-    "(u_n = mu u_t), and those of dry stone do not. The Coulomb prediction has no dilatancy, but its reaction may depend on the "
-    "history of friction. The interval shows how much. Elastic joints under one steady settlement select a value within it, found by a "
-    "quasi-static path from rest. Another history, such as repeated settlement, may select another value.",
-    "The uncertainty of the Coulomb prediction is what paths of different viscosity and the rest of their curves leave open. It is an "
+    "(u_n = mu u_t), but sliding joints of dry stone do not open. The Coulomb prediction has no dilatancy, but its reaction may "
+    "depend on the history of friction. The interval shows how much. Elastic joints under one steady settlement select a value within "
+    "the interval, found by a quasi-static path from rest. Another history, such as repeated settlement, may select another value.",
+    "The uncertainty of the Coulomb prediction comes from paths of different viscosity and from the change left in their curves. It is an "
     "estimate and no proof. A structure may have several plateaus; then no single value is the answer.",
     "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path have "
-    "elastic joints. YADE's joints may be stiffer, as the inputs of a scene say: they strain alike at a smaller settlement, in "
-    "proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero settlement; only the "
-    "tolerances cover the remaining influence of stiffness and speed.",
-    "Contact points lie inside the arrises by the inset, the same in both methods. This shortens every lever arm. "
-    "Agreement at that inset does not prove the answer for sharp arrises. The report therefore gives the bounds for sharp arrises, too; "
-    "where joints slide, sharp arrises would be another history of friction, and the prediction is for the scene's own.",
+    "elastic joints. YADE's joints may be stiffer, as the inputs of a scene say: they then reach the same strain at a smaller "
+    "settlement, in proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
+    "settlement; only the tolerances cover the remaining influence of stiffness and speed.",
+    "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
+    "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
+    "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",
     "A mechanism need not be unique, least of all in a large wall: two different mechanisms may both belong to the right reaction.",
     "Compressive strength is infinite. Joints carry neither tension nor cohesion. Blocks do not crush, crack or chip. "
     "Forces act at points, so only friction at these points resists torsion at a corner.",

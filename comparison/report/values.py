@@ -20,14 +20,14 @@ from comparison.numbers import (
 )
 from la_core.text_table import without_round_off
 
-LIMITS = "R_min and R_max are limits that no answer can leave; the Coulomb prediction is limit analysis' answer with the friction of stone."
+LIMITS = "No answer lies below R_min or above R_max; the Coulomb prediction is limit analysis' answer with the friction of stone."
 MEANINGS = {  # what the values are, by their unit
     "N": f"R is the force of the support against its motion, W the weight of the free blocks. {LIMITS}",
     "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks. {LIMITS}",
     "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No answer lies above the "
     "associated one; the Coulomb prediction is limit analysis' answer with the friction of stone.",
 }
-NOT_STATED = "not stated: thresholds of slip, or paths, give different ones"  # why `la_core.coulomb.stated_interval` withholds one
+NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `la_core.coulomb.stated_interval` withholds one
 ROUND_OFF = 1e-9  # of a stiffness
 NO_CHANGE = 1e-5  # of a value: a smaller change by the inset is that of a solver
 

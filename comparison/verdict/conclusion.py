@@ -14,17 +14,17 @@ TRIED = "This run had the finer settings of a second attempt already. Compare th
 LOOK = f"Look at both mechanisms and both curves of the reaction in the report. {FINER}"
 SUPPORT_IT = (
     "Look for a gap, a missing support, or a joint without contact or with too little friction where these blocks rest (`crosscheck show` "
-    "draws the joints). If scene and friction are right, the structure needs support before anything else can be asked of it."
+    "draws the joints). If scene and friction are right, the structure needs more support."
 )
 CHECK_LOADS = (
     "Look at the loads and ties on these blocks (`crosscheck show` draws them), and whether the structure stands without them. Then look "
-    "for a gap, a missing support, or a joint without contact or with too little friction where they rest."
+    "for a gap, a missing support, or a joint without contact or with too little friction where these blocks rest."
 )
 SMALLER_INSET = (
-    "The structure stands on the edge of some joint: any worn arris makes it fall. The values for sharp arrises hold for perfect "
-    "blocks alone. A smaller [joint] inset tells how much rounding it bears."
+    "The structure stands on the edge of some joint: any worn edge makes it fall. The values for sharp edges hold for perfect "
+    "blocks alone. Try a smaller [joint] inset to see how much rounding the structure bears."
 )
-SLOW = "The structure lacks so little balance that YADE's run ended before it fell."
+SLOW = "The structure falls so slowly that YADE's run ended before the fall."
 BEARS_NOTHING = (
     "The structure is in balance without its live load, but bears none of it: the multiplier is 0, and no finer setting changes this. Look "
     "at the friction, the shape and the dead loads (`crosscheck show`). If they are right, 0 is the answer."
@@ -45,7 +45,7 @@ class Conclusion:
     next_step : str
         What a user can do next; "" only where both methods agree or nothing was compared.
     remarks : tuple of str
-        What the passed checks remark, such as stick-slip.
+        Notes of the passed checks, such as stick-slip.
     """
 
     verdict: Verdict | None
@@ -119,7 +119,9 @@ def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bo
     status = "" if yade is None else str(yade.get("status"))
     message = str((yade or {}).get("message") or "").splitlines()[:1]
     ended = ": ".join([f"YADE's run ended as {status}", *message]) + "."
-    other = {"": "YADE was not run.", "collapsed": "It collapsed in YADE, too."}.get(status, SLOW if "plateau" in status else ended)
+    other = {"": "YADE was not run.", "collapsed": "The structure collapsed in YADE, too."}.get(
+        status, SLOW if "plateau" in status else ended
+    )
     under = "weight, loads and ties" if is_loaded else "own weight"
     arrises = f" where arrises are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
     proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{arrises}"

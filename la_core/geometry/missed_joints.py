@@ -1,4 +1,4 @@
-"""Joints that are missing because their faces all but touch, as coordinates with too few digits make them."""
+"""Joints that are missing because their faces nearly touch, as coordinates with too few digits make them."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ ANGLE = 3e-3  # rad: between faces with such a gap at one end
 
 @dataclass(frozen=True)
 class MissedJoints:
-    """Pairs of blocks of which two faces all but touch, but share no interface. Bent faces may share one beside.
+    """Pairs of blocks of which two faces nearly touch, but share no interface there. Bent faces may share one beside.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ def _of_gaps(blocks: Blocks, tolerance: float) -> Iterator[str]:
         for (a, b), gap in zip(missed.pairs, missed.gap, strict=True)
     ]
     named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
-    what = f"blocks {named} all but touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks all but touch ({named})"
+    what = f"blocks {named} nearly touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks nearly touch ({named})"
     yield f"{what}, but no joint connects them there; [geometry] tolerance = {closing:g} closes such gaps."
 
 
@@ -115,7 +115,7 @@ def _of_gravity(gravity: np.ndarray) -> Iterator[str]:
     low, high = GRAVITY
     size = float(np.linalg.norm(gravity))
     if not low <= size <= high:
-        yield f"gravity is {size:.4g} m/s2, and that of the earth is 9.81."
+        yield f"gravity is {size:.4g} m/s2, but on earth it is 9.81 m/s2."
     if gravity[2] > 0.0:
         yield "gravity points upward, along z; its z is negative on earth."
 

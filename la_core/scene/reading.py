@@ -63,7 +63,7 @@ def _slip(text: str, message: str) -> str:
     if number := re.search(r"=\s*([-+]?\d+),(\d+)\s*(#.*)?$", line):
         return f"write numbers with a decimal point, {number[1]}.{number[2]}"
     if number := re.search(r"=\s*([-+]?[\d.]+)\s*(degrees?|deg|°)", line):
-        return f"write the number alone, {number[1]}; the friction of an angle is its tangent"
+        return f"write the number alone, {number[1]}; the friction is the tangent of the angle"
     if number := re.search(r"=\s*([-+]?[\d.]+)\s*([^\W\d_][\w/³²]*)", line):
         return f"write the number alone, {number[1]}; all numbers are in SI units (m, kg, N)"
     if re.search(r"=\s*[^\W\d][^\"'\[\]{}=]*$", line):

@@ -126,7 +126,7 @@ def _slip(error: Any) -> str:
         return ""
     plain, unit = number[1].replace(",", "."), number[2].strip()
     if error["loc"][-1] == "friction" and unit.startswith(("deg", "°")):
-        return f"the friction of {plain} degrees is its tangent, {math.tan(math.radians(float(plain))):.3f}"
+        return f"the friction of {plain} degrees is the tangent of this angle, {math.tan(math.radians(float(plain))):.3f}"
     return f"write the number alone, without quotes{' and unit' if unit else ''}: {plain}"
 
 

@@ -126,7 +126,7 @@ def test_what_falls_slowly_may_still_stand_at_the_end_of_yades_run(shift: float,
     stood = perfect_run(analysis, reaction=analysis.assembly.weight)
     found = conclusion_of(analysis, check_run(Results(analysis, stood)), {"status": "plateau", "message": "steady"})
     assert found.verdict is verdict
-    assert ("ended before it fell" in found.reason) is (verdict is Verdict.CANNOT_STAND)
+    assert ("ended before the fall" in found.reason) is (verdict is Verdict.CANNOT_STAND)
     assert '"stone 1", "stone 2", "stone 3", "stone 4" would fall' in found.reason
 
 
@@ -260,7 +260,7 @@ def test_remarks_say_nothing_twice() -> None:
 
 
 def test_blocks_that_slide_although_a_thrust_could_hold_them_need_a_thrust_or_another_one() -> None:
-    for wedged, words in ((True, "Give it another size"), (False, "Give the blocks a thrust")):
+    for wedged, words in ((True, "Change its size"), (False, "Give the blocks a thrust")):
         arch = la_core.variant("flat_arch", {"joint.friction": 0.4} | ({} if wedged else {"yade.wedging": None}))
         analysis = analyse(arch)
         if wedged:
@@ -274,7 +274,7 @@ def test_blocks_that_slide_although_a_thrust_could_hold_them_need_a_thrust_or_an
 def test_blocks_that_stood_at_rest_and_fell_while_the_support_moved_need_no_thrust() -> None:
     analysis = analyse(la_core.load("wall_third"))
     run = perfect_run(analysis)
-    for settlement, words in ((run.result.settlement, "Run YADE slower"), (0.0, "Give the blocks a thrust")):
+    for settlement, words in ((run.result.settlement, "Run YADE more slowly"), (0.0, "Give the blocks a thrust")):
         fallen = dataclasses.replace(run, result=dataclasses.replace(run.result, status="collapsed", settlement=settlement))
         (check,) = (check for check in check_run(Results(analysis, fallen)) if check.name == "the structure stands")
         assert check.verdict is Verdict.INCONCLUSIVE and words in check.next_step

@@ -56,7 +56,7 @@ def test_doubt_of_yade_is_no_agreement_and_names_yade(wall: LimitAnalysis, share
     value = coulomb_of(wall).value
     check = named(REACTION, judged(wall, coulomb_run(wall, reaction=(1.0 + 0.8 * share) * value, uncertainty=share * value)))
     assert check.verdict is Verdict.INCONCLUSIVE
-    assert check.reason.startswith("YADE states an uncertainty") and "YADE slower" in check.next_step
+    assert check.reason.startswith("YADE states an uncertainty") and "YADE more slowly" in check.next_step
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(0.9 * FLOOR, Verdict.AGREE), (1.1 * FLOOR, Verdict.INCONCLUSIVE)])

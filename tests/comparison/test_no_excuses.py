@@ -45,7 +45,7 @@ def test_a_state_of_yade_that_is_in_doubt_may_not_contradict_limit_analysis(wall
     run = coulomb_run(wall, reaction=1.05 * coulomb_of(wall).value)
     run.poses.forces[:] = wall.bounds[Drive.PUSHING].forces
     check = named(REACTION, judged(wall, run))
-    assert check.verdict is Verdict.INCONCLUSIVE and "YADE slower" in check.next_step
+    assert check.verdict is Verdict.INCONCLUSIVE and "YADE more slowly" in check.next_step
 
 
 @pytest.mark.parametrize(("factor", "jump", "verdict"), [(1.05, 0.6, "inconclusive"), (1.05, 0.4, "disagree"), (1.0, 0.6, "agree")])

@@ -75,7 +75,7 @@ def test_the_conclusion_says_what_moves_what_is_carried_and_what_is_assumed() ->
     ):
         assert words in told, told
     falls = {"limit_analysis": {"associated": {"status": "infeasible", "falling": ["a", "b"]}}}
-    told = ["The structure cannot stand: 2 blocks fall (a, b).", "No forces between the blocks can hold it"]
+    told = ["The structure cannot stand: 2 blocks fall (a, b).", "No forces between the blocks can hold the structure"]
     assert [sentence.split(", so")[0] for sentence in plain_words(falls, Units(None))] == told
     assert plain_words(falls | {"verdict": "cannot stand"}, Units(None))[0].startswith(told[1])  # the verdict names the blocks
 
@@ -157,7 +157,7 @@ FACTS = {"friction": [0.6], "motion": [0.0, 0.0, -1.0, 0.0, 0.0, 0.0], "gravity"
             "fails at no more than 0.5000 times its weight, W = 1000 N: this is the upper bound",
             "fails at 0.5000 times",
         ),
-        ("multiplier", True, "about y by at most 26.565 degrees by limit analysis (this is the upper bound", "by 26.565 degrees"),
+        ("multiplier", True, "about y of at most 26.565 degrees by limit analysis (this is the upper bound", "of 26.565 degrees"),
     ],
 )
 def test_a_bound_is_not_given_as_the_answer(quantity: str, tilts: bool, bound: str, value: str, known: bool) -> None:

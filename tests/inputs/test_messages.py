@@ -101,8 +101,8 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
     ("old", "new", "expected"),
     [
         ("= 0.6", "= 0,6", "write numbers with a decimal point, 0.6"),
-        ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction of an angle is its tangent"),
-        ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is its tangent, 0.700"),
+        ("= 0.6", "= 35 degrees", "write the number alone, 35; the friction is the tangent of the angle"),
+        ("= 0.6", '= "35 degrees"', "the friction of 35 degrees is the tangent of this angle, 0.700"),
         ("= 2200.0", "= 22 kN/m3", "write the number alone, 22; all numbers are in SI units (m, kg, N)"),
         ("= 2200.0", '= "2200 kg/m3"', "write the number alone, without quotes and unit: 2200"),
         ("= 2200.0", '= "2200,5"', "write the number alone, without quotes: 2200.5"),

@@ -46,7 +46,7 @@ def pads(gap: float, turn: float = 0.0) -> Scene:
 @pytest.mark.parametrize(("slip", "seed"), [(1e-5, 1), (1e-4, 1), (1e-4, 5), (1e-5, 6), (1e-4, 35)])
 def test_the_tolerance_that_is_told_closes_the_joints(slip: float, seed: int) -> None:
     (told,) = arch(slip, seed=seed).warnings
-    pairs = re.match(r'(\d+) pairs of blocks all but touch \("\w+" and "\w+" across [\d.]+ mm, ', told)
+    pairs = re.match(r'(\d+) pairs of blocks nearly touch \("\w+" and "\w+" across [\d.]+ mm, ', told)
     assert pairs, told
     tolerance = re.search(r"tolerance = (\S+) closes such gaps", told)
     assert tolerance, told
@@ -70,7 +70,7 @@ def test_a_touching_pad_and_one_that_is_far_away_are_told_nothing(gap: float) ->
 
 def test_one_missed_joint_is_told_with_its_gap() -> None:
     (told,) = pads(5e-5).warnings
-    assert told.startswith('blocks "settling pad" and "block" across 0.05 mm all but touch, but no joint connects them')
+    assert told.startswith('blocks "settling pad" and "block" across 0.05 mm nearly touch, but no joint connects them')
     assert "tolerance = 4e-05" in told
 
 
@@ -88,7 +88,7 @@ def test_a_gap_is_told_where_other_parts_of_both_blocks_lie_on_one_plane_side_by
         scenes.box("beside", (2.0, 0.0, 0.0), (2.5, 0.5, 1.5), "support"),
         settlement=scenes.DOWN,
     ).warnings
-    assert told.startswith('blocks "step" and "notched" across 0.1 mm all but touch')
+    assert told.startswith('blocks "step" and "notched" across 0.1 mm nearly touch')
 
 
 @pytest.mark.parametrize("corner", [1e-3, 1e-4, 3e-5, -3e-5])

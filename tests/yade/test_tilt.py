@@ -57,7 +57,9 @@ def test_both_methods_find_the_angle_of_the_closed_form(name: str, tmp_path: Pat
     assert abs(yade["angle"] - angle) <= yade["angle_uncertainty"] <= 5.0 * PER_MILLE * angle
     assert summary["structure"]["tilt"] == list(ABOUT_Y)
     (sentence, *_) = lines_below(summary)
-    assert f"{math.floor(10.0 * yade['angle']) / 10.0:.1f}" in sentence and sentence.endswith("the multiplier is the tangent.")
+    assert f"{math.floor(10.0 * yade['angle']) / 10.0:.1f}" in sentence and sentence.endswith(
+        "the multiplier is the tangent of this angle."
+    )
     assert any("is tilted" in words for words in plain_words(summary, Units(None)))
 
 
