@@ -232,7 +232,7 @@ def _announcement(seconds: float, limit: float | None) -> str:
     words = f"{time_words(seconds)} to a plateau, longer if the blocks stick and slip"
     if limit is None or seconds < limit:
         return words
-    return f"{words}; its time limit ends the run in {time_words(limit)} (--time-limit, or time_limit in [yade], gives it more)"
+    return f"{words}; its time limit ends the run in {time_words(limit)} (a larger --time-limit, or time_limit in [yade], allows more)"
 
 
 def _state(report: dict[str, Any]) -> str:

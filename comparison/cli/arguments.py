@@ -91,7 +91,7 @@ def _add_scenes(add: AddVerb) -> None:
 
 
 def _add_show(add: AddVerb) -> None:
-    show = add("show", "draw a scene: blocks, roles, contact points; counts and weight")
+    show = add("show", "draw a scene: blocks, roles, contact points; print counts and weight")
     show.add_argument("scene", metavar="SCENE", help=SCENE_HELP)
     show.add_argument("-o", "--output", type=figure, metavar="FIG", help="PNG, SVG or PDF file to draw (default: SCENE.png)")
     show.add_argument("--long", action="store_true", help="also what each effect means, and what leaving it out saves")

@@ -169,8 +169,8 @@ def _conclusions(entries: list[dict[str, Any]], seen: frozenset[int]) -> Iterato
     agreed = sum(not _is_open(entry) for entry in unseen)
     if seen:
         yield (
-            f"Some scenes have led to changes of a method, so they prove little ({', '.join(map(str, sorted(seen)))}). "
-            f"Without them {agreed} of {len(unseen)} agree."
+            f"Scenes that have led to changes of a method prove little: {', '.join(map(str, sorted(seen)))}. "
+            f"Without these {agreed} of {len(unseen)} agree."
         )
     near = [entry for entry in entries if _is_open(entry) and (difference := apart(entry)) is not None and difference <= NEAR]
     yield f"Inconclusive although the reactions agree within {NEAR:.1%}: {len(near)}."
@@ -182,13 +182,14 @@ def _conclusions(entries: list[dict[str, Any]], seen: frozenset[int]) -> Iterato
     apart_by_both = [entry for entry in again if (change := moved(entry, of_both=True)) is None or change > 1.0]
     yield f"Of {len(again)} agreements that were run again {len(lost)} do not agree then."
     yield (
-        f"In {len(far)} of them YADE's reaction moves by more than the first run states, or has no value; in {len(apart_by_both)} by more "
-        f"than both runs state: their number E_n (ISO 13528), the change over the root of the sum of both squares, is above 1. "
-        f"The goal is at most {MOST_MOVED:.0%}, {math.floor(MOST_MOVED * len(again))} of them."
+        f"In {len(far)} of them YADE's reaction moves by more than the first run states, or has no value. In {len(apart_by_both)} it moves "
+        f"by more than both runs state. The measure is the number E_n (ISO 13528), the change over the root of the sum of the squares of "
+        f"both uncertainties, which must not exceed 1. The goal for this second count is at most {MOST_MOVED:.0%}, "
+        f"{math.floor(MOST_MOVED * len(again))} of them."
     )
-    for name, entries_of in (("no longer agree", lost), ("move by more", far)):
+    for name, entries_of in (("that no longer agree", lost), ("whose reaction moves by more than the first run states", far)):
         if entries_of:
-            yield f"Scenes that {name}: {', '.join(str(entry['number']) for entry in entries_of)}."
+            yield f"Scenes {name}: {', '.join(str(entry['number']) for entry in entries_of)}."
 
 
 def main() -> None:

@@ -156,8 +156,8 @@ def _settlements(runs: Sequence[Run]) -> list[str]:
             off = max(abs(run.reaction / run.predicted - 1.0) for run in found)
             lines.append(
                 f"On {scene} LMGC90 takes {span([run.processor for run in found])} s where YADE takes "
-                f"{span([run.processor for run in yade])} s; its reaction differs from the prediction by up to {percent(off)}, depending "
-                "on its time step."
+                f"{span([run.processor for run in yade])} s; LMGC90's reaction differs from the prediction by up to {percent(off)}, "
+                "depending on its time step."
             )
     return lines
 

@@ -53,9 +53,13 @@ def test_the_page_counts_what_moved_and_what_stays_open(monkeypatch: pytest.Monk
     record = {"seed": SEED, "versions": {"python": "3"}, "scenes": {str(one["number"]): one for one in entries}}
     text = page(json.loads(json.dumps(record)))
     assert "4 of 200 scenes: 2 agree, 1 inconclusive, 1 disagree." in text and "50.0% agree" in text
-    assert "(1, 2). Without them 1 of 2 agree." in text and "Without them" not in page(record | {"seed": 1})
+    assert "prove little: 1, 2. Without these 1 of 2 agree." in text and "Without these" not in page(record | {"seed": 1})
     assert "Inconclusive although the reactions agree within 0.5%: 1." in text
-    assert "Scenes that move by more: 1." in text and "In 1 of them" in text and "in 1 by more than both runs state" in text
+    assert (
+        "Scenes whose reaction moves by more than the first run states: 1." in text
+        and "In 1 of them" in text
+        and "In 1 it moves by more than both runs state" in text
+    )
     assert "at most 1%, 0 of them" in text
     assert "why 2" in text and "why 3" in text and "why 0" not in text
 

@@ -213,7 +213,7 @@ def test_a_run_that_its_time_limit_will_end_is_announced_so(monkeypatch: pytest.
     words = "wall: YADE: about 2 h 05 min to a plateau, longer if the blocks stick and slip"
     assert narrated(monkeypatch, [within], all_lines=False) == [words]
     assert narrated(monkeypatch, [beyond], all_lines=False) == [
-        f"{words}; its time limit ends the run in about 1 h 00 min (--time-limit, or time_limit in [yade], gives it more)"
+        f"{words}; its time limit ends the run in about 1 h 00 min (a larger --time-limit, or time_limit in [yade], allows more)"
     ]
 
 

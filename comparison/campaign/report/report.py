@@ -19,9 +19,9 @@ from comparison.run_folder import write_text
 
 LIMITATIONS = (
     "A campaign has the limitations of its cases: each case's own report lists those of its comparison.",
-    "The deviation orders the cases. It is the difference over its tolerance: 0.5 % of YADE's reaction, at least 1e-4 of "
+    "Cases are ordered by the difference of the reactions over the allowed difference: 0.5 % of YADE's reaction, at least 1e-4 of "
     "the weight (of a moment times the size of a mean block), plus the uncertainties that both methods state. The verdict comes from "
-    "the case's own checks, which judge more than the reaction.",
+    "all checks of the case, which judge more than the reaction.",
     "A mechanism's label is the set of blocks that move. A block that barely moves may or may not be counted: two different "
     "labels need not be two mechanisms, above all in a large wall.",
     "A mechanism changes somewhere between two neighbouring values of a parameter; more values would locate the change.",

@@ -28,7 +28,7 @@ class MatrixCell:
     href : str
         Relative address of the case's report; "" without one.
     words : str
-        Description: name, verdict and deviation.
+        Description: name, verdict and difference.
     """
 
     case: str
@@ -82,7 +82,7 @@ def cell(folder: Path, row: Row) -> MatrixCell:
     """Return the cell of a case; folder: of the campaign."""
     apart = deviation(row)
     words = f"{row.get('case')}: {verdict_symbol(row)[1]}"
-    words += f", deviation {format_number(apart, 2)} of its tolerance" if exists(apart) else ""
+    words += f", difference {format_number(apart, 2)} of the allowed one" if exists(apart) else ""
     return MatrixCell(str(row.get("case")), *verdict_symbol(row), link(folder, row), words)
 
 
