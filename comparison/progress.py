@@ -203,15 +203,15 @@ def _time_left(seconds: float) -> str:
 def bounds_words(analysis: LimitAnalysis) -> str:
     """Return the bounds at the scene's own inset in one phrase, or the status of a structure without them."""
     scene, bounds = analysis.scene, analysis.printed.bounds
-    main, arrises = bounds[analysis.main], "" if scene.inset else ", for sharp arrises"
+    main, edges = bounds[analysis.main], "" if scene.inset else ", for sharp edges"
     if main.status is not Status.SOLVED:
         return f"bounds: {main.status}"
     if scene.live is not None:
-        return f"bound: {value_words(scene, main.value)}{arrises}"
+        return f"bound: {value_words(scene, main.value)}{edges}"
     greatest = bounds[Drive.PUSHING]
     lowest, highest = (without_round_off(value, scene.weight) for value in (main.value, greatest.value))
     values, shares = (value_range(lowest / unit, highest / unit, greatest.status is Status.UNBOUNDED, 4) for unit in (1.0, scene.weight))
-    return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}{arrises}"
+    return f"bounds: R {values} {scene.unit}, R/W {shares}{_unit_of_share(scene)}{edges}"
 
 
 def value_words(scene: Scene, value: float) -> str:

@@ -209,7 +209,7 @@ def test_the_studies_are_run_shown_and_drawn_from_python(capsys: pytest.CaptureF
         comparison.sensitivity("two_padz")
 
 
-def test_the_prediction_of_sharp_arrises_is_that_of_the_inset_of_both_methods(tmp_path: Path) -> None:
+def test_the_prediction_of_sharp_edges_is_that_of_the_inset_of_both_methods(tmp_path: Path) -> None:
     sharp = la_core.variant("two_pads", {"joint.inset": 0.0}, "sharp")
     result = comparison.run(sharp, tmp_path, yade=False, quiet=True)
     shared = result.summary["limit_analysis"]["coulomb"]["shared_inset"]

@@ -53,7 +53,7 @@ AFTER_KEYS = {
     "coulomb_low": Column(ANSWER, "least value that the mechanism of the prediction allows", "number"),
     "coulomb_high": Column(ANSWER, "greatest value that the mechanism of the prediction allows", "number"),
     "coulomb_sharp": Column(
-        ANSWER, "Coulomb prediction for sharp arrises; empty where joints slide and the scene's arrises are rounded", "number"
+        ANSWER, "Coulomb prediction for sharp edges; empty where joints slide and the scene's edges are rounded", "number"
     ),
     "yade_status": Column("", "how YADE's run ended"),
     "yade": Column(ANSWER, "reaction on YADE's plateau", "number"),

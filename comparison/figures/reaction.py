@@ -55,7 +55,7 @@ FITTED = "YADE, fitted plateau"
 def reaction_figure(results: Results) -> Figure:
     """Draw the whole curve from rest on the left, and the plateau close up on the right.
 
-    All values are those at the inset that both methods share; the bound of sharp arrises is dotted. Without a run and
+    All values are those at the inset that both methods share; the bound of sharp edges is dotted. Without a run and
     without a path the figure shows levels only. A second axis gives the reaction over the weight of the free blocks.
     """
     scene, analysis, run = results.scene, results.analysis, results.run
@@ -131,7 +131,7 @@ def _draw_bounds(axes: Any, analysis: LimitAnalysis, scales: Scales, limits: tup
 
 
 def _sharp_name(analysis: LimitAnalysis) -> str:
-    return "associated, of sharp arrises" if analysis.main is Drive.LIVE else r"$R_{\min}$ of sharp arrises"
+    return "associated, of sharp edges" if analysis.main is Drive.LIVE else r"$R_{\min}$ of sharp edges"
 
 
 def _words(results: Results, scales: Scales, end: float) -> list[Word]:

@@ -168,7 +168,7 @@ def _with_near(values: Sequence[float], far: Sequence[float]) -> tuple[float, fl
 
 
 def has_sharp(analysis: LimitAnalysis) -> bool:
-    """Return whether the associated answer for sharp arrises differs from that at the shared inset."""
+    """Return whether the associated answer for sharp edges differs from that at the shared inset."""
     lines = levels(analysis)
     return "sharp" in lines and not abs(lines["sharp"] - lines.get("least", np.inf)) <= POINT * abs(lines["sharp"])
 

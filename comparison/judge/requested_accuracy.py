@@ -17,8 +17,8 @@ METHODS = {"limit_analysis": "limit analysis", "yade": "YADE"}
 COARSER = "Request a coarser accuracy, or allow more seconds with --time-limit."
 UNKNOWN_ERROR = "Request no accuracy: a part of the error is unknown. The verdict then rests on the uncertainties that both methods state."
 SHARP_TOO = (
-    "Set inset = 0 in the scene's [joint] table: limit analysis then predicts the value for sharp arrises, too, and the part of rounded "
-    "arrises is known. Otherwise request no accuracy."
+    "Set inset = 0 in the scene's [joint] table: limit analysis then predicts the value for sharp edges, too, and the part of rounded "
+    "edges is known. Otherwise request no accuracy."
 )
 
 
@@ -90,9 +90,9 @@ def chosen_settings(attempt: Attempt) -> str:
     """Return the settings of an attempt as text, with the reasons for them."""
     settings = attempt.settings
     if "inset" in settings:
-        inset = "sharp arrises"
+        inset = "sharp edges"
         if settings["inset"]:
-            inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded arrises may take {percent(INSET_SHARE)} of the accuracy)"
+            inset = f"inset {1e3 * settings['inset']:.3g} mm (rounded edges may take {percent(INSET_SHARE)} of the accuracy)"
         if "viscosity" not in settings:
             return f"{inset}, cone programmes solved to their smallest tolerance, at almost no cost"
         paths = f"paths from viscosities of {10.0 * settings['viscosity']:g} and {settings['viscosity']:g}"

@@ -50,7 +50,7 @@ SETTLEMENT = 1e-3  # of the imposed settlement: the support is driven, so only r
 
 
 def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
-    """Yield a check of limit analysis for sharp arrises against each value of the scene's table [expected].
+    """Yield a check of limit analysis for sharp edges against each value of the scene's table [expected].
 
     Reaction and multiplier are compared with the answer for the scene's own friction, at its own inset where joints slide;
     the greatest reaction and the values with "associated" in their names are compared with the associated answer. An answer
@@ -78,11 +78,11 @@ def check_expected(analysis: LimitAnalysis) -> Iterator[Check]:
             computed = solution.value / divisor if solved else math.nan
             tolerance = max(expected.tolerance, accuracy_share(analysis) * abs(number))
             rounded = analysis.assembly.inset if solution is analysis.coulomb else 0.0
-            arrises = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp arrises"
-            reason = f"Limit analysis gives {computed:.6g} for {arrises}, but the scene expects {number:.6g}."
+            edges = f"an inset of {1e3 * rounded:g} mm" if rounded else "sharp edges"
+            reason = f"Limit analysis gives {computed:.6g} for {edges}, but the scene expects {number:.6g}."
             check = within(name, computed, number, tolerance, unit, reason, CHECK_SOURCE)
             if not solved:
-                unknown = f"Limit analysis for {arrises} ended as {solution.status}, but the scene expects {number:.6g}."
+                unknown = f"Limit analysis for {edges} ended as {solution.status}, but the scene expects {number:.6g}."
                 check = replace(check, reason=unknown)
             if check.verdict is Verdict.AGREE:
                 check = replace(check, verdict=Verdict.EXPECTED_MET)  # by one method: nobody agrees with it

@@ -108,8 +108,8 @@ def _where_nothing_is_borne(analysis: LimitAnalysis) -> str:
         return ""
     if sharp.status is not Status.SOLVED or not sharp.value > LEAST_REACTION:
         return BEARS_NOTHING
-    arrises = f"With sharp arrises the multiplier is {number_text(sharp.value, 3)}: a smaller [joint] inset loses less of it."
-    return f"{BEARS_NOTHING} {arrises}"
+    edges = f"With sharp edges the multiplier is {number_text(sharp.value, 3)}: a smaller [joint] inset loses less of it."
+    return f"{BEARS_NOTHING} {edges}"
 
 
 def _missing_joints(assembly: Assembly, falling: tuple[str, ...]) -> str:

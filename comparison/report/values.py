@@ -153,7 +153,7 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
 
 
 def expected_rows(comparison: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield each expected value beside limit analysis' value for sharp arrises, or for the scene's where only that is known."""
+    """Yield each expected value beside limit analysis' value for sharp edges, or for the scene's where only that is known."""
     expected, associated = comparison.get("expected") or {}, associated_of(comparison)
     prediction = (comparison.get("limit_analysis") or {}).get("coulomb") or associated
     weight = comparison.get("weight")
@@ -191,4 +191,4 @@ def rounding_words(comparison: dict[str, Any], units: Units) -> str:
         return f"{given} does not change the associated {quantity}, {units.text(sharp, base, 5)}."
     share = f" ({signed(100.0 * change / abs(sharp), 2)} %)" if abs(sharp) > abs(change) else ""
     before, after = units.text(sharp, base, 5), units.text(rounded, base, 5)
-    return f"{given} changes the associated {quantity} from {before} for sharp arrises to {after}{share}."
+    return f"{given} changes the associated {quantity} from {before} for sharp edges to {after}{share}."

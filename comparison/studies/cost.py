@@ -146,7 +146,7 @@ def measure_study(
 
 
 def prediction_inset(scene: Scene) -> float:
-    """Return the predictions' inset, m: 0 where the scene has an exact value, which holds for sharp arrises."""
+    """Return the predictions' inset, m: 0 where the scene has an exact value, which holds for sharp edges."""
     return 0.0 if _known(scene)[PREDICTION] is not None else shared_inset(scene)
 
 
@@ -185,7 +185,7 @@ def _rung(
 
 
 def _known(scene: Scene) -> dict[str, float | None]:
-    """Return the exact values by target, over the weight or as multipliers, for sharp arrises; None where unknown."""
+    """Return the exact values by target, over the weight or as multipliers, for sharp edges; None where unknown."""
     expected = scene.expected
     if expected is None or expected.kind != "exact":
         return {ASSOCIATED: None, PREDICTION: None}
@@ -207,7 +207,7 @@ def _references(scene: Scene, measured: list[tuple[Method, MethodOutcome]]) -> d
         references[PREDICTION] = (coulomb(scene, inset, FINEST).value / divisor, source)
     for target, value in known.items():
         if value is not None:
-            references[target] = (value, "the exact value, for sharp arrises")
+            references[target] = (value, "the exact value, for sharp edges")
     return references
 
 

@@ -74,7 +74,7 @@ class Method:
 def limit_analysis_methods(scene: Scene, inset: float) -> Iterator[Method]:
     """Yield all rungs of limit analysis.
 
-    The rungs that predict use `inset`, m. Bounds are those of sharp arrises, except on the rungs that vary the inset.
+    The rungs that predict use `inset`, m. Bounds are those of sharp edges, except on the rungs that vary the inset.
     """
     for accuracy in TOLERANCES:
         yield Method("cone programme", f"residual {accuracy:.0e}", ASSOCIATED, partial(_bound, scene, 0.0, accuracy))

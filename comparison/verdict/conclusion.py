@@ -79,7 +79,7 @@ def conclusion(
     is_loaded : bool
         Whether dead loads or ties act on the structure, besides its weight.
     rounded : float
-        Inset of the structure that falls, m, where it stands with sharp arrises; else 0.
+        Inset of the structure that falls, m, where it stands with sharp edges; else 0.
     cause : str
         Sentence on why blocks fall, beside their names; "" where none is known.
     step : str
@@ -123,12 +123,12 @@ def _falls(falling: Sequence[str], yade: Mapping[str, Any] | None, is_loaded: bo
         status, SLOW if "plateau" in status else ended
     )
     under = "weight, loads and ties" if is_loaded else "own weight"
-    arrises = f" where arrises are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
-    proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{arrises}"
+    edges = f" where edges are rounded by {1e3 * rounded:g} mm, as both methods need" if rounded else ""
+    proof = f"Limit analysis proves that no equilibrium exists under the structure's {under}{edges}"
     said = [
         f"{proof}: {named_blocks(falling)} would fall." if falling else f"{proof}.",
         cause,
-        "With sharp arrises it stands." if rounded else "",
+        "With sharp edges the structure stands." if rounded else "",
     ]
     return " ".join([*filter(None, said), other])
 

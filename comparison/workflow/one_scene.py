@@ -166,7 +166,7 @@ def _notes(analysis: LimitAnalysis) -> list[str]:
     if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
         return []
     rounded = f"YADE needs an inset and uses its smallest, {shared:g} m"
-    return [f"The scene has sharp arrises (inset 0). {rounded}; its result is compared with limit analysis at the same inset."]
+    return [f"The scene has sharp edges (inset 0). {rounded}; its result is compared with limit analysis at the same inset."]
 
 
 def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:

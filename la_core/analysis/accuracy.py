@@ -1,7 +1,7 @@
 """Limit analysis to a requested accuracy.
 
 A calibrated model chooses the cheapest settings, the answer itself yields an estimate of its error, and finer settings
-follow where the error is too large. Errors are relative to the reaction, or to the multiplier, for sharp arrises.
+follow where the error is too large. Errors are relative to the reaction, or to the multiplier, for sharp edges.
 Settings that cost almost nothing stay at their best: looser residuals of the cone programmes save less than a tenth of
 their time (`crosscheck cost`).
 """
@@ -19,10 +19,10 @@ from la_core.limit import Solution, Status
 from la_core.model import Assembly
 from la_core.scene import Scene, same_structure
 
-ROUNDED, HISTORY, ELASTIC, GAP = "rounded arrises", "friction's history", "elastic settlement", "duality gap"
-ROUNDED_HISTORY = "friction's history in the part of rounded arrises"
+ROUNDED, HISTORY, ELASTIC, GAP = "rounded edges", "friction's history", "elastic settlement", "duality gap"
+ROUNDED_HISTORY = "friction's history in the part of rounded edges"
 
-INSET_SHARE = 0.25  # of the accuracy, for rounded arrises: a smaller inset costs nothing
+INSET_SHARE = 0.25  # of the accuracy, for rounded edges: a smaller inset costs nothing
 LEAST_INSET = 0.02  # of the scene's
 # Paths of the attempts: viscosities and effort relative to the default, division of the steps. The first suffices for LOOSE
 # accuracies: of 96 walls (tests/benchmarks/benchmark_friction.py) nine in ten are then within 0.04 %.
@@ -87,7 +87,7 @@ def _paths(level: int) -> PredictionSettings:
 
 
 def stated(analysis: LimitAnalysis) -> Solution | CoulombSolution:
-    """Return the answer that errors are relative to: for sharp arrises, or the prediction at the inset where joints slide."""
+    """Return the answer that errors are relative to: for sharp edges, or the prediction at the inset where joints slide."""
     return analysis.at_inset.sharpest if has_history(analysis) else analysis.sharp.sharpest
 
 
@@ -107,9 +107,9 @@ def has_history(analysis: LimitAnalysis) -> bool:
 
 
 def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
-    """Return the relative errors that both methods share, by source: rounded arrises and elastic joints.
+    """Return the relative errors that both methods share, by source: rounded edges and elastic joints.
 
-    Where joints slide, the bounds show what rounded arrises change: their values have no history. Where blocks lock as they dilate, no
+    Where joints slide, the bounds show what rounded edges change: their values have no history. Where blocks lock as they dilate, no
     bound exists. The predictions at both insets show it then, each to within its uncertainty.
     """
     rounded, sharp, stiffness = analysis.at_inset, analysis.sharp, analysis.stiffness
@@ -126,12 +126,12 @@ def shared_parts(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def _has_two_predictions(analysis: LimitAnalysis) -> bool:
-    """Whether no bound exists, and a prediction both at the shared inset and for sharp arrises."""
+    """Whether no bound exists, and a prediction both at the shared inset and for sharp edges."""
     return analysis.is_without_bound and analysis.sharp.is_without_bound
 
 
 def lacks_sharp_prediction(analysis: LimitAnalysis) -> bool:
-    """Whether the part of rounded arrises is unknown because there is neither a bound nor a prediction for sharp arrises.
+    """Whether the part of rounded edges is unknown because there is neither a bound nor a prediction for sharp edges.
 
     Inset 0 in the scene adds this prediction, see `LimitAnalysis.sharp`.
     """

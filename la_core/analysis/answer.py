@@ -26,7 +26,7 @@ NAN = float("nan")
 class Answer(Tabled):
     """Results of limit analysis for one scene.
 
-    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp arrises (inset 0). A value that
+    Values without a suffix hold at the scene's inset; those that end in `_sharp` hold for sharp edges (inset 0). A value that
     does not exist is NaN. Where the scene's inset is 0, which YADE cannot have, `mechanism`, `forces`, `joints` and `path` hold at
     `analysis.assembly.inset`, as `analysis.coulomb.value` does. Arrays are copies. A notebook shows the table of `solve --long`.
 
@@ -104,17 +104,17 @@ class Answer(Tabled):
 
     @property
     def least_sharp(self) -> float:
-        """`least` for sharp arrises."""
+        """`least` for sharp edges."""
         return self._bound(Drive.YIELDING, sharp=True)
 
     @property
     def greatest_sharp(self) -> float:
-        """`greatest` for sharp arrises."""
+        """`greatest` for sharp edges."""
         return self._bound(Drive.PUSHING, sharp=True)
 
     @property
     def coulomb_sharp(self) -> float:
-        """`coulomb` for sharp arrises; NaN where joints slide and the scene's arrises are rounded."""
+        """`coulomb` for sharp edges; NaN where joints slide and the scene's edges are rounded."""
         coulomb = self.analysis.sharp.coulomb
         return NAN if coulomb is None else coulomb.value
 

@@ -1,4 +1,4 @@
-"""Model of a scene: its assemblies at the shared inset and for sharp arrises, and the stiffness of its joints."""
+"""Model of a scene: its assemblies at the shared inset and for sharp edges, and the stiffness of its joints."""
 
 from dataclasses import dataclass
 
@@ -57,7 +57,7 @@ def structural_model(scene: Scene, interfaces: Interfaces | None = None) -> Stru
 
 
 def _at_inset(scene: Scene, assembly: Assembly, sharp: Assembly) -> StructuralModel:
-    """Model a scene with its assemblies at the shared inset and for sharp arrises."""
+    """Model a scene with its assemblies at the shared inset and for sharp edges."""
     try:
         stiffness = joint_stiffness(assembly, assembly.inset, scene.yade)
     except SceneError as error:
@@ -72,7 +72,7 @@ def drives(scene: Scene) -> tuple[Drive, ...]:
 
 
 def smallest_inset(assembly: Assembly) -> float:
-    """Smallest inset for YADE's contact spheres, m; it replaces the inset 0 of sharp arrises."""
+    """Smallest inset for YADE's contact spheres, m; it replaces the inset 0 of sharp edges."""
     interfaces = assembly.interfaces
     owner = owners(interfaces.polygon_start)
     edges = np.linalg.norm(interfaces.polygon[next_corners(interfaces.polygon_start)] - interfaces.polygon, axis=1)

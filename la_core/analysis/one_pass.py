@@ -15,7 +15,7 @@ from la_core.side_by_side import side_by_side
 
 
 def analyse_once(model: StructuralModel, settings: AnalysisSettings, listener: AnalysisListener) -> LimitAnalysis:
-    """Solve a model at the shared inset and for sharp arrises.
+    """Solve a model at the shared inset and for sharp edges.
 
     The bounds, the path and the reaction at rest belong to the whole structure. The prediction comes from a reduced
     region where a proof shows that it holds for the whole structure, see `la_core.analysis.reach`.

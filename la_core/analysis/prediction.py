@@ -23,7 +23,7 @@ from la_core.limit import Solution, Status
 from la_core.measures import mechanism
 from la_core.model import Assembly, Effects
 
-Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp arrises; one object twice where both are equal
+Pair = tuple[Answers, Answers]  # at the shared inset, then for sharp edges; one object twice where both are equal
 
 
 def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSettings, listener: AnalysisListener) -> Pair:
@@ -34,7 +34,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
     model : StructuralModel
         Model of the whole structure at both insets.
     bounds : tuple of Answers
-        Bounds of the whole structure at the shared inset and for sharp arrises, without prediction.
+        Bounds of the whole structure at the shared inset and for sharp edges, without prediction.
     settings : AnalysisSettings
         Settings of the analysis, among them the paths of the prediction.
     listener : AnalysisListener

@@ -127,8 +127,8 @@ class LimitAnalysis:
     at_inset : Answers
         Answers at the shared inset.
     sharp : Answers
-        Answers for sharp arrises (inset 0); the same object as `at_inset` where both insets are equal. It has no
-        prediction where joints slide and the scene's arrises are rounded: sharp joints then slide in another order, and
+        Answers for sharp edges (inset 0); the same object as `at_inset` where both insets are equal. It has no
+        prediction where joints slide and the scene's edges are rounded: sharp joints then slide in another order, and
         the value belongs to another history of friction, not to other lever arms.
     stiffness : JointStiffness
         Stiffness of the joints at the shared inset.
@@ -214,7 +214,7 @@ EVIDENCE = ("equilibrium_residual", "cone_violation", "mechanism_violation", "du
 def associated_values(analysis: LimitAnalysis) -> dict[str, Any]:
     """Return the values of the associated problem by their JSON keys.
 
-    They hold at the scene's inset, those with `_sharp` for sharp arrises. "shared_inset" holds the values at the inset of
+    They hold at the scene's inset, those with `_sharp` for sharp edges. "shared_inset" holds the values at the inset of
     both methods where the scene's inset is 0. Residuals are relative to the mean block weight, see `Solution`.
     """
     scene, main, printed = analysis.scene, analysis.main, analysis.printed.bounds

@@ -69,7 +69,7 @@ class Scene(Tabled):
     path_asked : RequestedPath or None
         Settlement and increments of the requested equilibrium path. None without a [path] table.
     expected : Expected or None
-        Expected values for sharp arrises. None without an [expected] table.
+        Expected values for sharp edges. None without an [expected] table.
     yade : dict of str to float
         YADE settings that replace the derived ones, by name.
     meshes : tuple of MeshFile

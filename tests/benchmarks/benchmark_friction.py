@@ -4,7 +4,7 @@
     python tests/benchmarks/benchmark_friction.py --smooth
     python tests/benchmarks/benchmark_friction.py --write
 
-Running-bond walls, sharp arrises, a third or half of the base settles. Every wall is predicted with the default viscosities,
+Running-bond walls, sharp edges, a third or half of the base settles. Every wall is predicted with the default viscosities,
 with coarser ones, and with the reference: viscosities and steps ten times finer. The record holds every value. --smooth adds to the record
 in the gallery how every wall is predicted with the smooth joints of large structures. --write runs nothing: it writes the tables and the
 figure of the page friction.md from the record in the gallery.

@@ -29,7 +29,7 @@ from la_core.model.assembly import assemble
 from la_core.text_table import number_text, over_weight
 
 LONGEST = 120.0  # s of wall time for YADE
-TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded arrises
+TOLERANCE = 2e-3  # of the reaction, or of a per cent of the weight: elastic joints and rounded edges
 INTRODUCTION = """\
 This page has structures that are hard for every program, run through limit analysis, YADE and the checks: unusual units, densities and
 friction, blocks of very different size, joints at the tolerance of geometry, towers, arches at the limit of stability, rubble. A refusal or
@@ -64,7 +64,7 @@ class Outcome:
 
     @property
     def sharp(self) -> float:
-        """Least reaction over the weight without dilatancy, for sharp arrises where no joint slides; NaN where there is none."""
+        """Least reaction over the weight without dilatancy, for sharp edges where no joint slides; NaN where there is none."""
         assert self.summary is not None
         analysis = self.summary["limit_analysis"]
         answer = analysis["coulomb"] or analysis["associated"]

@@ -42,7 +42,7 @@ def test_a_row_says_what_both_analyses_of_its_scene_say(tmp_path: Path, plain_fi
     assert [cost["case"] for cost in found.costs] == [row["case"] for row in found.rows]
 
 
-def test_sharp_arrises_are_told_at_the_inset_that_yade_is_judged_by(tmp_path: Path, plain_figures: None) -> None:
+def test_sharp_edges_are_told_at_the_inset_that_yade_is_judged_by(tmp_path: Path, plain_figures: None) -> None:
     (row,) = run(sweep('set = { "joint.inset" = 0.0 }'), tmp_path / "out").rows
     analysis = analyse(expand(load_campaign(tmp_path / "campaign.toml"))[0].run.scene())
     assert analysis.assembly.inset > 0.0

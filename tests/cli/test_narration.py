@@ -143,6 +143,6 @@ def test_a_bound_of_round_off_is_zero() -> None:
     assert progress.bounds_words(changed) == "bounds: R 0 to 2154 N, R/W 0 to 0.9980"
 
 
-def test_bounds_of_sharp_arrises_are_called_so() -> None:
+def test_bounds_of_sharp_edges_are_called_so() -> None:
     sharp = analyse(variant(load("two_pads"), {"joint.inset": 0.0}))
-    assert progress.bounds_words(sharp) == "bounds: R 359.7 to 2158 N, R/W 0.1667 to 1.000, for sharp arrises"
+    assert progress.bounds_words(sharp) == "bounds: R 359.7 to 2158 N, R/W 0.1667 to 1.000, for sharp edges"

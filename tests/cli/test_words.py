@@ -162,11 +162,11 @@ def test_report_export_and_animate_take_the_folder_of_a_run_or_of_a_scene(
     assert "one file cannot hold several animations" in capsys.readouterr().err
 
 
-def test_sharp_arrises_are_noted_under_the_table(tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_sharp_edges_are_noted_under_the_table(tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "sharp.toml"
     path.write_text(re.sub(r"(?m)^friction.*$", "\\g<0>\ninset = 0.0", shipped.find("two_pads").read_text(encoding="utf-8"), count=1))
     assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-yade", "-q"]) == 0
-    assert "sharp: The scene has sharp arrises (inset 0)." in " ".join(capsys.readouterr().out.split())
+    assert "sharp: The scene has sharp edges (inset 0)." in " ".join(capsys.readouterr().out.split())
 
 
 def test_without_a_browser_a_pdf_is_refused_in_one_line(

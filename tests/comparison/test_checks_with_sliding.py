@@ -161,7 +161,7 @@ def test_a_prediction_without_a_bound_is_compared_like_any_other() -> None:
 
 
 def test_a_block_lifted_straight_out_of_a_slot_has_no_sharp_prediction_for_want_of_a_bound() -> None:
-    """Nothing dissipates, so only the missing bound tells that the value for sharp arrises is not the associated one."""
+    """Nothing dissipates, so only the missing bound tells that the value for sharp edges is not the associated one."""
     analysis = analyse(scenes.build(*lifted_pad(), friction=0.4, inset=0.001, settlement=(0.0, 0.0, 1.0), model="auto"))
     assert analysis.is_without_bound and analysis.sharp.coulomb is None
     started = accuracy_settings.initial_settings(dataclasses.replace(analysis, accuracy=AccuracyRecord(0.01)))

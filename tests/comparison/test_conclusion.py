@@ -285,7 +285,7 @@ def test_blocks_that_stood_at_rest_and_fell_while_the_support_moved_need_no_thru
     assert check.next_step.startswith("Look for a block that slides out")
 
 
-@pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp arrises the multiplier is 0.004"), (0.6, "own step")])
+@pytest.mark.parametrize(("edge", "words"), [(0.501, "With sharp edges the multiplier is 0.004"), (0.6, "own step")])
 def test_where_no_load_is_borne_the_next_step_says_so(edge: float, words: str) -> None:
     """A block whose weight acts on the edge of what carries it, at the inset; on a longer base it bears a load."""
     base = scenes.box("base", (-1.0, 0.0, -0.2), (edge, 0.2, 0.0), "fixed")

@@ -28,7 +28,7 @@ from la_core.model.contact_grid import with_grid
 pytestmark = pytest.mark.slow
 
 REDUNDANT = 1e-6  # of the reaction: solver tolerance
-ROUNDING = 0.05  # of an error: what YADE adds to that of rounded arrises
+ROUNDING = 0.05  # of an error: what YADE adds to that of rounded edges
 
 
 @pytest.fixture(autouse=True)
@@ -80,7 +80,7 @@ def test_facets_bracket_the_cone_and_close_on_it() -> None:
 
 def test_errors_are_held_against_the_exact_value_where_there_is_one() -> None:
     exact, computed = chosen("two_pads", "Coulomb", "inset"), chosen("wall_tall", "Coulomb")
-    assert exact.references[PREDICTION] == (pytest.approx(1.0 / 6.0, abs=1e-5), "the exact value, for sharp arrises")
+    assert exact.references[PREDICTION] == (pytest.approx(1.0 / 6.0, abs=1e-5), "the exact value, for sharp edges")
     assert (
         "Coulomb prediction on paths and steps ten times finer, at the inset that both methods share, 1 mm"
         in computed.references[PREDICTION][1]
@@ -165,7 +165,7 @@ def test_what_a_rung_states_of_itself_is_drawn_and_printed_beside_its_error() ->
 @pytest.mark.yade
 @pytest.mark.slow
 def test_yade_climbs_by_its_inset(tmp_path: Path) -> None:
-    """Rounded arrises cost what limit analysis says they do, and YADE no more."""
+    """Rounded edges cost what limit analysis says they do, and YADE no more."""
     scene = scenes.shipped("two_pads")
     wanted = ("derived settings", "inset x 0.2", "settlement speed x 8")
     methods = [m for m in yade_methods(scene, installation.find_yade(), tmp_path, lambda report: None) if m.setting in wanted]

@@ -90,7 +90,7 @@ def test_everything_drawn_is_named_once_beside_its_line_or_in_the_legend(tmp_pat
         plot_reaction.HISTORY: "value depends on friction's history",
         plot_reaction.FITTED: "YADE's plateau: 0.350 ± 0.002 kN",
         plot_reaction.GREATEST: "$R_{\\max}$, associated: 1.9581 kN",
-        r"$R_{\min}$ of sharp arrises": "sharp arrises: 0.32700 kN",  # W / 6
+        r"$R_{\min}$ of sharp edges": "sharp edges: 0.32700 kN",  # W / 6
         plot_reaction.ADMISSIBLE: "admissible",
     }
     for label in {label for axes in figure.axes for label in labels_of(axes)}:

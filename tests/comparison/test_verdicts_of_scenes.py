@@ -66,7 +66,7 @@ def test_a_proof_that_the_structure_falls_binds_yade(status: str, verdict: Verdi
     assert verdict is Verdict.AGREE or '"block"' in reason or "block would fall" in reason
 
 
-def test_the_scene_s_own_expectation_is_checked_for_sharp_arrises() -> None:
+def test_the_scene_s_own_expectation_is_checked_for_sharp_edges() -> None:
     scene, analysis = case_of("two_pads")
     assert {check.verdict for check in check_expected(analysis)} == {Verdict.EXPECTED_MET}
     assert scene.expected is not None

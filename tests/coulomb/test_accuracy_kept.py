@@ -81,7 +81,7 @@ def test_a_coarse_wall_costs_less_than_a_third_of_a_fine_one(tmp_path: Path) -> 
     assert seconds[0.01] < seconds[0.002] / 3.0
 
 
-def test_rounded_arrises_are_sharpened_until_they_fit_the_accuracy() -> None:
+def test_rounded_edges_are_sharpened_until_they_fit_the_accuracy() -> None:
     coarse, fine = (analyse(with_accuracy(scenes.shipped("two_pads"), accuracy)) for accuracy in (0.05, 0.002))
     assert coarse.assembly.inset == scenes.shipped("two_pads").inset
     assert fine.assembly.inset < 0.2 * coarse.assembly.inset  # the error is in proportion to it, 1 % at 1 mm
@@ -120,8 +120,8 @@ def test_finer_paths_that_make_it_worse_are_not_the_answer() -> None:
 
 
 @pytest.mark.parametrize("accuracy", ACCURACIES[1:])
-def test_two_predictions_tell_of_rounded_arrises_where_no_bound_exists(accuracy: float) -> None:
-    """The block turns about the low wall's upper edge, so that the inset changes a lever arm: lambda = 2 sqrt 2 for sharp arrises."""
+def test_two_predictions_tell_of_rounded_edges_where_no_bound_exists(accuracy: float) -> None:
+    """The block turns about the low wall's upper edge, so that the inset changes a lever arm: lambda = 2 sqrt 2 for sharp edges."""
     scene = scenes.build(*slot(height=0.3), friction=0.3, inset=0.0, live=(1.0, 0.0, 1.0), model="auto")
     analysis = analyse(with_accuracy(scene, accuracy))
     (check,) = requested_accuracy.check_accuracy(Results(analysis))
@@ -143,8 +143,8 @@ def test_finer_paths_follow_where_the_uncertainties_of_two_predictions_take_too_
         assert (finer and finer[1]) == level
 
 
-def test_a_prediction_without_bound_at_one_inset_leaves_the_part_of_rounded_arrises_unknown() -> None:
+def test_a_prediction_without_bound_at_one_inset_leaves_the_part_of_rounded_edges_unknown() -> None:
     scene = scenes.build(*slot(height=0.3), friction=0.3, inset=1e-3, live=(1.0, 0.0, 1.0), model="auto")
     (check,) = requested_accuracy.check_accuracy(Results(analyse(with_accuracy(scene, 0.01))))
-    assert check.verdict is Verdict.INCONCLUSIVE and "rounded arrises unknown" in check.reason
+    assert check.verdict is Verdict.INCONCLUSIVE and "rounded edges unknown" in check.reason
     assert "inset = 0" in check.next_step

@@ -89,7 +89,7 @@ def test_setting_aside_changes_no_answer(scene) -> None:
     assert part.coulomb is not None and whole.coulomb is not None
     assert part.coulomb.status is Status.SOLVED
     assert part.coulomb.value == pytest.approx(whole.coulomb.value, rel=HISTORY)
-    assert part.sharp.coulomb is None and whole.sharp.coulomb is None  # joints slide, and the arrises are rounded
+    assert part.sharp.coulomb is None and whole.sharp.coulomb is None  # joints slide, and the edges are rounded
     assert whole.coulomb.interval[0] <= part.coulomb.value <= whole.coulomb.interval[1]
     assert part.coulomb.at_rest == pytest.approx(whole.coulomb.at_rest, rel=SAME)
 

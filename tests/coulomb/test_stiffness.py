@@ -86,7 +86,7 @@ def test_the_sag_is_at_most_its_share_of_the_travel(name) -> None:
         assert found.normal > 0.0 and np.isfinite(found.normal)
 
 
-def test_a_small_inset_limits_the_travel_and_sharp_arrises_do_not() -> None:
+def test_a_small_inset_limits_the_travel_and_sharp_edges_do_not() -> None:
     assert stiffness(slab(inset=0.001)).travel == pytest.approx(TRAVEL_OVER_INSET * 0.001)
     assert stiffness(slab(inset=0.0)).travel == pytest.approx(TRAVEL_OVER_SIZE * 1.0)
 

@@ -57,7 +57,7 @@ def small_wall(**options) -> Scene:
 
 
 def great_wall(mu: float, split: float, plane: bool = True) -> Scene:
-    """Ten courses of six blocks; sharp arrises."""
+    """Ten courses of six blocks; sharp edges."""
     return scenes.build(*scenes.wall(6, 10, split, block_size=(0.4, 1.0, 0.2)), friction=mu, plane=plane)
 
 

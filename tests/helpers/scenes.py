@@ -1,6 +1,6 @@
 """Scenes for the tests, built as the TOML text a user would have typed, and moved copies of them.
 
-Nothing here calls a solver; inset is 0 unless asked for, because closed forms hold for sharp arrises.
+Nothing here calls a solver; inset is 0 unless asked for, because closed forms hold for sharp edges.
 """
 
 import json

@@ -228,7 +228,7 @@ def test_live_load_that_only_presses_is_borne_without_end(plane) -> None:
     assert solution.status is Status.UNBOUNDED and without_value(solution)
 
 
-def test_a_structure_that_stands_with_sharp_arrises_alone_says_so() -> None:
+def test_a_structure_that_stands_with_sharp_edges_alone_says_so() -> None:
     """Its weight acts half a millimetre within the edge of its support: rounded by 1 mm it falls, and the words say by how much."""
     shelf = scenes.box("shelf", (0.0, 0.0, -0.2), (0.5005, 0.4, 0.0), "fixed")
     scene = scenes.build(shelf, scenes.box("stone", (0.0, 0.0, 0.0), (1.0, 0.4, 0.2)), live=(1.0, 0.0, 0.0), settlement=None, inset=1e-3)
@@ -236,5 +236,5 @@ def test_a_structure_that_stands_with_sharp_arrises_alone_says_so() -> None:
     assert analysis.sharp.bounds[Drive.LIVE].status is Status.SOLVED
     concluded = conclusion_of(analysis, [], None)
     assert concluded.verdict is Verdict.CANNOT_STAND
-    assert "where arrises are rounded by 1 mm" in concluded.reason and "With sharp arrises it stands." in concluded.reason
+    assert "where edges are rounded by 1 mm" in concluded.reason and "With sharp edges the structure stands." in concluded.reason
     assert "edge of some joint" in concluded.next_step

@@ -74,7 +74,7 @@ def test_slab_on_four_corner_pads(xi, eta) -> None:
 
 @pytest.mark.parametrize("inset", [0.001, 0.01])
 def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
-    """Points at f1 - inset and m1 - inset carry the block; the answer for sharp arrises stays."""
+    """Points at f1 - inset and m1 - inset carry the block; the answer for sharp edges stays."""
     scene = scenes.load(two_pads.replace("friction = 0.6", f"friction = 0.6\ninset = {inset}"))
     analysis = analyse(scene)
     assert analysis.assembly.inset == inset
@@ -85,7 +85,7 @@ def test_rounding_shifts_the_lever_arms_by_the_inset(inset, two_pads) -> None:
 
 @pytest.mark.parametrize("width", [0.4, 0.02])
 def test_sharp_scene_is_compared_at_the_smallest_inset(width) -> None:
-    """YADE's contact spheres need an inset; limit analysis takes the same one beside its answer for sharp arrises."""
+    """YADE's contact spheres need an inset; limit analysis takes the same one beside its answer for sharp edges."""
     scene = scenes.build(*scenes.base(width, 1.0), scenes.box("block", (0.0, 0.0, 0.0), (1.0, 1.0, 0.5)))
     analysis = analyse(scene)
     inset = analysis.assembly.inset

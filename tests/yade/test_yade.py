@@ -113,7 +113,7 @@ def test_a_structure_that_cannot_stand_collapses_in_both_methods(tmp_path: Path)
 
 
 @pytest.mark.yade
-def test_sharp_arrises_are_judged_by_the_inset_that_yade_took(tmp_path: Path) -> None:
+def test_sharp_edges_are_judged_by_the_inset_that_yade_took(tmp_path: Path) -> None:
     path = tmp_path / "sharp.toml"
     path.write_text(shipped.find("two_pads").read_text().replace("friction = 0.6", "friction = 0.6\ninset = 0.0"))
     assert main(["run", str(path), "-o", str(tmp_path / "out"), "-q"]) == 0

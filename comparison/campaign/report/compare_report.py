@@ -19,7 +19,7 @@ WHAT = {
     "least": "least, associated",
     "greatest": "greatest, associated",
     "coulomb": "Coulomb prediction",
-    "coulomb_sharp": "Coulomb prediction, sharp arrises",
+    "coulomb_sharp": "Coulomb prediction, sharp edges",
     "yade": "YADE's reaction",
     "classic": "classic iteration",
     "associated_status": "associated limit analysis ended",
