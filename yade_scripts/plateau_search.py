@@ -110,7 +110,7 @@ class PlateauSearch:
         return plateau.is_steady((states[0], middle, now), self.case.free, fastest, shares)
 
     def _scale(self, fit: Plateau) -> float:
-        """Return the reaction by which uncertainties are measured; one of zero, on which no weight works, is noise by itself."""
+        """Return the reaction by which uncertainties are measured; a reaction of zero, on which no weight works, is noise alone."""
         if self.case.live is not None:
             return max(abs(fit.reaction), self.settings.reaction_floor)
         at_rest = next(row.reaction for row in reversed(self.record.rows) if row.stage == GRAVITY)

@@ -128,7 +128,7 @@ def measure_study(
     workers : int
         Number of rungs that run side by side, where they may.
     stop : callable
-        Called where one of these fails or the user interrupts the program: `progress`, or the rungs themselves, then have to raise.
+        Called where one of these rungs fails or the user interrupts the program: `progress`, or the rungs themselves, then have to raise.
     """
     begun = itertools.count()
 

@@ -2,8 +2,9 @@
 # # 5. Reading disagreement
 #
 # A cross-check is worth its price on the day it says no. Here it is made to say no three times, each time by a mistake that people make.
-# A structure that stands gets one of three verdicts. *Agree*: every check passed. *Disagree*: one failed, so something is wrong.
-# *Inconclusive*: nothing is known to be wrong, but agreement cannot be claimed. The verdict is a word; the reason is what you work with.
+# After a run of both methods a structure that stands gets one of three verdicts. *Agree*: every check passed. *Disagree*: a check failed,
+# so something is wrong. *Inconclusive*: nothing is known to be wrong, but agreement cannot be claimed. The verdict is a word; the reason
+# is what you work with.
 
 # %%
 import comparison
@@ -72,9 +73,9 @@ assert third.verdict == "inconclusive"
 third.plot("reaction").save("disagreement-too-fast.png")
 
 # %% [markdown]
-# The support is gone before the block can follow. The force on it is steady, at 0, but the block is in the air: its weight is not in
-# balance with the forces on it. A steady value alone is no answer, so the verdict is *inconclusive*. Slow down and look again, before
-# you blame either method: at 0.4 mm/s the two agree, as the first tutorial shows.
+# The support is gone before the block can follow. The force on the support is steady, at 0, but the block is in the air: its weight is
+# not in balance with the forces on it. A steady value alone is no answer, so the verdict is *inconclusive*. Slow down and look again,
+# before you blame either method: at 0.4 mm/s the two agree, as the first tutorial shows.
 
 # %% [markdown]
 # ## Question

@@ -63,7 +63,7 @@ result.plot("reaction").save("friction-reaction.png")
 
 # %% [markdown]
 # The associated answer is not useless. It is a bound: no state within Coulomb's cone carries less. It is just not a prediction.
-# The two part ways as friction grows:
+# Bound and prediction part ways as friction grows:
 
 # %%
 print("   mu   associated R/W_b   Coulomb R/W_b")

@@ -33,7 +33,7 @@ assert abs(answer.greatest_sharp / scene.weight - greatest) < 1e-6
 
 # %% [markdown]
 # *Sharp* is the block with perfect edges. Real edges are rounded, and a computer needs a little room, so both methods draw the contact
-# points in by an *inset* of 1 mm. The lever arms change by that much, and the hand calculation can follow:
+# points in by an *inset* of 1 mm. The lever arms change by up to 1 mm, and the hand calculation can follow:
 
 # %%
 inset = scene.inset

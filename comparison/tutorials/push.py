@@ -2,7 +2,8 @@
 # # 6. What pushes a wall over
 #
 # An earthquake shakes a wall sideways. As a first step engineers push it instead: every block by the same share of its weight. The share
-# at which the wall fails is the *multiplier*. In this tutorial a block, a wall, a tie, a tilting table and a floor have theirs.
+# at which the wall fails is the *multiplier*. This tutorial finds it for a block, a wall, a block with a tie, a tilted block and a block
+# under a floor.
 
 # %%
 import math
@@ -55,7 +56,7 @@ result.plot("reaction").save("push-multiplier.png")
 # %% [markdown]
 # ## A wall is not one block
 #
-# If the wall below were one stone, it would tip at its breadth over its height. But its joints open and slide: it leaves a part of
+# If the wall below were one stone, it would tip at its breadth over its height. But its joints open and slide: the wall leaves a part of
 # itself behind, and fails earlier. Associated friction, which dilates, gives an upper bound.
 
 # %%

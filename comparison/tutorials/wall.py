@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 4. The settling wall
 #
-# A wall in running bond stands on a base in two parts. The right part settles. The wall spans, as masons know: over the part that goes
-# down it leaves a stepped wedge behind, and carries the rest across. What remains on the settling part is the weight of the wedge, less
-# what friction at its flanks holds back. How much that is depends on what happened before.
+# A wall in running bond stands on a base in two parts. The right part settles. A stepped wedge of blocks goes down with it. The wall
+# above spans over the wedge, as masons know. The settling part carries the weight of the wedge, less the friction that holds the wedge
+# back at its flanks. How large this friction is depends on what happened before.
 
 # %%
 import comparison
@@ -46,8 +46,8 @@ assert abs(high / wedge - 1.0) < 1e-3
 
 # %% [markdown]
 # Between the two, the mechanism is the same and statics is silent: friction at the flanks may stand anywhere within its cone. The
-# prediction picks the state that elastic joints reach when the base settles steadily from rest. Its uncertainty is what paths of different
-# viscosity, and the rest of their curves, leave open.
+# prediction picks the state that elastic joints reach when the base settles steadily from rest. Its uncertainty comes from paths of
+# different viscosity and from the change that is left in their curves.
 #
 # ## The second opinion
 #

@@ -51,7 +51,7 @@ class Results:
     def per_drive(self, twists: np.ndarray) -> np.ndarray:
         """Return twists (B, 6) of YADE per unit of what drives limit analysis: motion of the support, or power of the unit live load.
 
-        The inverse of `per_motion`; NaN where a live load has no power on them.
+        The inverse of `per_motion`; NaN where a live load has no power on these twists.
         """
         if self.scene.live is None:
             return twists

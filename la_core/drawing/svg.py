@@ -32,7 +32,7 @@ UNREAD_RULES = "rules of style sheets"  # kind of those whose selectors are not 
 SAME_POINT = 1e-9  # of the size of a line
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # what is too large is refused in words
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # a number that is too large is refused with a message
 def read_svg(content: bytes, unit: float | None, sagitta: float) -> Drawn:
     """Outlines and lines of an SVG file; parameters and errors are those of `read_outlines`."""
     if b"<!ENTITY" in content:  # nested entities can fill the memory
@@ -73,7 +73,7 @@ class _Around:
     is_labelled : bool
         Whether a group around is a layer by its label.
     colour : str
-        Colour of what has none of its own.
+        Colour of elements without one of their own.
     fill, stroke : str
         Fill and stroke; "" where nothing gives them.
     displayed, visible : bool
@@ -161,7 +161,7 @@ class _Reader:
         self.walk(original, replace(here, matrix=matrix, is_copied=True), depth + 1)
 
     def _within(self, element: ElementTree.Element, kind: str, around: _Around) -> _Around:
-        """What holds for an element and for what it holds."""
+        """What holds for an element and for the elements in it."""
         given = self.sheet.properties(element, kind)
         fill, stroke, origin = given.get("fill", ""), given.get("stroke", ""), given.get("transform-origin", "").split()
         displayed, matrix = around.displayed and given.get("display") != "none", around.matrix
@@ -234,7 +234,7 @@ def _shapes(group: ElementTree.Element) -> Iterator[ElementTree.Element]:
 
 
 def _is_filled(here: _Around) -> bool:
-    """Whether an open line is meant as an area: it has a fill, or nothing but the fill that SVG gives what says none."""
+    """Whether an open line is meant as an area: it has a fill, or it has neither fill nor stroke, and SVG then fills it."""
     if here.fill:
         return here.fill not in UNPAINTED
     return here.stroke in ("", *UNPAINTED)

@@ -1,8 +1,8 @@
 """Division of a profile that is not convex into convex parts.
 
 From a corner that turns inwards a straight cut leads to another corner or to an edge, such that the corner turns
-inwards on neither side of it. Of all such cuts the shortest is taken, where one that ends at a second inward corner
-counts half its length, and both sides are divided further. Every cut removes an inward corner and makes none, so the
+inwards on neither side of it. The shortest of these cuts is taken; a cut that ends at a second inward corner
+counts half its length. Both sides are divided further. Every cut removes an inward corner and makes none, so the
 division ends.
 """
 

@@ -1,7 +1,7 @@
 """The frame of a run: its origin lies near the blocks, however far they lie from that of the scene.
 
 A survey lies in the grid of a country, 1e5 to 1e7 m from its origin. YADE finds the inertia of a block by way of the origin, and loses it
-in round-off where that is some 1e5 block sizes away.
+in round-off where this origin is some 1e5 block sizes away.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Choose the block that carries the sphere of each contact point, and how large it may be; the other block offers its face."""
+"""Choose the block that carries the sphere of each contact point, and how large the sphere may be; the other block offers its face."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,7 +17,7 @@ _DEEPER = 1e-6  # relative: rounding must not distinguish equal depths
 def spheres(data: Mapping[str, Any], boxes: np.ndarray, faces: Faces) -> tuple[np.ndarray, np.ndarray]:
     """Return host (C,) and inset (C,), m, of each contact point's sphere; hosts, `boxes` and `faces` have block numbers of the file.
 
-    Faces where the parts of one block meet do not count: a sphere that looks out of them stays within the block.
+    Faces where the parts of one block meet do not count: a sphere that sticks out of them stays within the block.
     """
     within = are_within(data, faces)
     faces = faces[0][~within], faces[1][~within], faces[2][~within]
@@ -78,7 +78,7 @@ def depth_in_faces(position: np.ndarray, normal: np.ndarray, block: np.ndarray, 
 def largest_radius(position: np.ndarray, normal: np.ndarray, block: np.ndarray, faces: Faces, plane: bool) -> np.ndarray:
     """Return the radius (C,), m, up to which the sphere of a contact point stays clear of the other faces of its block.
 
-    In a sharp corner a sphere that is tangent to one face would look out of the other one and touch what lies there: with a radius of half
+    In a sharp corner a sphere that is tangent to one face would stick out of the other one and touch what lies there: with a radius of half
     the inset in corners of less than 53 degrees. The sphere of radius r around *point* - r *normal* is a gap g + r n.m - r away from a
     face with the normal m that lies g from the point. Parameters are those of `depth_in_faces`, of the blocks that carry the spheres.
     """

@@ -13,7 +13,7 @@ import numpy as np
 from yade_scripts.case import Case
 from yade_scripts.vibration.springs import Springs
 
-# Largest factor on a block's mass. Its weight must still accelerate it as the supports move: on the ramp they gain about 1e-3 g.
+# Largest factor on a block's mass. Its weight must still accelerate it as the supports move, on the ramp by about 1e-3 g.
 MOST = 100.0
 _BISECTIONS = 60
 

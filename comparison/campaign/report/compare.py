@@ -171,8 +171,9 @@ def compare_tables(before: CampaignTable, after: CampaignTable) -> Comparison:
 def _named_as(before: CampaignTable, after: CampaignTable) -> CampaignTable:
     """Return the second campaign with the names that the first one gives to cases of the same values, and "(after)" at other such names.
 
-    A case is named by the place of an array in its range, so the same name may stand for other values. Tables are told by this name:
-    another version of the program may know more keys of a table. Sweeps are told by their safe names, the only ones in older tables.
+    A case is named by the place of an array in its range, so the same name may stand for other values. Values that are tables are
+    compared by this name, because another version may know more keys of a table. Sweeps are compared by their safe names, the only ones
+    in older tables.
     """
     if before.axes.keys() != after.axes.keys():
         return after

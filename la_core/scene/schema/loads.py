@@ -23,7 +23,9 @@ class Load(Table):
     blocks: tuple[Pattern, ...] = described(
         "names of the loaded blocks, or layers of a drawing such as `layer:BRICK`; `*`, `?` and `[...]` as in a shell", default=()
     )
-    region: Box | None = described("loaded are the free blocks whose centroid lies in this box; with `blocks`, those of both", default=None)
+    region: Box | None = described(
+        "loaded are the free blocks whose centroid lies in this box; with `blocks`, only those named there", default=None
+    )
     force: Force | None = described("the load as a force (x, y, z); either this or `mass`", "N, N/m or N/m2", default=None)
     mass: Positive | None = described("a floor, a roof or a fill by its mass; either this or `force`", "kg, kg/m or kg/m2", default=None)
     per: Literal["block", "m", "m2"] = described("for each block, metre of the line, or square metre", default="block")
