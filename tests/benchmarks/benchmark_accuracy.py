@@ -40,7 +40,7 @@ INTRODUCTION = (
     "",
     "Every row is one run of `crosscheck run SCENE --accuracy SHARE`: of a settlement, whose answer is the reaction, or of a live load,",
     "whose answer is the multiplier. *error* is the difference from the scene's exact or published value, where one exists; *estimated*",
-    "is each method's own estimate of its error. It must not exceed *asked*, the requested accuracy. *s* is each method's time in seconds.",
+    "is each method's own estimate of its error and must not exceed *asked*, the requested accuracy. *s* is each method's time in seconds.",
     "",
     "`python tests/benchmarks/benchmark_accuracy.py -o comparison/gallery/accuracy.md`",
     "",

@@ -2,7 +2,7 @@
 
     python tests/benchmarks/benchmark_campaign.py -o comparison/gallery [--cases 1000] [--workers 8]
 
-Cases are `two_pads` by limit analysis alone, each with its own friction and density: they are so short that what surrounds them shows.
+Cases are `two_pads` by limit analysis alone, each with its own friction and density: they are so short that the work around them shows.
 The cluster loses a worker and then its scheduler; the same command then goes on with a new cluster. Writes campaigns.md.
 """
 
@@ -179,14 +179,14 @@ def page(calls: dict[str, tuple[Watched, int]], workers: int, seconds: float) ->
     return f"""\
 # Large campaigns
 
-{total:,} cases of `two_pads` by limit analysis alone, on a Dask cluster of {workers} worker processes. They are as short as cases can
-be, so that what surrounds them shows. A worker was killed after {LOST_WORKER:.0%} of the cases and the scheduler after
+{total:,} cases of `two_pads` by limit analysis alone, on a Dask cluster of {workers} worker processes. The cases are as short as
+possible, so that the work around them shows. A worker was killed after {LOST_WORKER:.0%} of the cases and the scheduler after
 {LOST_SCHEDULER:.0%}. The campaign then ended and kept its finished cases; the same command on a new cluster ran the others. No case
 was lost, and no finished one ran again. Written by `python tests/benchmarks/benchmark_campaign.py -o comparison/gallery`.
 
 {markdown(head, table)}
 
-*campaign* and *scheduler* are the two processes that every case passes through. Their processor time a case limits how many workers
+*campaign* and *scheduler* are the two processes that every case passes through. Their processor time per case limits how many workers
 they can serve: with cases of a minute each, some {round(60.0 / max(_dearest(calls), 1e-3), -2):,.0f} workers. A case took
 {seconds:.1f} s by the clock of its worker, with its figures, while {workers} workers shared the cores of this machine.
 

@@ -71,8 +71,8 @@ The run of the large facade takes an hour, most of it in YADE; no larger structu
 RANDOM = """\
 Random irregular structures of 60 to 200 blocks, of the kinds of the [random verdicts](verdicts.md) and two to three times their length and
 courses. Program and seed were fixed before the first run. They ran with one thread, beside another run of YADE on the same two cores.
-Random 2 and 10, whose runs count as large, ran again and alone with later settings; random 10 was among the walls that these were tried
-on."""
+Random 2 and 10, whose runs count as large, ran again and alone with later settings; random 10 was among the walls on which these
+settings were tried."""
 
 
 def wall_tables(size: tuple[float, float, float], per_course: int, courses: int, **more: Any) -> dict[str, Any]:
@@ -146,7 +146,8 @@ def page(record: dict[str, Any]) -> str:
     regular, irregular = ([entry for entry in entries if entry["name"].startswith("random") == of] for of in (False, True))
     threads = ", ".join(f"{entry['name']} {entry['threads']}" for entry in regular)
     counted = Counter(entry["verdict"] for entry in irregular)
-    tally = f"Of {len(irregular)} {counted['agree']} agree, {counted['inconclusive']} are inconclusive, {counted['disagree']} disagree."
+    open_ones = f"{counted['inconclusive']} are inconclusive, {counted['disagree']} disagree"
+    tally = f"Of {len(irregular)} structures {counted['agree']} agree, {open_ones}."
     parts = [
         INTRODUCTION,
         table(HEADINGS, [_row(entry) for entry in regular]),

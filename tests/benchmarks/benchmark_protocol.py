@@ -32,16 +32,16 @@ ALLOWED = 0.005  # of the reaction, besides both stated uncertainties: what the 
 HEAD = """# How fast, how stiff, how damped: the protocol of a YADE run, measured
 
 Irregular walls of 30 to 35 blocks that are no shipped scenes: unequal courses and blocks, leaning walls, inclined beds, a lintel,
-supports that move obliquely or turn; friction 0.25 to 1.2. Each was run by one attempt (no quick one before) with every combination of
-damping, stiffness and speed. [How YADE runs](../../yade_scripts/README.md#the-protocol) says which of them a run takes, and why. The
+supports that move obliquely or turn; friction 0.25 to 1.2. Each wall ran in one attempt (no quick one before) with every combination of
+damping, stiffness and speed. [How YADE runs](../../yade_scripts/README.md#the-protocol) says which combination a run takes, and why. The
 table is written by
 
 ```console
 $ .venv/bin/python tests/benchmarks/benchmark_protocol.py --seeds 2 --workers 2
 ```
 
-*damping*: damping ratio of the contacts. *swing*: damping ratio of the blocks' swing. *stiffness*, *speed*: over the derived ones, of which
-the stiffness follows from the travel that limit analysis' path took to become flat. *plateaus*: walls that came to a plateau. *off by*:
+*damping*: damping ratio of the contacts. *swing*: damping ratio of the blocks' swing. *stiffness*, *speed*: over the derived ones; the
+derived stiffness follows from the travel that limit analysis' path took to become flat. *plateaus*: walls that came to a plateau. *off by*:
 median and largest difference from limit analysis' prediction, over the reaction, on walls with a plateau. *stated*: median and largest
 stated uncertainty, without the part of the speed. *beyond*: walls whose difference is larger than both stated uncertainties and 0.5 %.
 *seconds*: processor time of all walls.

@@ -35,7 +35,7 @@ This page has structures that are hard for every program, run through limit anal
 friction, blocks of very different size, joints at the tolerance of geometry, towers, arches at the limit of stability, rubble. A refusal or
 *inconclusive* is a correct answer. A value that differs from the *known* one, or from that of the *other solvers*, would be an error.
 The columns *known*, *limit analysis*, *residual* and *other solvers* are for sharp edges; *R_min*, *R*, *YADE* and the verdict are for the
-inset of 1 mm, which makes every structure thinner: the arch of 1.001 the least thickness stands with sharp edges and falls with it.
+inset of 1 mm, which makes every structure thinner: the arch of 1.001 the least thickness stands with sharp edges, but falls with the inset.
 """
 HEAD = (
     "case",

@@ -35,7 +35,7 @@ page. Walls 1 and 2 are the scenes `ferris_tin_loi_1` and `ferris_tin_loi_2`, to
   weaker. The verdict is that of every check, on multiplier, mechanism, curve and forces.
 - The layouts are those of the authors' GAMS models (MPECLib, frictionalblock). The published values of walls 3 to 6 are not at hand.
   *least* is what an independent programme with complementarity constraints found: the lowest multiplier of all states of rigid
-  blocks, friction's history apart. So a state that low exists, but elastic joints need not reach it.
+  blocks, whatever friction's history. So a state with this multiplier exists, but elastic joints need not reach it.
 {reasons}
 - A published value without dilatancy belongs to rigid joints, whose forces are not unique. The prediction follows friction's history from
   rest, as YADE does. In *interval* are all values that the mechanism of the prediction allows.
