@@ -49,17 +49,17 @@ class Settings:
     """All settings of a run, as used and stored. Lengths of the support's motion are m, or rad for a rotation."""
 
     normal_stiffness: float  # N/m, of one contact point, along the joint's normal
-    shear_stiffness: float  # N/m, across the joint
+    shear_stiffness: float  # N/m, of one contact point, across the joint's normal
     damping_ratio: float  # share of the critical damping of a block on four contacts
     normal_damping: float  # N s/m, viscosity of one contact point along the normal
-    shear_damping: float  # N s/m, viscosity across the joint
+    shear_damping: float  # N s/m, viscosity of one contact point across the normal
     time_step_share: float  # time step over the largest stable one
     time_step: float  # s, time step while the structure comes to rest
-    settling_step: float  # s, time step from then on: there is no local damping, and a longer step is stable
+    settling_step: float  # s, time step after rest: there is no local damping, and a longer step is stable
     sphere_radius: float  # m, radius of the sphere at a contact point, less than the inset
     max_travel: float  # m or rad, largest motion of the support
     travel_periods: float  # duration of the full travel in periods of the sag, with joints of stiffening 4 at most, or of the slow sway
-    speed: float  # m/s or rad/s, of the support
+    speed: float  # m/s or rad/s, speed of the support
     ramp_time: float  # s, duration of the cosine ramp to full speed
     wedging: float  # m or rad, motion of the support against its settlement before gravity acts; gives a flat arch its thrust
     gravity_damping: float  # coefficient of YADE's local damping while the structure comes to rest
@@ -75,16 +75,16 @@ class Settings:
     plateau_drift: float  # largest change of the fitted line over a plateau, as a share of the reaction
     stop_uncertainty: float  # uncertainty, as a share of the reaction, below which the run stops early
     reaction_floor: float  # share of the reaction at rest; a smaller reaction is judged as if it were this large
-    settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift it
-    threads: int  # of YADE; with more than one, two runs differ in their last digits
+    settings_uncertainty: float  # share of the reaction by which stiffness, speed and time step may shift the reaction
+    threads: int  # threads of YADE; with more than one, two runs differ in their last digits
     time_limit: float  # s, longest wall time of the run
-    stiffening: float  # stiffness of the joints over that of the case: more travel over the sag
-    least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more than that shows it earlier
-    plateau_share: float  # share of the travel that is covered at least before the run may stop on a plateau
+    stiffening: float  # stiffness of the joints over that in the case: more travel over the sag
+    least_stiffening: float  # stiffening with which one travel is as many sags as the plateau takes; more shows the plateau earlier
+    plateau_share: float  # least share of the travel before the run may stop on a plateau
     rattling: float  # mean unbalanced force over the mean block weight, above which blocks rattle
-    quick_speed: float  # speed of the first, quick attempt over that of the run, to measure what speed does; 0 for none
+    quick_speed: float  # speed of the first, quick attempt over that of the run, to measure the effect of the speed; 0 for none
     servo_frequency: float  # of the servo of a live load, over the frequency of the structure as it sags under its weights
-    servo_damping: float  # damping ratio of that servo
+    servo_damping: float  # damping ratio of the servo of a live load
     added_mass: float  # share of the free blocks' mass that the inertia of the fastest blocks gains; 0 for their true inertia
     swing_damping: float  # damping ratio of the blocks' swing about their mean motion, at the frequency of the sag; 0 for none
 

@@ -94,7 +94,7 @@ def test_an_unknown_key_like_no_other_brings_the_valid_ones_with_their_meaning(w
     told = message(write_scene(two_pads.replace("direction = [0.0", "qqq = 1\ndirection = [0.0")))
     assert "settlement.qqq: unknown key; valid keys: direction, axis, point, zone, profile, along\n" in told
     assert "\n  direction  direction of a translation, of any length; down is [0, 0, -1]\n" in told
-    assert "\n  point      a point on that axis (m)\n" in told
+    assert "\n  point      a point on this axis (m)\n" in told
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ class Springers(Table):
     """Roles of the held blocks behind the springing joints of an arch or a vault."""
 
     left: Literal["fixed", "support"] = described("whether the left springing is ground or moves with the settlement")
-    right: Literal["fixed", "support"] = described("the same of the right springing")
+    right: Literal["fixed", "support"] = described("whether the right springing is ground or moves with the settlement")
 
 
 class Ring(Table):

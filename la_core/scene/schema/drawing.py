@@ -53,7 +53,7 @@ class Geometry(Table):
     """Errors of coordinates, of all blocks of the scene: a survey knows them to some millimetres."""
 
     tolerance: Annotated[Positive, Field(le=MOST_TOLERANCE)] | None = described(
-        "faces and corners within it are moved together, and joints shorter than twice as much are dropped; every change is reported",
+        "faces and corners within this distance are moved together; joints shorter than twice as much are dropped; changes are reported",
         "m",
         default=None,
     )

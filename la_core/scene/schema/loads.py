@@ -31,7 +31,7 @@ class Load(Table):
     per: Literal["block", "m", "m2"] = described("for each block, metre of the line, or square metre", default="block")
     at: Vector | None = described("point where a load on one block acts; the block's centroid where left out", "m", default=None)
     from_: Pair | None = described('start (x, y) of the line of a load `per = "m"`', "m", alias="from", default=None)
-    to: Pair | None = described("end (x, y) of that line", "m", default=None)
+    to: Pair | None = described("end (x, y) of this line", "m", default=None)
 
     @model_validator(mode="after")
     def _is_one_load(self) -> Self:

@@ -88,7 +88,7 @@ class Wall(Table):
     )
     angle: Real = described("direction of the wall in plan: 0 runs along x, 90 along y; turned about `origin`", "degrees", default=0.0)
     taper: tuple[NotNegative, NotNegative] = described(
-        "distances by which the front and the back face lean inward from the foot to the top, that of a gable, too", "m", default=(0.0, 0.0)
+        "distances by which the front and the back face lean inward from the foot to the top, a gable included", "m", default=(0.0, 0.0)
     )
     rake: tuple[NotNegative, NotNegative] = described(
         "distances by which the start and the end of the wall lean inward, as at a buttress, from the foot to the top below a gable",

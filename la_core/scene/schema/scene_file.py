@@ -110,7 +110,7 @@ class Zone(Table):
     blocks: Annotated[tuple[Pattern, ...], Field(min_length=1)] = described(
         "names of supports, or layers of a drawing such as `layer:PAD`; `*`, `?` and `[...]` as in a shell"
     )
-    ratio: Real = described("their motion over the settlement: 0 holds them, a negative one moves them the other way")
+    ratio: Real = described("motion of these supports over the settlement: 0 holds them, a negative ratio moves them the other way")
 
 
 class Settlement(Table):
@@ -123,10 +123,12 @@ class Settlement(Table):
 
     direction: Direction | None = described("direction of a translation, of any length; down is [0, 0, -1]", default=None)
     axis: Direction | None = described("axis of a rotation, right-handed; the reaction is then a moment in N m", default=None)
-    point: Vector | None = described("a point on that axis", "m", default=None)
-    zone: tuple[Zone, ...] = described("supports with another share of the motion; all others have 1, and the last zone counts", default=())
+    point: Vector | None = described("a point on this axis", "m", default=None)
+    zone: tuple[Zone, ...] = described(
+        "supports with another share of the motion; all others have 1, and of zones that overlap the last counts", default=()
+    )
     profile: Annotated[tuple[Pair, ...], Field(min_length=2)] | None = described(
-        "share of a translation by place, as points [place, ratio], straight between them, level beyond; supports take those at their ends",
+        "share of a translation by place, as points [place, ratio]: linear between, constant beyond; a support takes those at its ends",
         "m, -",
         default=None,
     )
