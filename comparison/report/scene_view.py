@@ -208,16 +208,16 @@ def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
     """Return what the figure of the mechanisms shows, and by which methods."""
     by = "both methods" if comparison.get("yade") else "limit analysis"
     if associated_of(comparison).get("status") == "infeasible":
-        return f"What falls, by {by}: no forces between the blocks hold it."
+        return f"Blocks that fall, by {by}: no forces between the blocks hold them."
     size = "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free."
-    return f"What moves when {_drive(live, tilts)}, by {by}; marks show joints that open or slide. {size}"
+    return f"Blocks that move when {_drive(live, tilts)}, by {by}; marks show joints that open or slide. {size}"
 
 
 def _drive(live: bool, tilts: bool) -> str:
     """Return when the mechanism shows."""
     if tilts:
         return "the ground is tilted as far as the structure bears"
-    return "the load reaches what the structure bears" if live else "the support moves"
+    return "the load is the greatest that the structure bears" if live else "the support moves"
 
 
 def _curve(comparison: dict[str, Any], tilts: bool) -> str:

@@ -126,9 +126,9 @@ def test_the_figure_of_the_dissipation_is_shown_with_a_caption(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("changes", "caption"),
     [
-        ({}, "What moves when the support moves, by both methods"),
-        ({"yade": None}, "What moves when the support moves, by limit analysis"),
-        ({"yade": None, "limit_analysis": FALLS}, "What falls, by limit analysis"),
+        ({}, "Blocks that move when the support moves, by both methods"),
+        ({"yade": None}, "Blocks that move when the support moves, by limit analysis"),
+        ({"yade": None, "limit_analysis": FALLS}, "Blocks that fall, by limit analysis"),
     ],
 )
 def test_the_mechanisms_are_those_of_the_methods_that_ran(changes: dict[str, Any], caption: str, tmp_path: Path) -> None:
