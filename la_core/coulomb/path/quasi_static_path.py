@@ -28,7 +28,6 @@ LARGEST_CHANGE, SMOOTH_CHANGE = 0.06, 0.2  # of the contact forces, in one step 
 GROWTH, CUT = 1.6, 4.0  # of the length of the step: after an easy step, and after one that did not converge
 CAUTION, REGAINED = 0.7, 1.3  # limit over a length that failed, and its growth with every step
 EASY = 8  # iterations of a step after which the next one may be longer
-LAST_SMOOTHING = 0.1  # of the path's: smoothing on a stretch with a viscosity of its own, towards the end
 SHORTEST_STEP = 1e-13  # of the travel
 AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
 SAGS = 300.0  # least travel over the elastic sag: the strain of the joints must not pass for a mechanism
@@ -151,11 +150,6 @@ class QuasiStaticPath:
         """Rate (n,) of the free blocks in the last step, over the progress."""
         return self._rate
 
-    @property
-    def length(self) -> float:
-        """Length of the last step, over the travel."""
-        return self.last.progress - self.before.progress
-
     def value(self, state: State) -> float:
         """Scaled reaction, or multiplier, of a state, with the drag."""
         return state.multiplier if self.joints.live else self.joints.reaction(state.joints.force)
@@ -169,8 +163,7 @@ class QuasiStaticPath:
     ) -> Iterator[Point]:
         """Follow the path to a progress and yield every point; stop early after `most_iterations` of the whole path.
 
-        It also stops where no step is short enough; `last.progress` then lies before the end. On a stretch with a viscosity
-        of its own the smoothing is less, by LAST_SMOOTHING.
+        It also stops where no step is short enough; `last.progress` then lies before the end.
 
         Parameters
         ----------
@@ -189,7 +182,7 @@ class QuasiStaticPath:
                 length = end - self.last.progress
             progress = end if length == end - self.last.progress else self.last.progress + length
             eta = self.viscosity.at(progress) if viscosity is None else viscosity
-            smoothing = self.smoothing.at(progress) * (1.0 if viscosity is None else LAST_SMOOTHING)
+            smoothing = self.smoothing.at(progress)
             most_change = (SMOOTH_CHANGE if smoothing > 0.0 else LARGEST_CHANGE) / self._finer
             trial = self._trial(progress, eta / length, length, smoothing)
             self.iterations += trial.iterations
