@@ -69,6 +69,19 @@ class Certificate:
 
 
 @dataclass(frozen=True)
+class End:
+    """End of a path: the states between which its mechanism moves, and the certificate of the last one."""
+
+    before: State
+    last: State
+    certificate: Certificate
+
+    def or_nearer(self, other: "End") -> "End":
+        """Return the one that is nearer to a limit state; this one where the other has an undefined residual."""
+        return other if other.certificate.worst < self.certificate.worst else self
+
+
+@dataclass(frozen=True)
 class JointRates:
     """Rates at which the contact points part and slip, over the progress, without the strain of the joints.
 
@@ -115,15 +128,19 @@ def certify(joints: ElasticJoints, before: State, last: State) -> Certificate:
     )
 
 
-def certified_end(path: QuasiStaticPath, stretch: float) -> tuple[State, State, Certificate]:
+def end_of(path: QuasiStaticPath) -> End:
+    """Return the end of a path as it is, with the mechanism of its last step."""
+    return End(path.before, path.last, certify(path.joints, path.before, path.last))
+
+
+def certified_end(path: QuasiStaticPath, stretch: float) -> End:
     """Go on with hardly any drag until the state is a limit state; otherwise return the step that comes closest."""
-    best = (path.before, path.last, certify(path.joints, path.before, path.last))
+    best = end_of(path)
     most = path.iterations + max(END_ITERATIONS * path.iterations, LEAST_END_ITERATIONS)
     for _ in path.advance_to(path.last.progress + stretch, most, END_VISCOSITY, stretch / END_STEPS):
-        certificate = certify(path.joints, path.before, path.last)
-        if certificate.worst < best[2].worst:
-            best = (path.before, path.last, certificate)
-        if certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
+        now = end_of(path)
+        best = best.or_nearer(now)
+        if now.certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
             break
     return best
 
@@ -226,12 +243,12 @@ class _Pressed:
         return State(last.progress - 1.0, last.blocks - rate, earlier, multiplier), replace(last, joints=joints, multiplier=multiplier)
 
 
-def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: None) -> tuple[State, State, Certificate]:
-    """Limit state near the end of a path, as two states between which its mechanism moves; or the closest that is found.
+def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: None) -> End:
+    """Limit state near the end of a path, or the closest that is found.
 
     It has the value of the path, unless no limit state with that value is found. tell: called before every round.
     """
-    best = (path.before, path.last, certify(path.joints, path.before, path.last))
+    best = end_of(path)
     pressed = _Pressed(path.joints, path.last)
     end = path.last.joints.force[pressed.points], path.points[-1].value
     for held in (True, False):
@@ -246,8 +263,7 @@ def limit_state_near(path: QuasiStaticPath, tell: Callable[[], None] = lambda: N
             rate = mechanism
             before, last = pressed.states(path.last, *balanced, rate)
             certificate = certify(path.joints, before, last)
-            if certificate.worst < best[2].worst:
-                best = (before, last, certificate)
+            best = best.or_nearer(End(before, last, certificate))
             if certificate.worst <= ACCEPTED_RESIDUAL:
                 return best
             if near == LEAST_NEAR and certificate.worst > MOST_LEFT * worst:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, Certificate, certified_end, certify, limit_state_near
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, End, certified_end, end_of, limit_state_near
 from la_core.coulomb.lasting import Lasting
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
@@ -139,9 +139,7 @@ class FollowedPath:
     """One path that was followed to its end."""
 
     plateau: Plateau
-    certificate: Certificate
-    before: State
-    last: State
+    end: End
     progress: np.ndarray
     values: np.ndarray
     iterations: int
@@ -155,16 +153,16 @@ class FollowedPath:
         cls,
         path: QuasiStaticPath,
         curve: tuple[np.ndarray, np.ndarray],
-        ended: tuple[State, State, Certificate],
+        end: End,
         value: float,
         exhausted: bool,
         smooth_error: float = 0.0,
     ) -> "FollowedPath":
         """Path with its curve before the last stretch, and the end of that stretch with its value."""
-        (progress, values), (before, last, certificate) = curve, ended
+        progress, values = curve
         found = plateau.plateau_of(progress, values, progress[-1], value)
         first = path.viscosity.first
-        return cls(found, certificate, before, last, progress, values, path.iterations, first, exhausted, smooth_error)
+        return cls(found, end, progress, values, path.iterations, first, exhausted, smooth_error)
 
 
 def follow(
@@ -188,12 +186,12 @@ def follow(
             passed.append((found, path.copy()))
         if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
-            if is_last or (ended[2].worst <= ACCEPTED_RESIDUAL and lasting.holds(path, *ended[:2])):
+            if is_last or (ended.certificate.worst <= ACCEPTED_RESIDUAL and lasting.holds(path, ended.before, ended.last)):
                 break
         if is_last:
             return None
         end *= 2.0
-    last = FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end)
+    last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end)
     chosen = _plateau_left(passed, last.plateau) or last
     on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)
     return replace(chosen, on_the_way=(*on_the_way, last.plateau.value), iterations=path.iterations)
@@ -210,10 +208,10 @@ def _plateau_left(passed: list[tuple[Plateau, QuasiStaticPath]], last: Plateau) 
     if not best.is_left_at(last):
         return None
     curve, ended = path.curve, certified_end(path.copy(), END_STRETCH * path.last.progress)
-    if ended[2].worst > ACCEPTED_RESIDUAL:
+    if ended.certificate.worst > ACCEPTED_RESIDUAL:
         ended = limit_state_near(path)
-    early = FollowedPath.on(path, curve, ended, path.value(ended[1]), False)
-    return early if ended[2].worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None
+    early = FollowedPath.on(path, curve, ended, path.value(ended.last), False)
+    return early if ended.certificate.worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None
 
 
 def follow_large(
@@ -245,9 +243,8 @@ def follow_large(
     error = LAW_ERROR * float(np.sqrt(smooth * force))
     if is_finest:
         ended = limit_state_near(path, lambda: send(reached, end, float(values[-1])))
-        return FollowedPath.on(path, (progress, values), ended, path.value(ended[1]), reached < end, error)
-    ended = path.before, path.last, certify(joints, path.before, path.last)
-    return FollowedPath.on(path, (progress, values), ended, float(values[-1]), reached < end, error)
+        return FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end, error)
+    return FollowedPath.on(path, (progress, values), end_of(path), float(values[-1]), reached < end, error)
 
 
 def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, limits: tuple[float, float], send: Sender) -> float:

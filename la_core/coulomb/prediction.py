@@ -210,38 +210,39 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups(values)
     most = max(groups, key=lambda group: (len(group), max(group)))
     chosen = followed[max(most)]
+    before, last, certificate = chosen.end.before, chosen.end.last, chosen.end.certificate
     value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)
     met = np.array([*values, *chosen.on_the_way])
     several = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist())]
-    stride = chosen.last.progress - chosen.before.progress
+    stride = last.progress - before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
-    twists = twists_of(assembly, (chosen.last.blocks - chosen.before.blocks) / stride) + motion
+    twists = twists_of(assembly, (last.blocks - before.blocks) / stride) + motion
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
-    reached = chosen.last.progress >= first_travel(joints) and not still_smooth
-    certified = chosen.certificate.worst <= ACCEPTED_RESIDUAL and reached
+    reached = last.progress >= first_travel(joints) and not still_smooth
+    certified = certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
-    mechanisms = [(path.before, path.last) for path in (chosen, *(followed[i] for i in most if followed[i] is not chosen))]
+    mechanisms = [(path.end.before, path.end.last) for path in (chosen, *(followed[i] for i in most if followed[i] is not chosen))]
     low, high = stated_interval(joints, mechanisms, value, uncertainty)
     return CoulombSolution(
         Status.SOLVED if certified and certain else Status.INACCURATE,
         value * unit,
         (low * unit, high * unit),
         twists * (1.0 / (assembly.weight * joints.live_size) if joints.live else speed),
-        global_forces(assembly, chosen.last.joints.force),
+        global_forces(assembly, last.joints.force),
         at_rest=float("nan"),
         drift=chosen.plateau.change / plateau.reference_size(value),
-        dilatancy_residual=chosen.certificate.parting,
-        strain_residual=chosen.certificate.power,
-        equilibrium_residual=chosen.certificate.equilibrium,
-        cone_violation=chosen.certificate.cone,
+        dilatancy_residual=certificate.parting,
+        strain_residual=certificate.power,
+        equilibrium_residual=certificate.equilibrium,
+        cone_violation=certificate.cone,
         seconds=0.0,
         iterations=0,
         steps=sum(len(path.progress) - 1 for path in followed),
         uncertainty=uncertainty * unit,
         plateaus=np.array(several if len(several) > 1 else []) * unit,
-        sliding_residual=chosen.certificate.sliding,
-        travel=chosen.last.progress,
+        sliding_residual=certificate.sliding,
+        travel=last.progress,
         viscosities=np.array([path.viscosity for path in followed]),
         path_settlement=chosen.progress * stiffness.travel,
         path_value=chosen.values * unit,

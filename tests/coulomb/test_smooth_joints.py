@@ -135,14 +135,14 @@ def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypat
             return replace(found, sliding=1.0) if next(calls) <= 5 else found
 
         monkeypatch.setattr(certificate, "certify", late)
-        ended.append((path, *certificate.limit_state_near(path, tell)))
-        return ended[-1][1:]
+        ended.append((path, certificate.limit_state_near(path, tell)))
+        return ended[-1][1]
 
     monkeypatch.setattr(followed_path, "limit_state_near", watched)
     predicted_as_large(monkeypatch, 1, settings=PredictionSettings(viscosities=(1.0, 0.1)))
-    path, _, last, found = ended[0]
-    assert found.worst <= ACCEPTED_RESIDUAL
-    assert path.joints.reaction(last.joints.force) == pytest.approx(path.points[-1].value, rel=1e-6)
+    path, end = ended[0]
+    assert end.certificate.worst <= ACCEPTED_RESIDUAL
+    assert path.joints.reaction(end.last.joints.force) == pytest.approx(path.points[-1].value, rel=1e-6)
 
 
 @pytest.mark.slow
