@@ -112,13 +112,9 @@ class DrivenProblem:
     speed: float
 
 
-def scaled_problem(assembly: Assembly, every_point: bool = False) -> ScaledProblem:
-    """Set up the kinematic problem of an assembly; it is the same for every drive.
-
-    every_point: where sliding is excluded, write the condition at every contact point; otherwise only the independent
-    equations.
-    """
-    flow_rule, cones = _flow_rule(assembly, every_point)
+def scaled_problem(assembly: Assembly) -> ScaledProblem:
+    """Set up the kinematic problem of an assembly; it is the same for every drive."""
+    flow_rule, cones = _flow_rule(assembly)
     freedoms = len(PLANE_FREEDOMS) if assembly.effects.plane else 6
     free = np.repeat(assembly.blocks.free, freedoms)
     imposed_rows = (flow_rule @ assembly.kinematic_matrix(assembly.length)).tocsr()
@@ -156,7 +152,7 @@ def driven_problem(assembly: Assembly, problem: ScaledProblem, drive: Drive) -> 
     return DrivenProblem(problem.power * free_blocks, rows, offset, cones, imposed, speed)
 
 
-def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix, Cones]:
+def _flow_rule(assembly: Assembly) -> tuple[sparse.csr_matrix, Cones]:
     """Rows T that put local relative velocities u into the flow rule's cone as T u.
 
     Contact forces are T' times the multipliers. A frictionless point needs only u_n >= 0. Where sliding is excluded
@@ -168,13 +164,11 @@ def _flow_rule(assembly: Assembly, every_point: bool) -> tuple[sparse.csr_matrix
     normal_row = np.arange(count) * width
     scale = 1.0 / np.hypot(1.0, friction)
     no_slip = assembly.effects.sliding_excluded
-    rough = np.flatnonzero(friction > SMOOTH) if not no_slip else np.zeros(0, dtype=int)
-    smooth = np.flatnonzero(friction <= SMOOTH) if not no_slip else np.arange(count)
+    is_rough = (friction > SMOOTH) & (not no_slip)
+    rough, smooth = np.flatnonzero(is_rough), np.flatnonzero(~is_rough)
     tangents = [normal_row + k for k in range(1, width)]
     pick = sparse.identity(count * width, format="csr")
-    equalities = pick[:0]
-    if no_slip:
-        equalities = sparse.vstack([pick[rows] for rows in tangents]) if every_point else no_sliding_rows(assembly)
+    equalities = no_sliding_rows(assembly) if no_slip else pick[:0]
     unilateral = pick[normal_row[smooth]]
     n, scaled_n = normal_row[rough], sparse.diags(scale[rough])
     slope = sparse.diags((scale * friction)[rough])
