@@ -126,11 +126,10 @@ def path_table(scene: Scene, path: dict[str, Any]) -> Table:
     """Return a table of the reaction's path from rest to the plateau, one row per point."""
     drive = "displacement, m" if scene.live is not None else "settlement, rad" if scene.is_rotation else "settlement, m"
     table = new_table(drive, f"{scene.quantity} {scene.unit}".strip(), OVER_WEIGHT[scene.unit], "strain residual", "solves")
-    columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "converged", "solves"))
-    for settlement, value, residual, converged, solves in zip(*columns, strict=True):
+    columns = (path[name] for name in ("settlement", scene.quantity, "strain_residual", "solves"))
+    for settlement, value, residual, solves in zip(*columns, strict=True):
         ratio = number_text(over_weight(value, scene.weight)) if scene.live is None else ""
-        residual_text = number_text(residual, 2) + ("" if converged else " not converged")
-        table.add_row(number_text(settlement, 4), number_text(value), ratio, residual_text, str(solves))
+        table.add_row(number_text(settlement, 4), number_text(value), ratio, number_text(residual, 2), str(solves))
     return table
 
 

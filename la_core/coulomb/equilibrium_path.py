@@ -31,7 +31,7 @@ class EquilibriumPath:
     strain_residual : (P,) array
         Part of the value that replaces the drag of the path, over the value.
     converged : (P,) array of bool
-        Whether the path reached the increment.
+        True: increments that the path does not reach have no point. Files of earlier versions may hold False.
     solves : (P,) array of int
         Newton iterations of each increment.
     seconds : float
