@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from la_core.coulomb.followed_path import ANNEALED, LAST_VISCOSITY
+from la_core.coulomb.followed_path import annealed
 from la_core.coulomb.path.elastic_joints import ElasticJoints
-from la_core.coulomb.path.quasi_static_path import Falling, Point, QuasiStaticPath, first_travel
+from la_core.coulomb.path.quasi_static_path import Point, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.model import Assembly, JointStiffness
@@ -69,8 +69,7 @@ def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float
     rest, _ = come_to_rest(joints, tangent, wedging / stiffness.travel)
     points: list[Point] = []
     if rest is not None:
-        viscosity = Falling(FIRST_VISCOSITY, LAST_VISCOSITY, ANNEALED * first_travel(joints))
-        path = QuasiStaticPath(joints, tangent, rest, viscosity)
+        path = QuasiStaticPath(joints, tangent, rest, annealed(joints, FIRST_VISCOSITY))
         points.append(path.points[0])
         for station in settlement / stiffness.travel * (np.arange(1, increments + 1) / increments) ** 2:
             *_, reached = [points[-1], *path.advance_to(station)]

@@ -64,6 +64,11 @@ class PredictionSettings:
     effort: float = 2e5
     doublings: int = MOST_DOUBLINGS
 
+    @property
+    def viscosities_in_turn(self) -> tuple[float, ...]:
+        """First viscosity of each path, then that of the one more path that may follow."""
+        return (*self.viscosities, self.viscosities[-1] / 10.0)
+
 
 @dataclass(frozen=True)
 class PathProgress:
@@ -165,6 +170,11 @@ class FollowedPath:
         return cls(found, end, progress, values, path.iterations, first, exhausted, smooth_error)
 
 
+def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) -> Falling:
+    """Viscosity that falls to its last value, if this is less, over the first part of the first travel."""
+    return Falling(first, min(first, last), ANNEALED * first_travel(joints))
+
+
 def follow(
     joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, least_travel: float, send: Sender
 ) -> FollowedPath | None:
@@ -172,7 +182,7 @@ def follow(
     end = first_travel(joints)
     least, longest = max(end, least_travel), 2.0**settings.doublings * end
     more = max(len(joints.weights) / BIG, 1.0) ** 2
-    viscosity = Falling(more * first, min(more * first, more**2 * LAST_VISCOSITY), ANNEALED * end)
+    viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
     passed: list[tuple[Plateau, QuasiStaticPath]] = []
     lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way

@@ -158,7 +158,7 @@ def _paths(
     """
     progress = SharedProgress(joints, report, len(settings.viscosities))
     followed: list[FollowedPath] = []
-    for number, viscosity in enumerate((*settings.viscosities, settings.viscosities[-1] / 10.0), start=1):
+    for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):
         if number > len(settings.viscosities) and (not _disagree(followed) or followed[-1].exhausted):
             break
         least = max((path.plateau.travel for path in followed), default=0.0)
@@ -177,12 +177,11 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
     Where their smoothing leaves the value so uncertain that a judge would not decide by it, a finer path follows; it counts where it comes
     to its end.
     """
-    viscosities = (*settings.viscosities, settings.viscosities[-1] / 10.0)
     number = len(settings.viscosities)
     progress = SharedProgress(joints, report, number)
 
     def followed(path: int) -> FollowedPath | None:
-        viscosity = viscosities[path - 1]
+        viscosity = settings.viscosities_in_turn[path - 1]
         send = progress.sender(viscosity, path)
         return follow_large(joints, Tangent(joints), wedging, viscosity, settings, path >= number, send)
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from la_core.coulomb.certificate import joint_rates
-from la_core.coulomb.followed_path import ANNEALED, LAST_VISCOSITY
+from la_core.coulomb.followed_path import annealed
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
+from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import reference_size
@@ -115,7 +115,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     if rest is None:
         return True, "the blocks do not come to rest on elastic joints", iterations
     end = first_travel(joints)
-    path = QuasiStaticPath(joints, tangent, rest, Falling(VISCOSITY, LAST_VISCOSITY, ANNEALED * end))
+    path = QuasiStaticPath(joints, tangent, rest, annealed(joints, VISCOSITY))
     work, at_rest = np.zeros(len(joints.friction)), _energy(joints, rest)  # a block that is lifted off leaves no energy behind
     for _ in path.advance_to(end / 2.0):
         pass
