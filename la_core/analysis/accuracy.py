@@ -16,7 +16,6 @@ from la_core.analysis.result import AccuracyRecord, Attempt, LimitAnalysis
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import CoulombSolution, PredictionSettings, slides_in_mechanism
 from la_core.limit import Solution, Status
-from la_core.model import Assembly
 from la_core.scene import Scene, same_structure
 
 ROUNDED, HISTORY, ELASTIC, GAP = "rounded edges", "friction's history", "elastic settlement", "duality gap"
@@ -93,12 +92,7 @@ def stated(analysis: LimitAnalysis) -> Solution | CoulombSolution:
 
 def scale(analysis: LimitAnalysis) -> float:
     """Return the scale of relative errors (N, N m, multiplier): the answer's size, at least LEAST_SCALE of the weight."""
-    return max(abs(stated(analysis).value), LEAST_SCALE * _unit(analysis.assembly, analysis.assembly.weight))
-
-
-def _unit(assembly: Assembly, weight: float) -> float:
-    """Return a weight (N) in the unit of the answer: N, N m by the support's arm, or 1 for a multiplier."""
-    return 1.0 if assembly.has_live_load else weight * assembly.support_speed
+    return max(abs(stated(analysis).value), LEAST_SCALE * analysis.assembly.in_value_unit(analysis.assembly.weight))
 
 
 def has_history(analysis: LimitAnalysis) -> bool:
@@ -152,7 +146,7 @@ def _attempt(analysis: LimitAnalysis, level: int, start: float) -> Attempt:
     else:
         del parts[ELASTIC]  # the answer knows no stiffness
         gap = analysis.sharp.bounds[analysis.main].duality_gap
-        parts[GAP] = gap * _unit(analysis.assembly, analysis.assembly.mean_weight) / scale(analysis)
+        parts[GAP] = gap * analysis.assembly.in_value_unit(analysis.assembly.mean_weight) / scale(analysis)
         if slides_in_mechanism(analysis.assembly, analysis.bounds[analysis.main]):
             parts[HISTORY] = math.nan  # real friction does not dilate: the answer is a bound
     rounded = analysis.at_inset.sharpest

@@ -100,7 +100,7 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
     imposed = sparse.vstack([problem.imposed_rows[:split], guided, problem.imposed_rows[split:]]).tocsr()
     cones = replace(problem.cones, inequalities=problem.cones.inequalities + guided.shape[0])
     free = np.repeat(assembly.blocks.free, imposed.shape[1] // len(assembly.blocks))
-    speed, ends = 1.0, []
+    ends = []
     for sign in (1.0, -1.0):
         if assembly.has_live_load:
             live = sparse.csr_matrix(scaled_load(assembly, assembly.live_load))
@@ -108,9 +108,9 @@ def _ends(assembly: Assembly, parting: np.ndarray, sliding: np.ndarray, directio
             offset = np.concatenate([[sign], np.zeros(imposed.shape[0])])
             answer = optimum(problem.power, matrix, offset, replace(cones, equalities=split + 1))
         else:
-            speed, motion = support_motion(assembly, sign)
+            _, motion = support_motion(assembly, sign)
             answer = optimum(problem.power, imposed[:, free], imposed @ columns(assembly, motion), cones)
-        ends.append(sign * _value(answer, problem.power) * (1.0 if assembly.has_live_load else assembly.weight * speed))
+        ends.append(sign * _value(answer, problem.power) * assembly.in_value_unit(assembly.weight))
     return ends[0], ends[1]
 
 

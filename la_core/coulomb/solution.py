@@ -119,7 +119,6 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
     """
     if associated.status is not Status.SOLVED:
         return without_answer(assembly, associated.status)
-    unit = 1.0 if assembly.has_live_load else assembly.mean_weight * assembly.support_speed
     slight = _by_dilatancy(assembly, associated)
     width = slight if slight > ONE_POINT * abs(associated.value) else 0.0
     return CoulombSolution(
@@ -136,7 +135,7 @@ def without_sliding(assembly: Assembly, associated: Solution, seconds: float, it
         cone_violation=associated.cone_violation,
         seconds=seconds,
         iterations=iterations,
-        uncertainty=abs(associated.duality_gap) * unit + slight,
+        uncertainty=abs(associated.duality_gap) * assembly.in_value_unit(assembly.mean_weight) + slight,
     )
 
 

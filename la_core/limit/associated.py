@@ -23,7 +23,7 @@ from la_core.limit.problem import ACCEPTED, Drive, DrivenProblem, ScaledProblem,
 from la_core.limit.starting_scale import NEAR_REGULARISATION, starting_scale
 from la_core.limit.symmetric_part import SymmetricPart, symmetric_part
 from la_core.measures import residuals
-from la_core.model import Assembly, global_forces, support_motion, twists_of
+from la_core.model import Assembly, global_forces, twists_of
 
 SHARE_ASKED = 0.25  # of ACCEPTED: tolerance of a quick solve; the solver's residuals differ a little from the recomputed ones
 REFINED_SHARE = 0.1  # of that tolerance: the tolerance of a refined solve
@@ -265,15 +265,14 @@ def _with_evidence(
     """Solution with residuals recomputed from forces and twists; a residual above the accuracy makes it INACCURATE."""
     from_work = float(np.sum(assembly.dead_load * twists)) * (1.0 if drive is Drive.YIELDING else -1.0)
     if drive is Drive.LIVE:
-        value, from_forces, unit = from_work, residuals.multiplier(assembly, forces), 1.0
+        value, from_forces = from_work, residuals.multiplier(assembly, forces)
     else:
         value = from_forces = residuals.reaction(assembly, forces)
-        unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
     recomputed = {
         "equilibrium_residual": residuals.equilibrium_residual(assembly, forces, value if drive is Drive.LIVE else 0.0),
         "cone_violation": residuals.cone_violation(assembly, forces),
         "mechanism_violation": residuals.flow_rule_violation(assembly, twists),
-        "duality_gap": abs(from_forces - from_work) / unit,
+        "duality_gap": abs(from_forces - from_work) / assembly.in_value_unit(assembly.mean_weight),
     }
     confirmed = np.max(list(recomputed.values())) <= accuracy  # the solver's own status does not count
     status = Status.SOLVED if confirmed else Status.INACCURATE

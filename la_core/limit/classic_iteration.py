@@ -120,7 +120,7 @@ def solve_sequentially(assembly: Assembly, drive: Drive, parameters: ClassicPara
     while _has_value(step):
         values.append(step.value)
         violations.append(residuals.cone_violation(assembly, step.forces))
-        converged = _converged(assembly, drive, values, violations, chosen.tolerance)
+        converged = _converged(assembly, values, violations, chosen.tolerance)
         if converged or iterations == chosen.iterations:
             break
         share = chosen.relaxation if iterations > 1 else 1.0
@@ -167,11 +167,9 @@ def _has_value(step: StaticSolution) -> bool:
     return step.status in (Status.SOLVED, Status.INACCURATE)
 
 
-def _converged(assembly: Assembly, drive: Drive, values: list[float], violations: list[float], tolerance: float) -> bool:
+def _converged(assembly: Assembly, values: list[float], violations: list[float], tolerance: float) -> bool:
     """Whether the last value is steady and its forces obey Coulomb's limit; the associated value never counts."""
     if len(values) < 2:
         return False
-    unit = 1.0
-    if drive is not Drive.LIVE:  # the speed of the support turns a moment into a force
-        unit = assembly.mean_weight * assembly.support_speed
-    return abs(values[-1] - values[-2]) <= tolerance * unit and violations[-1] <= tolerance
+    change = tolerance * assembly.in_value_unit(assembly.mean_weight)
+    return abs(values[-1] - values[-2]) <= change and violations[-1] <= tolerance

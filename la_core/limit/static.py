@@ -186,12 +186,12 @@ def _with_evidence(
     """Solution with residuals recomputed from forces and twists: INACCURATE above ACCEPTED, FAILED above USABLE."""
     live = drive is Drive.LIVE
     value = residuals.multiplier(assembly, forces) if live else residuals.reaction(assembly, forces)
-    unit = assembly.mean_weight * support_motion(assembly, drive.value)[0]  # the speed turns a moment into a force
+    unit = assembly.in_value_unit(assembly.mean_weight)
     recomputed = {
         "equilibrium_residual": residuals.equilibrium_residual(assembly, forces, value if live else 0.0),
         "limit_violation": _limit_violation(assembly, forces, limits) / assembly.mean_weight,
         "flow_violation": _flow_violation(assembly, twists, limits),
-        "duality_gap": abs(value - _value_of_mechanism(assembly, drive, forces, twists, limits)) / (1.0 if live else unit),
+        "duality_gap": abs(value - _value_of_mechanism(assembly, drive, forces, twists, limits)) / unit,
     }
     worst = np.max(list(recomputed.values()))
     if not worst <= USABLE:

@@ -143,6 +143,10 @@ class Assembly:
             return 1.0
         return float(np.linalg.norm(self.relative_velocity(self.support_twist), axis=1).max())
 
+    def in_value_unit(self, weight: float) -> float:
+        """A weight, N, in the unit of reactions or multipliers: N; N m by the arm of a support that turns; 1 for a multiplier."""
+        return 1.0 if self.has_live_load else weight * self.support_speed
+
     def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Normal components (..., C) and tangential parts (..., C, 3) of vectors (..., C, 3) at the contact points."""
         normal = np.sum(vectors * self.normal, axis=-1)
