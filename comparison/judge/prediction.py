@@ -263,19 +263,19 @@ def _check_consistency(results: Results) -> Check:
     normal = np.maximum(analysis.assembly.split(forces)[0], 0.0)
     is_live = scene.live is not None
     reaction = (residuals.multiplier if is_live else residuals.reaction)(analysis.assembly, forces)
-    least = consistent_reaction(analysis.assembly, normal)
+    consistent = consistent_reaction(analysis.assembly, normal)
     name = "YADE's friction state"
-    if least.status is not Status.SOLVED:
-        ended = f"Limit analysis with YADE's mean normal forces on the plateau ended as {least.status}"
+    if consistent.status is not Status.SOLVED:
+        ended = f"Limit analysis with YADE's mean normal forces on the plateau ended as {consistent.status}"
         reason = f"{ended}, so these forces are not those of one quasi-static state."
         return Check(name, Verdict.INCONCLUSIVE, None, reaction, None, None, scene.unit, reason, SLOWER_RUN)
     tolerance = max(CONSISTENT * abs(reaction), least_reaction(analysis)) + float(run.result.uncertainty)
-    end = f"{'high' if is_live else 'low'} as {least.value:.6g} {scene.unit}".rstrip()
+    end = f"{'high' if is_live else 'low'} as {consistent.value:.6g} {scene.unit}".rstrip()
     possible = f"With friction limited by YADE's own normal forces, the {scene.quantity} could be as {end}"
     scatter = _scatter(results)
     slips = f" (stick-slip: scatter {scatter:.1%})" if scatter > STEADY else ""
     reason = f"{possible}: not every joint slides that should{slips}."
-    check = within(name, least.value, reaction, tolerance, scene.unit, reason, SLOWER_RUN)
+    check = within(name, consistent.value, reaction, tolerance, scene.unit, reason, SLOWER_RUN)
     return check if check.verdict is Verdict.AGREE else replace(check, verdict=Verdict.INCONCLUSIVE)
 
 

@@ -132,18 +132,18 @@ def _doubt(coulomb: CoulombSolution, unit: str) -> str:
 def check_run(results: Results) -> list[Check]:
     """Return every check that YADE's run and limit analysis allow on each other."""
     scene, analysis, run = results.scene, results.analysis, results.recorded
-    least, answer = analysis.bounds[analysis.main], analysis.main_answer
+    bound, answer = analysis.bounds[analysis.main], analysis.main_answer
     if run.status not in ("plateau", "no plateau", "collapsed"):
         reason = f"YADE's run ended as {run.status}: {run.result.message}."
         step = MORE_TIME if run.status == "timeout" else REPAIR_YADE
         return [Check("YADE's run", Verdict.INCONCLUSIVE, reason=reason, next_step=step)]
-    if least.status is Status.INFEASIBLE:
+    if bound.status is Status.INFEASIBLE:
         return [_check_standing(results)]
     moved = list(check_displacement(results))
     if run.status == "collapsed":
         return [*(check for check in moved if check.reason), _check_standing(results)]
     if answer.status is not Status.SOLVED:
-        reason = f"Limit analysis ended as {least.status}, so YADE's {scene.quantity} cannot be compared."
+        reason = f"Limit analysis ended as {bound.status}, so YADE's {scene.quantity} cannot be compared."
         return [Check("limit analysis", Verdict.INCONCLUSIVE, reason=reason, next_step=_next_step(analysis))]
     driven = _check_settlement(scene, run) if scene.live is None else _check_speed(results)
     checks = [driven, *(moved or [_check_contacts(results)]), _check_equilibrium(results)]
@@ -171,18 +171,18 @@ def _check_standing(results: Results) -> Check:
     the safe theorem fails, and blocks laid without thrust may slide although a thrust could hold them.
     """
     analysis, run = results.analysis, results.recorded
-    least, name = analysis.bounds[analysis.main], "the structure stands"
+    bound, name = analysis.bounds[analysis.main], "the structure stands"
     outcome = "it collapsed in YADE" if run.status == "collapsed" else f"YADE's run ended as {run.status}"
-    if least.status is Status.INFEASIBLE and run.status == "collapsed":
+    if bound.status is Status.INFEASIBLE and run.status == "collapsed":
         return Check(name, Verdict.AGREE)
-    if least.status is Status.INFEASIBLE:
-        proof = f"Limit analysis proves that the structure cannot stand ({named_blocks(least.falling)} would fall)"
+    if bound.status is Status.INFEASIBLE:
+        proof = f"Limit analysis proves that the structure cannot stand ({named_blocks(bound.falling)} would fall)"
         missed = Verdict.INCONCLUSIVE if falls_slowly(analysis.whole) else Verdict.DISAGREE
         return Check(name, missed, reason=f"{proof}, but {outcome}.")
-    if least.status is Status.SOLVED and not analysis.assembly.points.friction.any():
+    if bound.status is Status.SOLVED and not analysis.assembly.points.friction.any():
         reason = f"Limit analysis finds an equilibrium, which must hold because no joint has friction, but {outcome}."
         return Check(name, Verdict.DISAGREE, reason=reason)
-    came = "finds an equilibrium" if analysis.main_answer.status is Status.SOLVED else f"ended as {least.status}"
+    came = "finds an equilibrium" if analysis.main_answer.status is Status.SOLVED else f"ended as {bound.status}"
     slides = "" if results.scene.yade.get("wedging") else " Blocks laid without thrust may slide although a thrust could hold them."
     step = _thrust(results.scene)
     if _stood_at_rest(results):
@@ -257,9 +257,9 @@ def _check_balance(results: Results) -> Check:
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly = analysis.assembly
-    unbalanced = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
+    left = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
     free = assembly.blocks.free
-    power = float(np.sum(unbalanced[free] * analysis.main_answer.twists[free]))
+    power = float(np.sum(left[free] * analysis.main_answer.twists[free]))
     tolerance = reaction_tolerance(results)
     sizes = [f"{size:.3g} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
