@@ -195,16 +195,15 @@ class Protocol:
 
     def watch(self) -> None:
         """Record a row and decide whether to go on. Runs in YADE's thread: `run` raises an exception that occurs here."""
-        if self.status is not None or self.error is not None:
-            return
-        try:
-            row = self.record.read_row(self._stage, self._damper.taken if self._damper is not None else 0.0)
-            self._stop_if_lost(row)
-            if self.status is None:
-                (self._watch_gravity if self._stage == GRAVITY else self._watch_settlement)(row)
-        except BaseException as error:
-            self.error = error
-        if self.error is not None or self.status is not None:
+        if self.status is None:
+            self._guarded(self._watch)
+
+    def _watch(self) -> None:
+        row = self.record.read_row(self._stage, self._damper.taken if self._damper is not None else 0.0)
+        self._stop_if_lost(row)
+        if self.status is None:
+            (self._watch_gravity if self._stage == GRAVITY else self._watch_settlement)(row)
+        if self.status is not None:
             self._pause()
 
     def _pause(self) -> None:
