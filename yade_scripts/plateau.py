@@ -13,13 +13,13 @@ C. J. Geyer, Practical Markov chain Monte Carlo, Statistical Science 7 (1992) 47
 import itertools
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from la_core.exchange import LATEST_START
 from yade_scripts.case import Case
 
-State = tuple[float, np.ndarray, np.ndarray, np.ndarray]  # settlement, displacements (B, 3), rotations (B, 3), contact forces (C, 3)
 STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
 FEWEST_ROWS = 20
 COVERAGE = 1.96  # standard deviations of a normal variable that cover the truth 19 times in 20
@@ -36,6 +36,15 @@ LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has
 # the judge takes a block to stand still, and lets 5 % of the mass move in one method only.
 STEADY, STEADY_ENOUGH = (0.02, 0.01), (0.05, 0.05)
 _CERTAIN = 3.0  # standard errors of the slope: what is steeper than geometry by less may be noise
+
+
+class Pose(NamedTuple):
+    """State of the structure: settlement, m or rad; displacements (B, 3), m; rotations (B, 3), rad; contact forces (C, 3), N."""
+
+    settlement: float
+    displacement: np.ndarray
+    rotation: np.ndarray
+    forces: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -148,7 +157,7 @@ class Earlier:
         return not now.uncertainty <= max(LEFT * self.fit.uncertainty, enough)
 
 
-def geometry_of(case: Case, before: State, now: State) -> Geometry:
+def geometry_of(case: Case, before: Pose, now: Pose) -> Geometry:
     """Return what the geometry can do to the reaction, or the multiplier of a live load, as the structure moves between two states."""
     slope, turning = turning_slopes(case, before, now)
     if case.live is None:
@@ -156,7 +165,7 @@ def geometry_of(case: Case, before: State, now: State) -> Geometry:
     return Geometry(turning / case.weight, case.block_size / largest_speed(before, now), slope / case.weight)
 
 
-def turning_slopes(case: Case, first: State, last: State) -> tuple[float, float]:
+def turning_slopes(case: Case, first: Pose, last: Pose) -> tuple[float, float]:
     """Return the change of the reaction over the settlement that turning blocks give where no joint slides, and its bound where some do.
 
     Both are in N/m (N m/rad for a rotation). Where no joint slides, the reaction changes with the settlement by the sum over the contact
@@ -164,34 +173,36 @@ def turning_slopes(case: Case, first: State, last: State) -> tuple[float, float]
     Sliding joints give these parts other weights: the bound is the sum of the absolute values. Zeros where the two states are of the
     same settlement.
     """
-    travelled = last[0] - first[0]
+    travelled = last.settlement - first.settlement
     if travelled <= 0.0:
         return 0.0, 0.0
-    velocity, spin = (last[1] - first[1]) / travelled, (last[2] - first[2]) / travelled
+    velocity, spin = (last.displacement - first.displacement) / travelled, (last.rotation - first.rotation) / travelled
     host, target = case.host, case.target
     arm_host, arm_target = case.position - case.centroid[host], case.position - case.centroid[target]
     spin_host, spin_target = spin[host], spin[target]
     slip = velocity[host] + np.cross(spin_host, arm_host) - velocity[target] - np.cross(spin_target, arm_target)
     on_arcs = np.cross(spin_host, np.cross(spin_host, arm_host)) - np.cross(spin_target, np.cross(spin_target, arm_target))
     turned = on_arcs - 2.0 * np.cross(spin_target, slip)
-    on_host = np.where(host == case.block_b, 1.0, -1.0)[:, None] * 0.5 * (first[3] + last[3])
+    on_host = np.where(host == case.block_b, 1.0, -1.0)[:, None] * 0.5 * (first.forces + last.forces)
     parts = np.einsum("ci,ci->c", on_host, turned)
     return float(parts.sum()), float(np.abs(parts).sum())
 
 
-def largest_speed(first: State, last: State) -> float:
+def largest_speed(first: Pose, last: Pose) -> float:
     """Return the largest displacement of a block between two states over the change of the settlement, at least 1."""
-    travelled = last[0] - first[0]
-    return max(1.0, float(np.linalg.norm(last[1] - first[1], axis=1).max()) / travelled) if travelled > 0.0 else 1.0
+    travelled = last.settlement - first.settlement
+    return max(1.0, float(np.linalg.norm(last.displacement - first.displacement, axis=1).max()) / travelled) if travelled > 0.0 else 1.0
 
 
-def is_steady(states: tuple[State, State, State], free: np.ndarray, fastest: float, shares: tuple[float, float] = STEADY) -> bool:
+def is_steady(poses: tuple[Pose, Pose, Pose], free: np.ndarray, fastest: float, shares: tuple[float, float] = STEADY) -> bool:
     """Whether the free blocks keep their velocity from the first state over the second to the last, but for a few of many.
 
     free: their indices (F,); fastest: largest velocity over that of the settlement; shares: of this velocity, by which that of a block may
     change, and of the blocks, that may change by more.
     """
-    before, after = ((now[1] - then[1])[free] / (now[0] - then[0]) for then, now in itertools.pairwise(states))
+    before, after = (
+        (now.displacement - then.displacement)[free] / (now.settlement - then.settlement) for then, now in itertools.pairwise(poses)
+    )
     changed = np.linalg.norm(after - before, axis=1) > shares[0] * fastest
     return int(changed.sum()) <= shares[1] * len(free)
 

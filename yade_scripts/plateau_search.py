@@ -90,7 +90,7 @@ class PlateauSearch:
         rows = self.record.settling()
         settlement, reaction = (np.array([getattr(row, name) for row in rows]) for name in ("settlement", "reaction"))
         middle = 0.5 * (plateau.STARTS[0] + plateau.STARTS[-1]) * self.record.settlement()
-        before = next((pose for pose in reversed(self.record.poses) if pose[0] <= middle), self.record.poses[0])
+        before = next((pose for pose in reversed(self.record.poses) if pose.settlement <= middle), self.record.poses[0])
         return plateau.fit(settlement, reaction, geometry_of(self.case, before, self.record.pose()))
 
     def _is_steady(self, fit: Plateau) -> bool:
@@ -101,13 +101,13 @@ class PlateauSearch:
         if self.settings.swing_damping == 0.0:
             return True
         now = self.record.pose()
-        states = [pose for pose in self.record.poses if fit.start <= pose[0] < now[0]]
-        if len(states) < 2:
+        poses = [pose for pose in self.record.poses if fit.start <= pose.settlement < now.settlement]
+        if len(poses) < 2:
             return True
-        middle = min(states[1:], key=lambda pose: abs(pose[0] - 0.5 * (states[0][0] + now[0])))
+        middle = min(poses[1:], key=lambda pose: abs(pose.settlement - 0.5 * (poses[0].settlement + now.settlement)))
         fastest = self.case.support_speed if self.case.live is None else plateau.largest_speed(middle, now)
         shares = plateau.STEADY_ENOUGH if is_content(self.settings) else plateau.STEADY
-        return plateau.is_steady((states[0], middle, now), self.case.free, fastest, shares)
+        return plateau.is_steady((poses[0], middle, now), self.case.free, fastest, shares)
 
     def _scale(self, fit: Plateau) -> float:
         """Return the reaction by which uncertainties are measured; a reaction of zero, on which no weight works, is noise alone."""

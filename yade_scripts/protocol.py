@@ -157,7 +157,7 @@ class Protocol:
         self._advance(math.ceil(full_time / dt), every)
         if self._servo is None and not self.record.is_cut:
             self.asked_settlement += self._speed * (max(Omega().time, self._end_time) - self._last_time)
-        if self.record.poses[-1][0] < self.record.settlement():
+        if self.record.poses[-1].settlement < self.record.settlement():
             self.record.store_pose()
 
     def pull(self) -> None:
@@ -251,7 +251,9 @@ class Protocol:
                 self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * Omega().dt)
         else:
             self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
-        if travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1][0]:  # a lifted support begins below 0
+        if (
+            travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1].settlement
+        ):  # a lifted support begins below 0
             self.record.store_pose()
             is_early = travelled < settings.plateau_travel
             apart = settings.plateau_travel / EARLY_POSES if is_early else LATE_POSES * (travelled - self._origin)

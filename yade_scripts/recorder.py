@@ -10,7 +10,7 @@ from yade import Omega
 
 from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
-from yade_scripts.plateau import State
+from yade_scripts.plateau import Pose
 
 GRAVITY, SETTLEMENT = 0, 1
 
@@ -85,8 +85,8 @@ class Record:
         Its bodies in YADE.
     rows : list of Row
         Recorded instants.
-    poses : list of tuple
-        Stored states: settlement, displacements (B, 3) m, rotations (B, 3) rad, contact forces (C, 3) N.
+    poses : list of Pose
+        Stored states.
     extra : dict
         First contact position (3,), m, by pair of blocks that the case does not list.
     """
@@ -94,7 +94,7 @@ class Record:
     case: Case
     model: Model
     rows: list[Row] = field(default_factory=list)
-    poses: list[State] = field(default_factory=list)
+    poses: list[Pose] = field(default_factory=list)
     extra: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     _rest_along: float | None = None
@@ -235,9 +235,9 @@ class Record:
         on_host = _array(forces.f(sphere) for sphere in self.model.sphere)
         return np.where(self.case.host == self.case.block_b, 1.0, -1.0)[:, None] * on_host
 
-    def pose(self) -> State:
-        """Return the present state: settlement, displacements, rotations and contact forces."""
-        return self.settlement(), *self.motion(), self.contact_forces()
+    def pose(self) -> Pose:
+        """Return the present state."""
+        return Pose(self.settlement(), *self.motion(), self.contact_forces())
 
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Return displacements (B, 3), m, and rotation vectors (B, 3), rad, of all blocks relative to the case's geometry."""
@@ -258,7 +258,7 @@ class Record:
 
     def mark(self) -> tuple[int, int]:
         """Store the present state, and return the numbers of rows and of states so far."""
-        if self.poses[-1][0] < self.settlement():
+        if self.poses[-1].settlement < self.settlement():
             self.store_pose()
         return len(self.rows), len(self.poses)
 
@@ -275,7 +275,7 @@ class Record:
     def keep_plateau(self, start: float) -> None:
         """Drop the states between rest and the settlement `start`, where the plateau begins; the last state stays."""
         first, last = 0, len(self.poses) - 1
-        self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose[0] >= start]
+        self.poses = [pose for number, pose in enumerate(self.poses) if number in (first, last) or pose.settlement >= start]
 
     def _note_extra_contacts(self) -> None:
         target = dict(zip(self.model.sphere, self.case.target, strict=True))  # a sphere may touch two parts of its target

@@ -9,6 +9,7 @@ from yade import config
 
 from yade_scripts.attempts import Attempts
 from yade_scripts.contacts.frame import about_old_origin
+from yade_scripts.plateau import Pose
 from yade_scripts.protocol import Protocol
 from yade_scripts.recorder import SETTLEMENT, Row
 
@@ -57,8 +58,7 @@ def _rows(run: Protocol) -> dict[str, Any]:
 
 def _poses(run: Protocol) -> dict[str, Any]:
     """Return the stored states by path; blocks that the case leaves out are at rest."""
-    names = ("settlement", "displacement", "rotation", "forces")
-    poses = {name: np.array([pose[i] for pose in run.record.poses]) for i, name in enumerate(names)}
+    poses = {name: np.array([getattr(pose, name) for pose in run.record.poses]) for name in Pose._fields}
     for name in ("displacement", "rotation"):
         every = np.zeros((len(run.record.poses), run.case.total, 3))
         every[:, run.case.index] = poses[name]

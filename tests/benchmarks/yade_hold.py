@@ -29,7 +29,7 @@ class Held(protocol.Protocol):
         self.model.integrator.damping, bodies.Omega().dt = 0.0, self.settings.settling_step
         self.rested = len(self.record.rows)
         self.model.watch.iterPeriod = max(1, self.hold // ROWS)
-        self.sag = self.record.poses[-1][1]
+        self.sag = self.record.poses[-1].displacement
         bodies.Omega().run(self.hold, True)
         self.record.store_pose()
 
@@ -50,7 +50,7 @@ def main() -> None:
     sys.modules["__main__"].__dict__.update(watch=run.watch, calm=run.calm)
     run.run()
     held = run.record.rows[run.rested :]
-    moved = abs(run.record.poses[-1][1] - run.sag).max()
+    moved = abs(run.record.poses[-1].displacement - run.sag).max()
     print(json.dumps({
         "at rest": run.record.rows[run.rested - 1].kinetic_energy,
         "held": [row.kinetic_energy for row in held],

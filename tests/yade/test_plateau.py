@@ -260,7 +260,7 @@ def test_a_motion_is_steady_where_all_but_a_few_blocks_keep_their_velocity(
     more[0] = 1.0
     nothing = np.zeros((0, 3))
     ways = (1e-4 * velocity, 2e-4 * velocity, 2e-4 * velocity + 2e-4 * (velocity + more))
-    first, middle, last = ((s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True))
+    first, middle, last = (plateau.Pose(s, way, np.zeros_like(way), nothing) for s, way in zip((1e-4, 2e-4, 4e-4), ways, strict=True))
     free = np.arange(1, blocks + 1)
     assert plateau.is_steady((first, middle, last), free, 1.0) is steady
     assert plateau.is_steady((first, middle, last), free, 1.0, plateau.STEADY_ENOUGH) is steady_enough

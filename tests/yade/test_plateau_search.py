@@ -38,7 +38,9 @@ class Told:
         self.now, self.cuts = settlement, []
         self.rows = [SimpleNamespace(stage=recorder.GRAVITY, reaction=2000.0), SimpleNamespace(stage=recorder.SETTLEMENT, reaction=100.0)]
         places = np.linspace(0.0, settlement, len(states))
-        self.poses = [(place, np.outer(moved, [0.0, 0.0, -1.0])) for place, moved in zip(places, states, strict=True)]
+        nothing = np.zeros((0, 3))
+        moved = (np.outer(state, [0.0, 0.0, -1.0]) for state in states)
+        self.poses = [plateau.Pose(place, way, np.zeros_like(way), nothing) for place, way in zip(places, moved, strict=True)]
 
     def settlement(self) -> float:
         return self.now

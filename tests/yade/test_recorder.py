@@ -195,9 +195,9 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
     record.cut(mark)
     assert record.is_cut and record.settlement() == pytest.approx(3e-3) and len(record.rows) == 3
     record.keep_plateau(2e-3 - 1e-9)
-    assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 2e-3, 3e-3])
+    assert [pose.settlement for pose in record.poses] == pytest.approx([0.0, 2e-3, 3e-3])
     record.keep_plateau(np.nan)  # no plateau is known
-    assert [pose[0] for pose in record.poses] == pytest.approx([0.0, 3e-3])
+    assert [pose.settlement for pose in record.poses] == pytest.approx([0.0, 3e-3])
 
 
 def test_one_large_force_that_is_unbalanced_while_the_supports_move_is_a_jump(scene: Scene) -> None:

@@ -61,7 +61,7 @@ class Told:
 
     def __init__(self, yade: Yade) -> None:
         self.yade, self.rows, self.states = yade, [], []
-        self.poses: list[tuple[float]] = []
+        self.poses: list[SimpleNamespace] = []
         self.kept: list[float] = []
 
     def settlement(self) -> float:
@@ -78,7 +78,7 @@ class Told:
         return row
 
     def store_pose(self) -> None:
-        self.poses.append((self.yade.moved,))
+        self.poses.append(SimpleNamespace(settlement=self.yade.moved))
 
     def keep_plateau(self, start: float) -> None:
         self.kept.append(start)
@@ -139,7 +139,7 @@ def test_a_support_begins_to_settle_once_all_weights_act_and_blocks_have_rested_
     assert all(before <= after for (_, before), (_, after) in zip(yade.loads, yade.loads[1:], strict=False))
     resting = [row for row in rows(run, recorder.GRAVITY) if row.unbalanced == 0.0]
     assert len(resting) == 3 and resting[0].time == pytest.approx(0.08, abs=2e-4)
-    assert run.record.poses[0] == (0.0,) and run.model.integrator.damping == 0.0
+    assert run.record.poses[0].settlement == 0.0 and run.model.integrator.damping == 0.0
     early, _ = begun(rests_after=0.0)
     early.run()
     assert rows(early, recorder.GRAVITY)[-1].time > 0.05  # weights that still grow are no rest
@@ -163,7 +163,7 @@ def test_a_support_covers_its_whole_travel_and_the_lift_that_wedged_the_structur
     assert run.asked_settlement == pytest.approx(yade.moved, rel=1e-9)
     assert max(speed for _, speed in yade.speeds) == SPEED
     assert run.status is STATUS.PLATEAU and run.steps == yade.iter + yade.late
-    assert run.record.poses[-1] == (yade.moved,)
+    assert run.record.poses[-1].settlement == yade.moved
 
 
 def test_a_support_begins_slowly(begun: Any) -> None:
@@ -194,7 +194,7 @@ def test_states_are_dense_while_joints_strain_and_where_a_plateau_may_be(begun: 
         run, _ = begun(stiffening=stiffening, wedging=wedging)
         run.run()
         row, first = TRAVEL / 500, TRAVEL / 20 / 32 / stiffening
-        places = np.array(run.record.poses)[:, 0]
+        places = np.array([pose.settlement for pose in run.record.poses])
         assert places[0] == pytest.approx(-wedging, rel=1e-6) and first <= places[1] - places[0] <= 2.0 * first
         places = places + wedging
         apart = np.diff(places)

@@ -23,7 +23,7 @@ def test_turning_blocks_change_the_reaction_by_force_times_the_curvature_of_the_
     centroid, velocity, spin, position, before, after = draw.standard_normal((6, 2, 3))
     travel, step = 0.5, 1e-4
     zeros = np.zeros((2, 3))
-    states = (0.0, zeros, zeros, before), (travel, travel * velocity, travel * spin, after)
+    states = plateau.Pose(0.0, zeros, zeros, before), plateau.Pose(travel, travel * velocity, travel * spin, after)
     for host in (np.array([0, 1]), np.array([1, 0])):
         target, curvature = 1 - host, np.zeros((2, 3))
         for point, (h, t) in enumerate(zip(host, target, strict=True)):
@@ -48,6 +48,7 @@ def test_geometry_is_told_per_radian_of_a_support_and_per_weight_of_a_live_load(
     monkeypatch.setattr(plateau, "turning_slopes", lambda *_: (30.0, 50.0))
     one: Any = SimpleNamespace(live=live, weight=1000.0, block_size=0.4, support_speed=5.0)
     moved = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -8e-4]])
-    found = plateau.geometry_of(one, (0.0, 0.0 * moved, moved, moved), (2e-4, moved, moved, moved))
+    first, last = (plateau.Pose(settlement, settlement / 2e-4 * moved, moved, moved) for settlement in (0.0, 2e-4))
+    found = plateau.geometry_of(one, first, last)
     assert (found.slope, found.turning, found.lever) == pytest.approx((slope, slope * 5.0 / 3.0, lever))
-    assert plateau.largest_speed((0.0, 0.0 * moved, moved, moved), (8e-3, moved, moved, moved)) == 1.0  # at least that of the load
+    assert plateau.largest_speed(first, last._replace(settlement=8e-3)) == 1.0  # at least that of the load
