@@ -64,7 +64,7 @@ def test_the_comparison_is_antisymmetric(tmp_path: Path) -> None:
     assert [turned(change) for change in there.changes] == back.changes
     assert [turned(change) for change in there.within] == back.within and len(there.within) == 1
     for change, opposite in zip(there.changes, back.changes, strict=True):
-        assert change.difference is None or opposite.difference is None or change.difference == -opposite.difference
+        assert opposite.difference == (None if change.difference is None else -change.difference)
     assert (there.only_before, there.only_after) == (back.only_after, back.only_before)
     assert [(name, second, first) for name, first, second in there.provenance] == back.provenance
     for cost, opposite in zip(there.costs, back.costs, strict=True):
