@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from la_core.exchange import EARLIER_ATTEMPT
+from la_core.exchange import EARLIER_ATTEMPT, UNCERTAIN
 from yade_scripts.case import Case
 from yade_scripts.contacts.near_faces import NearFaces
 from yade_scripts.faults import rattles
@@ -25,7 +25,6 @@ from yade_scripts.settings import CRITICAL, SWING_DAMPING, Settings, derive, is_
 
 STIFFER, MOST_STIFFENING = 4.0, 64.0  # from one attempt to the next; at most
 SLOWER, SLOWEST = 0.25, 0.25  # from one attempt to the next; at least, of the speed of the run
-ENOUGH = 0.01  # of the reaction: part of the speed above which a slower attempt follows; a judge would not decide by a larger one
 
 
 @dataclass(frozen=True)
@@ -150,7 +149,7 @@ def _next(attempt: Protocol, outcome: Outcome, plan: Plan, steps: int) -> Plan |
         return replace(plan, pace=settings.quick_speed or 1.0, swing=SWING_DAMPING)
     if pace > 1.0:
         return replace(plan, pace=1.0)
-    hurried = not math.isnan(outcome.rate) and outcome.rate > ENOUGH * abs(outcome.reaction)
+    hurried = not math.isnan(outcome.rate) and outcome.rate > UNCERTAIN * abs(outcome.reaction)
     may_slow = pace > SLOWEST and "speed" not in given and _affordable(attempt, steps, 1.0 / SLOWER)
     return replace(plan, pace=SLOWER * pace) if may_slow and not creeps and (sticks or hurried) else None
 

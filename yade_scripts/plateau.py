@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from la_core.exchange import LATEST_START
+from la_core.exchange import LATEST_START, UNCERTAIN
 from yade_scripts.case import Case
 
 STARTS = np.linspace(0.2, LATEST_START, 9)  # shares of the settlement that may be dropped
@@ -29,7 +29,7 @@ _OSCILLATION = -0.5  # autocorrelation below which a record oscillates: noise wi
 _RECTANGULAR = 1.0 / np.sqrt(12.0)
 
 
-EARLY = 0.01  # of the reaction: largest uncertainty of a plateau that the reaction leaves; a judge would not decide by a larger one
+EARLY = UNCERTAIN  # of the reaction: largest uncertainty of a plateau that the reaction leaves
 LEFT = 3.0  # times the uncertainty of the best plateau so far: the reaction has left it
 # Of the velocity of the support, most by which that of a block may change over a plateau; and of the free blocks those that may change by
 # more, for of a thousand blocks a few always do. Second, for a run that is content with a less certain plateau: below 5 % of the velocity

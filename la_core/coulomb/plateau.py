@@ -9,13 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from la_core.exchange import UNCERTAIN
+
 FLAT = 5e-4  # of the value: change between the means over two successive stretches of a flat curve
 LEAST = 1e-3  # of the weight, or a multiplier: smaller values are judged by this
 ALIKE = 1e-2  # of the value: plateaus closer than this are one
 # Times its last change: what a curve that is not flat may still change. On a wall of 1,024 blocks every doubling of the travel
 # changed it by about three quarters of the change before; such changes add up to three times the last one.
 UNFINISHED = 3.0
-EARLY = 1e-2  # of the value: largest doubt about a plateau that the curve leaves
+EARLY = UNCERTAIN  # of the value: largest doubt about a plateau that the curve leaves
 LEFT = 3.0  # times the doubt about the best plateau so far: the curve has left it
 TAIL = 0.05  # share of the travel at either end of the values that counts as stray: a jump in progress
 

@@ -12,6 +12,7 @@ from la_core.exchange.dem_settings import (
     RADIUS_OVER_INSET,
     SETTINGS,
     TRAVEL_PERIODS,
+    UNCERTAIN,
 )
 from la_core.exchange.fields import (
     CASE_FIELDS,
@@ -64,6 +65,7 @@ __all__ = [
     "SUPPORT_TWISTS",
     "SWAY",
     "TRAVEL_PERIODS",
+    "UNCERTAIN",
     "ExchangeError",
     "Field",
     "coulomb_fields",

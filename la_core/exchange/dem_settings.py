@@ -6,6 +6,7 @@ LATEST_START = 0.6  # of a run's settlement: a plateau begins there at the lates
 # Of the reaction: the weight that unbalanced forces are compared with, where it is more than that of a block. A jump, half of it, is then
 # 2 % of the reaction, the largest uncertainty of a plateau.
 AT_STAKE = 0.04
+UNCERTAIN = 1e-2  # of the reaction: a judge does not decide by a method that states more
 LEAST_REACTION = 1e-4  # of the weight, for a moment times the size of a block: a smaller reaction counts as zero
 JUMP = 25.0  # times the mean unbalanced force of blocks that rattle: the unbalanced force of one jump
 PLATEAU_SHARE = 0.06  # of the travel is covered before a run in YADE may stop; more where the path of limit analysis was long
