@@ -35,7 +35,7 @@ def answer_of(analysis: LimitAnalysis) -> dict[str, Any]:
 def answer_of_text(text: str) -> dict[str, Any]:
     """Return an answer that was stored as JSON; raises an error of Python for any other text."""
     answer = dict(json.loads(text))
-    _value(answer, "")
+    _value(answer, "")  # it reads all that the sentence needs: a text without that must not pass for an answer
     return answer | {"left_out": list(answer["left_out"])}
 
 

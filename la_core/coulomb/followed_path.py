@@ -36,6 +36,7 @@ SMOOTH, SMOOTH_END, SHARPENED = 30.0, 1e-2, 0.3
 LAW_ERROR = 3.0  # times the root of that force times the mean contact force: most by which a smooth joint's force is off
 MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small structure; viscosity after annealing
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
+SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
@@ -245,7 +246,7 @@ def follow_large(
     if path.last.progress == end:
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
-        for point in path.advance_to(end, path.iterations + 0.5 * most):
+        for point in path.advance_to(end, path.iterations + SHARP_EFFORT * most):
             send(point.progress, end, point.value)
     reached, progress, values = path.last.progress, *path.curve
     if reached == 0.0:

@@ -23,11 +23,13 @@ from la_core.coulomb.path.implicit_step import State, Target, Trial, advance
 from la_core.coulomb.path.tangent import Tangent
 
 FIRST_STEP = 0.05  # of the elastic sag
-LONGEST_STEP = 0.05  # of the travel, or of the progress where that is more
+LONGEST_STEP, LONGEST_SHARE = 0.05, 0.25  # of the travel, or of the progress where that is more
+SLIVER = 0.01  # of a step: where less is left to the end, the step goes on to the end
 LARGEST_CHANGE, SMOOTH_CHANGE = 0.06, 0.2  # of the contact forces, in one step of sharp and of smooth joints
 GROWTH, CUT = 1.6, 4.0  # of the length of the step: after an easy step, and after one that did not converge
 CAUTION, REGAINED = 0.7, 1.3  # limit over a length that failed, and its growth with every step
-EASY = 8  # iterations of a step after which the next one may be longer
+EASY, SLIGHT_CHANGE = 8, 0.6  # iterations of a step, and share of its largest change, after which the next one may be longer
+AIMED_CHANGE = 0.8  # of its largest change: a step that changed more is shortened in proportion, to this
 SHORTEST_STEP = 1e-13  # of the travel
 AVERAGED = 0.02  # of the progress: the drag's power is that of the mean rate over this stretch, for a jump is no rate
 SAGS = 300.0  # least travel over the elastic sag: the strain of the joints must not pass for a mechanism
@@ -178,7 +180,7 @@ class QuasiStaticPath:
         """
         while self.last.progress < end and self.iterations < most_iterations:
             length = min(self._length, longest, end - self.last.progress)
-            if end - self.last.progress - length < 0.01 * length:  # no sliver is left for a last step
+            if end - self.last.progress - length < SLIVER * length:
                 length = end - self.last.progress
             progress = end if length == end - self.last.progress else self.last.progress + length
             eta = self.viscosity.at(progress) if viscosity is None else viscosity
@@ -197,8 +199,8 @@ class QuasiStaticPath:
     def _lengthen(self, iterations: int, change: float, length: float) -> None:
         """Choose the length of the next step after one of `length` that was accepted; `change` is over its limit."""
         self._limit *= REGAINED
-        if iterations <= EASY and change < 0.6:
-            longest = max(LONGEST_STEP, 0.25 * self.last.progress) / self._finer
+        if iterations <= EASY and change < SLIGHT_CHANGE:
+            longest = max(LONGEST_STEP, LONGEST_SHARE * self.last.progress) / self._finer
             self._length = min(GROWTH * max(length, self._length), longest, max(self._limit, length))
 
     def _shorten(self, converged: bool, change: float, length: float) -> bool:
@@ -207,7 +209,7 @@ class QuasiStaticPath:
         Returns False where the length is too short.
         """
         if converged:
-            self._length = length * max(1.0 / CUT, 0.8 / change)
+            self._length = length * max(1.0 / CUT, AIMED_CHANGE / change)
         else:
             self._limit = CAUTION * length
             self._length = length / CUT
