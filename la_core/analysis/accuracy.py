@@ -62,13 +62,14 @@ def analyse_to_accuracy(model: StructuralModel, settings: AnalysisSettings, list
     while True:
         start = time.perf_counter()
         analysis = analyse_once(tried, replace(settings, prediction=_paths(level)), listener)
-        attempts.append((_attempt(analysis, level, start), analysis))
-        attempt = attempts[-1][0]
+        attempt = _attempt(analysis, level, start)
+        attempts.append((attempt, analysis))
         finer = _finer(model.scene, analysis, attempt, accuracy, level)
         is_worse = len(attempts) > 1 and attempt.error > attempts[-2][0].error
         if attempt.is_within(accuracy) or finer is None or is_worse:
             break
-        tried, level = model.with_inset(finer[0]), finer[1]
+        inset, level = finer
+        tried = model.with_inset(inset)
     attempts.sort(key=lambda pair: -pair[0].error if math.isfinite(pair[0].error) else -math.inf)  # the best one is the answer
     record = AccuracyRecord(accuracy, tuple(attempt for attempt, _ in attempts))
     return replace(attempts[-1][1], accuracy=record)

@@ -242,7 +242,7 @@ def follow_large(
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, Falling(smooth, smooth, travel))
     again = AGAIN * settings.effort / PredictionSettings.effort
-    end = _to_plateau(path, travel, 2.0**settings.doublings * travel, (most, again), send)
+    end = _to_plateau(path, travel, 2.0**settings.doublings * travel, most, again, send)
     if path.last.progress == end:
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
@@ -258,13 +258,13 @@ def follow_large(
     return FollowedPath.on(path, (progress, values), end_of(path), float(values[-1]), reached < end, error)
 
 
-def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, limits: tuple[float, float], send: Sender) -> float:
+def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: float, again: float, send: Sender) -> float:
     """Follow a path over its travel, and on until its plateau is known, at most to `longest`; return the end.
 
-    limits: most iterations of the path, and most iterations beyond its travel as a multiple of those of its travel. A path that its limit
-    ends within its travel has a progress below the returned end.
+    most: most iterations of the path; again: most iterations beyond its travel, over those of its travel. A path that its limit ends within
+    its travel has a progress below the returned end.
     """
-    end, (most, again) = travel, limits
+    end = travel
     while True:
         for point in path.advance_to(end, most):
             send(point.progress, (1.0 + SHARPENED) * end, point.value)
