@@ -88,14 +88,9 @@ def yade_stage(
         Time limit of the run, s of wall time.
     """
     scene, path = analysis.scene, folder / "run.h5"
-    if exchange.inputs_digest(path) == inputs:
-        try:
-            stored = read_run(path, analysis.assembly)
-            if stored.status not in REPEATED:
-                listener.stage(scene.name, "YADE", "cached")
-                return stored, yade_summary(stored)
-        except exchange.ExchangeError as error:
-            listener.stage(scene.name, "YADE", f"repeated, because the stored run cannot be read: {error}")
+    if (stored := _stored_run(analysis, inputs, path, listener)) is not None:
+        listener.stage(scene.name, "YADE", "cached")
+        return stored, yade_summary(stored)
     path.unlink(missing_ok=True)
     try:
         installation = locate_yade()
@@ -118,6 +113,18 @@ def yade_stage(
     except (YadeFailedError, exchange.ExchangeError) as error:
         listener.stage(scene.name, "YADE", f"failed: {error}")
         return None, without_run("failed", str(error))
+
+
+def _stored_run(analysis: LimitAnalysis, inputs: str, path: Path, listener: Listener) -> Run | None:
+    """Return the stored run of these inputs; None without one, where it cannot be read, and where the next try may end otherwise."""
+    if exchange.inputs_digest(path) != inputs:
+        return None
+    try:
+        stored = read_run(path, analysis.assembly)
+    except exchange.ExchangeError as error:
+        listener.stage(analysis.scene.name, "YADE", f"repeated, because the stored run cannot be read: {error}")
+        return None
+    return None if stored.status in REPEATED else stored
 
 
 def _load_drawing() -> None:
