@@ -8,7 +8,7 @@ from typing import Any
 from comparison.cli import tables
 from comparison.cli.arguments import HEAD
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
 from comparison.provenance import describe
 from comparison.report import angle_words, stored_report, write_pdf, write_report
 from comparison.verdict import Verdict
@@ -47,7 +47,7 @@ def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context,
         codes += [_code(comparison) for comparison in comparisons if comparison["scene"] not in again]  # the second attempt decides
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
-    return max(codes, key=GRAVITY.index, default=AGREE)
+    return max(codes, key=SEVERITY.index, default=AGREE)
 
 
 def lines_below(comparison: dict[str, Any]) -> Iterator[str]:

@@ -21,7 +21,7 @@ EXIT_OF_VERDICT = {
     "cannot stand": CANNOT_STAND,
     None: AGREE,
 }
-GRAVITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, USAGE, TOOL)  # from mild to grave; the gravest of several scenes decides
+SEVERITY = (AGREE, INCONCLUSIVE, CANNOT_STAND, DISAGREE, USAGE, TOOL)  # from mild to severe; the most severe of several scenes decides
 MEANINGS = {  # of every exit code, for the help and the page of the command line
     AGREE: "agree; without YADE (`--no-yade`): the expected value is met, or the scene states none",
     DISAGREE: "disagree; of `compare`: something changed",

@@ -11,7 +11,7 @@ import scenes
 from runs import coulomb_run, perfect_run, with_answers, write_run
 
 import la_core
-from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, GRAVITY, INTERRUPTED, MEANINGS
+from comparison.cli.exit_codes import CANNOT_STAND, EXIT_OF_VERDICT, INTERRUPTED, MEANINGS, SEVERITY
 from comparison.judge import run_checks
 from comparison.judge.run_checks import check_answer, check_expected, check_run
 from comparison.judge.summary import comparison_summary, conclusion_of
@@ -230,7 +230,7 @@ def test_every_verdict_has_words_an_exit_code_and_every_exit_code_a_meaning() ->
     verdicts = [*Verdict, None]
     assert set(VERDICTS) == set(verdicts) == set(EXIT_OF_VERDICT)
     assert len({mark_of(verdict) for verdict in verdicts}) == len({mark_of(verdict)[0] for verdict in verdicts}) == len(verdicts)
-    assert set(MEANINGS) == {*GRAVITY, 2, INTERRUPTED}
+    assert set(MEANINGS) == {*SEVERITY, 2, INTERRUPTED}
     page = (Path(__file__).parents[2] / "comparison" / "cli" / "README.md").read_text(encoding="utf-8")
     for code, meaning in MEANINGS.items():
         assert f"| {code} | {meaning} |" in page

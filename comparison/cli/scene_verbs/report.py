@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.cli.conclude import conclude
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, GRAVITY, TOOL, USAGE, complain
+from comparison.cli.exit_codes import AGREE, SEVERITY, TOOL, USAGE, complain
 from comparison.cli.study_verbs.campaign_report import is_campaign, report_campaigns
 from comparison.errors import FolderInUseError
 from comparison.progress import Narration
@@ -40,10 +40,10 @@ def execute(context: Context) -> int:
                 try:
                     comparisons.append(report_again(case, narration))
                 except (ExchangeError, FolderInUseError, SceneError) as error:
-                    broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=GRAVITY.index)
+                    broken = max(broken, complain(str(error), USAGE if isinstance(error, SceneError) else TOOL), key=SEVERITY.index)
                     left_out.setdefault(folder, []).append(case.name)
             reports.append((folder, comparisons))
-    return max(broken, conclude(reports, context, left_out), key=GRAVITY.index)
+    return max(broken, conclude(reports, context, left_out), key=SEVERITY.index)
 
 
 def _run_folder(folder: Path) -> Path:

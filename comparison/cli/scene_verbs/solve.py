@@ -5,7 +5,7 @@ from typing import Any
 
 from comparison.cli import tables
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import EXIT_OF_VERDICT, GRAVITY, INCONCLUSIVE
+from comparison.cli.exit_codes import EXIT_OF_VERDICT, INCONCLUSIVE, SEVERITY
 from comparison.judge import check_accuracy, check_answer, check_expected, conclusion_of, limit_analysis_summary
 from comparison.limit_analysis import limit_analysis_alone
 from comparison.progress import Narration
@@ -65,7 +65,7 @@ def execute(context: Context) -> int:
         words = "" if is_said else f"{concluded.reason}\n"
         context.narrate(f"{words}next: {concluded.next_step}")
     if _statuses(analysis, options.bounds) & {Status.INACCURATE, Status.FAILED}:
-        return max(INCONCLUSIVE, EXIT_OF_VERDICT[concluded.verdict], key=GRAVITY.index)
+        return max(INCONCLUSIVE, EXIT_OF_VERDICT[concluded.verdict], key=SEVERITY.index)
     return EXIT_OF_VERDICT[concluded.verdict]
 
 

@@ -24,7 +24,7 @@ from comparison.campaign import (
     write_campaign_report,
 )
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, GRAVITY, TOOL
+from comparison.cli.exit_codes import AGREE, EXIT_OF_VERDICT, SEVERITY, TOOL
 from comparison.cli.tables import coloured, new_table, plain
 from comparison.numbers import plural
 from comparison.progress import CampaignNarration
@@ -75,7 +75,7 @@ def exit_code(table: CampaignTable) -> int:
     """Return the exit code of the gravest case; a failed case is graver than a disagreement, and that than an inconclusive case."""
     if table.failures:
         return TOOL
-    return max((EXIT_OF_VERDICT[row["verdict"] or None] for row in table.rows), key=GRAVITY.index, default=AGREE)
+    return max((EXIT_OF_VERDICT[row["verdict"] or None] for row in table.rows), key=SEVERITY.index, default=AGREE)
 
 
 def show(table: CampaignTable, context: Context) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from comparison.campaign import STORED, read_table, stored_campaign_report, with_versions, write_campaign_report, write_tables
 from comparison.cli.context import Context
-from comparison.cli.exit_codes import GRAVITY
+from comparison.cli.exit_codes import SEVERITY
 from comparison.cli.study_verbs.campaign import exit_code, show
 from comparison.report import write_pdf
 from la_core.errors import SceneError
@@ -40,4 +40,4 @@ def report_campaigns(context: Context) -> int:
                 context.tell(f"report: {os.path.relpath(printed)}")
     if as_json:
         context.print_json(stored[0] if len(stored) == 1 else {"reports": stored})
-    return max(codes, key=GRAVITY.index)
+    return max(codes, key=SEVERITY.index)
