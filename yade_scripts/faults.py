@@ -6,10 +6,10 @@ Blocks that rattle have larger unbalanced forces than those of a quasi-static mo
 import math
 import time
 
-from la_core.exchange import JUMP
+from la_core.exchange import GRAVITY, JUMP
 from yade_scripts import plateau
 from yade_scripts.case import Case
-from yade_scripts.recorder import GRAVITY, Record, Row, Status
+from yade_scripts.recorder import Record, Row, Status
 from yade_scripts.settings import Settings, rattling_of
 
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from la_core.exchange import LEAST_REACTION
+from la_core.exchange import GRAVITY, LEAST_REACTION
 from yade_scripts import plateau
 from yade_scripts.case import Case
 from yade_scripts.faults import settlement_words
 from yade_scripts.plateau import EARLY, Earlier, Outcome, Plateau, geometry_of
-from yade_scripts.recorder import GRAVITY, Record, Status
+from yade_scripts.recorder import Record, Status
 from yade_scripts.settings import Settings, is_content
 
 STRAIN_OF_SAG = 0.03  # of the reaction: largest effect of the joints' strain, over the elastic sag over the settlement

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from yade import Omega
 
+from la_core.exchange import GRAVITY, SETTLEMENT
 from yade_scripts import plateau
 from yade_scripts.bodies import Model, set_loads
 from yade_scripts.case import Case
@@ -15,7 +16,7 @@ from yade_scripts.driving import Servo, SwingDamper, ramp, servo_of, set_speed, 
 from yade_scripts.faults import jumps, loss_of, rattles, settlement_words
 from yade_scripts.plateau import Outcome, Plateau
 from yade_scripts.plateau_search import PlateauSearch
-from yade_scripts.recorder import GRAVITY, SETTLEMENT, Record, Row, Status
+from yade_scripts.recorder import Record, Row, Status
 from yade_scripts.settings import CRITICAL, Settings
 
 ROWS_BETWEEN_FITS, ROWS_BETWEEN_LOOKS = 20, 4
@@ -223,9 +224,8 @@ class Protocol:
         """Whether a sphere may have met a face that the case does not list; the run then ends."""
         if self.near is not None and self.near.are_met(*self.record.motion()):
             self.met_face = True
-            self._end(
-                Status.FAILED, f"a block comes to a face that it did not touch, at {settlement_words(self.case, self.record.settlement())}"
-            )
+            place = settlement_words(self.case, self.record.settlement())
+            self._end(Status.FAILED, f"a block comes to a face that it did not touch, at {place}")
         return self.met_face
 
     def _load(self, elapsed: float) -> bool:

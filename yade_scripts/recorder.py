@@ -8,11 +8,10 @@ from itertools import chain
 import numpy as np
 from yade import Omega
 
+from la_core.exchange import SETTLEMENT
 from yade_scripts.bodies import Model, Vector3
 from yade_scripts.case import Case
 from yade_scripts.plateau import Pose
-
-GRAVITY, SETTLEMENT = 0, 1
 
 
 class Status(Enum):
@@ -32,7 +31,7 @@ class Row:
     Attributes
     ----------
     stage : int
-        GRAVITY or SETTLEMENT, which stands for the live load, too.
+        GRAVITY or SETTLEMENT of `la_core.exchange`.
     time : float
         Simulated time, s.
     settlement : float

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from yade import config
 
+from la_core.exchange import SETTLEMENT
 from yade_scripts.attempts import Attempts
 from yade_scripts.contacts.frame import about_old_origin
 from yade_scripts.plateau import Pose
 from yade_scripts.protocol import Protocol
-from yade_scripts.recorder import SETTLEMENT, Row
+from yade_scripts.recorder import Row
 
 _NO_WORK = 1e-6  # of the largest possible work of the weights: below it only the joints' elastic strain does work
 

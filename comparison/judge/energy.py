@@ -13,9 +13,9 @@ import numpy as np
 
 from comparison.verdict import Check, Verdict, finite_or_none
 from comparison.yade import Run
+from la_core.exchange import GRAVITY
 from la_core.model import Assembly
 
-GRAVITY = 0
 IN_DOUBT = ", so its time integration is in doubt."
 FALLS = ": blocks fall or jump, and between two stored states their contact forces change too much for this balance."
 LOOK_FOR_FALL = "See which blocks fall (`crosscheck animate`), and hold them or leave them out."

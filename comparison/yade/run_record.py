@@ -105,7 +105,7 @@ class Run:
         names = [field.name for field in fields(RunSeries)]
         if series not in names:
             raise SceneError(f"series {series!r}", "unknown name", hint=nearest(str(series), names, "series"))
-        return getattr(self.record, series)[self.record.stage == 1]
+        return getattr(self.record, series)[self.record.stage == exchange.SETTLEMENT]
 
     def _on_plateau(self) -> np.ndarray:
         """Return the indices of the stored states on the plateau; empty without a plateau, because its start is NaN."""

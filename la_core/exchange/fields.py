@@ -11,6 +11,7 @@ compression positive along the normal. An undefined number is NaN, never 0.
 from dataclasses import dataclass
 
 FREE, FIXED, SUPPORT = 0, 1, 2
+GRAVITY, SETTLEMENT = 0, 1  # stages of a run in YADE; the second stands for the live load, too
 EARLIER_ATTEMPT = "; before, "  # in `result/message`: stands before each attempt but the last
 
 

@@ -44,7 +44,7 @@ def measure(path: Path, steps: int, profile: bool) -> dict:
         "engines": [type(engine).__name__ for engine in omega.engines],
         "build": built,
         "step": step,
-        "row": min(timed(lambda: record.read_row(recorder.SETTLEMENT)) for _ in range(CALLS)),
+        "row": min(timed(lambda: record.read_row(exchange.SETTLEMENT)) for _ in range(CALLS)),
         "pose": min(timed(record.store_pose) for _ in range(CALLS)),
         "blocks": len(model.clump),
         "spheres": len(model.sphere),

@@ -129,7 +129,7 @@ def measure(path: Path, rounds: int) -> dict:
             "steps": bodies.Omega().iter,
             "rested": run.rested,
             "rows": len(run.record.rows),
-            "settling_rows": sum(row.stage == recorder.SETTLEMENT for row in run.record.rows),
+            "settling_rows": sum(row.stage == exchange.SETTLEMENT for row in run.record.rows),
             "poses": len(run.record.poses),
             "blocks": len(one.role),
             "contacts": len(one.host),

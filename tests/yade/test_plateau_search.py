@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from yade_stand_in import without_yade
 
+from la_core import exchange
 from yade_scripts import plateau
 
 search, recorder, faults = (without_yade(name) for name in ("plateau_search", "recorder", "faults"))
@@ -36,7 +37,7 @@ class Told:
 
     def __init__(self, settlement: float, states: Any = ()) -> None:
         self.now, self.cuts = settlement, []
-        self.rows = [SimpleNamespace(stage=recorder.GRAVITY, reaction=2000.0), SimpleNamespace(stage=recorder.SETTLEMENT, reaction=100.0)]
+        self.rows = [SimpleNamespace(stage=exchange.GRAVITY, reaction=2000.0), SimpleNamespace(stage=exchange.SETTLEMENT, reaction=100.0)]
         places = np.linspace(0.0, settlement, len(states))
         nothing = np.zeros((0, 3))
         moved = (np.outer(state, [0.0, 0.0, -1.0]) for state in states)
@@ -184,7 +185,7 @@ def test_what_stiffness_and_settings_may_do_is_a_part_of_the_uncertainty(reactio
 def row(**values: float) -> Any:
     """A row of a run that goes on."""
     usual = {"reaction": 1.0, "kinetic_energy": 0.0, "unbalanced": 0.0, "time": 1.0, "speed": 0.0, "settlement": 0.0, "displacement": 0.0}
-    return SimpleNamespace(**({"stage": recorder.SETTLEMENT} | usual | values))
+    return SimpleNamespace(**({"stage": exchange.SETTLEMENT} | usual | values))
 
 
 @pytest.mark.parametrize(
@@ -195,8 +196,8 @@ def row(**values: float) -> Any:
         ({"kinetic_energy": math.inf}, STATUS.FAILED),
         ({"speed": 0.51}, STATUS.COLLAPSED),
         ({"speed": 0.49}, None),
-        ({"displacement": 0.006, "stage": recorder.GRAVITY}, STATUS.COLLAPSED),
-        ({"displacement": 0.004, "stage": recorder.GRAVITY}, None),  # a turn of 1 mrad at 5 m
+        ({"displacement": 0.006, "stage": exchange.GRAVITY}, STATUS.COLLAPSED),
+        ({"displacement": 0.004, "stage": exchange.GRAVITY}, None),  # a turn of 1 mrad at 5 m
         ({"displacement": 0.006}, None),  # it follows the support
     ],
 )
@@ -235,7 +236,7 @@ def test_a_run_is_lost_at_its_time_limit_and_says_where(is_rotation: bool, live:
 def test_blocks_rattle_on_the_mean_of_the_later_way_or_by_a_single_jump(early: float, late: float, peak: float, rattling: bool) -> None:
     rows = [row(settlement=place, unbalanced=early if place < 0.2 else late) for place in np.linspace(0.0, 1.0, 101)]
     rows[50].unbalanced = max(late, peak)
-    rows.insert(0, row(stage=recorder.GRAVITY, unbalanced=9.0))  # what happens before the support moves is no rattling
+    rows.insert(0, row(stage=exchange.GRAVITY, unbalanced=9.0))  # what happens before the support moves is no rattling
     record = object.__new__(recorder.Record)
     record.rows, record._cut = rows, 1.0
     one, chosen = SimpleNamespace(live=None, support_speed=1.0, block_weight=10.0), SimpleNamespace(rattling=0.02)

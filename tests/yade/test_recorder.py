@@ -9,6 +9,8 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 from yade_stand_in import without_yade
 
+from la_core import exchange
+
 recorder = without_yade("recorder")
 FREE, SUPPORT = [0, 1], [2, 3]
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -86,7 +88,7 @@ def test_a_row_tells_energy_work_and_what_is_unbalanced(scene: Scene) -> None:
     scene.state(0).pos = CENTROID[0] + [0.1, 0.0, -0.2]
     scene.state(0).ori = Turn(Rotation.from_rotvec([0.0, 0.01, 0.0]) * BUILT[0])
     scene.force[10], scene.force[11] = -INERT[0] * GRAVITY + [0.0, 12.0, 0.0], -INERT[1] * GRAVITY
-    row = record.read_row(recorder.SETTLEMENT, 0.7)
+    row = record.read_row(exchange.SETTLEMENT, 0.7)
     assert record.rows == [row] and row.damped_energy == 0.7
     assert row.time == 4.25  # the bodies have moved by the end of the step
     assert row.kinetic_energy == pytest.approx(0.5 * 6.0 * 25.0 + 0.5 * (5.0 * 1.0 + 6.0 * 4.0 + 2.0 * 1.0 * 2.0))
@@ -100,7 +102,7 @@ def test_the_reaction_is_what_all_supports_resist_by_their_shares_and_moments_ar
     scene.force[12], scene.force[13] = np.array([1.0, 2.0, -30.0]), np.array([0.0, 0.0, -10.0])
     scene.torque[13] = np.array([0.0, 4.0, 0.0])
     scene.state(2).pos = np.array([0.5, 0.0, -1.0])
-    row = record.read_row(recorder.GRAVITY)
+    row = record.read_row(exchange.GRAVITY)
     assert row.reaction == pytest.approx(30.0 + 0.5 * 10.0)
     moments = np.cross([0.5, 0.0, -1.0], [1.0, 2.0, -30.0]) + np.cross(CENTROID[3], [0.0, 0.0, -10.0]) + [0.0, 4.0, 0.0]
     assert_allclose(row.support_wrench, [-1.0, -2.0, 40.0, *-moments])
@@ -111,7 +113,7 @@ def test_supports_that_turn_resist_by_moments_about_their_axis(scene: Scene) -> 
     axis = np.array([0.0, 1.0, 0.0])
     record = record_of([[*np.cross([-1.0, 0.0, 0.0], axis), *axis]] * 2)
     scene.force[12] = np.array([0.0, 0.0, -30.0])
-    assert record.read_row(recorder.SETTLEMENT).reaction == pytest.approx(30.0 * 1.0)
+    assert record.read_row(exchange.SETTLEMENT).reaction == pytest.approx(30.0 * 1.0)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -154,7 +156,7 @@ def test_a_live_load_moves_the_blocks_by_the_mean_that_its_shares_weigh(scene: S
         scene.state(block).pos = np.add(scene.state(block).pos, [way, 0.0, 7.0])
     assert record.settlement() == pytest.approx((6.0 * 0.1 + 7.0 * 0.3) / 13.0)
     record.model.integrator.gravity = GRAVITY + 0.25 * 9.81 * live
-    assert record.read_row(recorder.SETTLEMENT).reaction == pytest.approx(0.25)
+    assert record.read_row(exchange.SETTLEMENT).reaction == pytest.approx(0.25)
     assert_allclose(record.along("pos"), [0.6, 2.3])
 
 
@@ -186,7 +188,7 @@ def test_a_run_that_is_cut_ends_with_its_plateau_and_keeps_the_states_from_its_b
     record.store_pose()
     for way in (1e-3, 2e-3, 3e-3, 4e-3):
         scene.state(2).pos = CENTROID[2] - [0.0, 0.0, way]
-        record.read_row(recorder.SETTLEMENT)
+        record.read_row(exchange.SETTLEMENT)
         record.store_pose()
         if way == 3e-3:
             mark = record.mark()
@@ -204,7 +206,7 @@ def test_one_large_force_that_is_unbalanced_while_the_supports_move_is_a_jump(sc
     record = record_of()
     scene.force[10] = -INERT[0] * GRAVITY + [0.0, 60.0, 0.0]
     scene.force[11] = -INERT[1] * GRAVITY
-    record.read_row(recorder.GRAVITY)
+    record.read_row(exchange.GRAVITY)
     assert not record.jumps(0.5)
-    record.read_row(recorder.SETTLEMENT)
+    record.read_row(exchange.SETTLEMENT)
     assert record.jumps(0.99) and not record.jumps(1.01)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from yade_stand_in import without_yade
 
+from la_core import exchange
 from yade_scripts import plateau
 
 protocol, recorder = (without_yade(name) for name in ("protocol", "recorder"))
@@ -137,12 +138,12 @@ def test_a_support_begins_to_settle_once_all_weights_act_and_blocks_have_rested_
     run.run()
     assert yade.loads[0] == (0.0, 0.0) and max(share for _, share in yade.loads) == 1.0
     assert all(before <= after for (_, before), (_, after) in zip(yade.loads, yade.loads[1:], strict=False))
-    resting = [row for row in rows(run, recorder.GRAVITY) if row.unbalanced == 0.0]
+    resting = [row for row in rows(run, exchange.GRAVITY) if row.unbalanced == 0.0]
     assert len(resting) == 3 and resting[0].time == pytest.approx(0.08, abs=2e-4)
     assert run.record.poses[0].settlement == 0.0 and run.model.integrator.damping == 0.0
     early, _ = begun(rests_after=0.0)
     early.run()
-    assert rows(early, recorder.GRAVITY)[-1].time > 0.05  # weights that still grow are no rest
+    assert rows(early, exchange.GRAVITY)[-1].time > 0.05  # weights that still grow are no rest
 
 
 def test_rest_that_is_broken_counts_from_its_beginning(begun: Any) -> None:
@@ -150,7 +151,7 @@ def test_rest_that_is_broken_counts_from_its_beginning(begun: Any) -> None:
     yade.restless = lambda: len(run.record.rows) % 3 == 2  # two rows at rest, one not
     run.run()
     assert run.status is STATUS.FAILED and "not at rest under gravity after 0.2 s: unbalanced force" in run.message
-    assert not rows(run, recorder.SETTLEMENT) and run.record.rows[-1].time == pytest.approx(0.2, rel=1e-2)
+    assert not rows(run, exchange.SETTLEMENT) and run.record.rows[-1].time == pytest.approx(0.2, rel=1e-2)
 
 
 @pytest.mark.parametrize("wedging", [0.0, 1e-4])
@@ -170,7 +171,7 @@ def test_a_support_begins_slowly(begun: Any) -> None:
     """On a cosine ramp: over all of its time half of the way at full speed, and over the first half far less than half of that."""
     run, _ = begun(ramp_time=0.01)
     run.run()
-    settling = rows(run, recorder.SETTLEMENT)
+    settling = rows(run, exchange.SETTLEMENT)
     began = settling[0].time - (settling[1].time - settling[0].time)
     way = {share: min(settling, key=lambda row: abs(row.time - began - share * 0.01)).settlement for share in (0.5, 1.0)}
     assert way[1.0] == pytest.approx(0.5 * SPEED * 0.01, rel=0.01)
