@@ -1,4 +1,4 @@
-"""Entry point of `crosscheck`: an interruption ends in one line, even while the program is still loading."""
+"""Entry point of `crosscheck`: an interruption or a missing part ends in one line, even while the program is still loading."""
 
 import gc
 import os
@@ -6,19 +6,36 @@ import signal
 import sys
 from types import FrameType
 
+CANNOT_LOAD = 3  # TOOL of comparison.cli.exit_codes, which may be what cannot be loaded
+
 
 def main() -> int:
     """Run the command line; returns its exit code."""
+    _open_closed_streams()
     patient = signal.getsignal(signal.SIGINT)
     if patient is signal.default_int_handler:  # else somebody asked not to be interrupted
         signal.signal(signal.SIGINT, _stop_at_once)
     gc.disable()  # what loading makes is there to stay: to search it for what could be freed takes a tenth of the time
-    from comparison.cli import main as run
+    try:
+        from comparison.cli import main as run
+    except ImportError as error:
+        from la_core.errors import missing_part
 
+        sys.stderr.write(f"error: {missing_part(error)}\n")
+        return CANNOT_LOAD
     gc.freeze()
     gc.enable()
     signal.signal(signal.SIGINT, patient)
     return run()
+
+
+def _open_closed_streams() -> None:
+    """Let closed standard streams lead to the null device: a file of results would get their numbers, and what libraries print there."""
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            stream = os.fdopen(os.open(os.devnull, os.O_RDWR), "w" if number else "r", encoding="utf-8")  # it takes the lowest free number
+            os.set_inheritable(stream.fileno(), True)
+            setattr(sys, name, stream)
 
 
 def _stop_at_once(number: int, frame: FrameType | None) -> None:

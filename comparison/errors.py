@@ -1,6 +1,6 @@
 """Errors that stop a command, besides a faulty scene, and their one message."""
 
-from la_core.errors import SceneError
+from la_core.errors import SceneError, missing_part
 from la_core.exchange import ExchangeError
 
 
@@ -42,4 +42,5 @@ def message_of(error: BaseException) -> str:
         return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
     if isinstance(error, KeyboardInterrupt):
         return "stopped; finished stages are kept, and the same command continues from there"
-    return f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
+    fault = f"unexpected {type(error).__name__}: {error}; this is an error in crosscheck, please report it"
+    return missing_part(error) if isinstance(error, ModuleNotFoundError) else fault

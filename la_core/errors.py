@@ -100,6 +100,12 @@ def nearest(word: str, valid: Iterable[str], kind: str = "keys") -> str:
     return f"valid {kind}: {', '.join(listed)}"
 
 
+def missing_part(error: ImportError) -> str:
+    """A message for a Python package that cannot be loaded although the program always needs it."""
+    what = f"the Python module {error.name} is missing" if isinstance(error, ModuleNotFoundError) else f"a Python module fails ({error})"
+    return f"{what}: the installation of crosscheck is incomplete; `pip install --editable .` in the project's folder completes it"
+
+
 def visible(text: str) -> str:
     """The text with an escape in place of every control character, and of every lone surrogate."""
     return CONTROL.sub(lambda match: f"\\x{ord(match[0]):02x}", text).encode("utf-8", "backslashreplace").decode("utf-8")

@@ -1,5 +1,6 @@
 """Exit codes of the contract; a command that fails ends with one message on stderr."""
 
+import contextlib
 import io
 import os
 import sys
@@ -52,7 +53,8 @@ def _code(error: BaseException) -> int:
 
 def complain(message: str, code: int) -> int:
     """Print an error message on stderr, with control characters escaped, and return the exit code."""
-    say(Console(stderr=True, highlight=False, emoji=False, soft_wrap=True), f"error: {visible(message)}")
+    with contextlib.suppress(OSError):  # where nobody can be told, the exit code still says it
+        say(Console(stderr=True, highlight=False, emoji=False, soft_wrap=True), f"error: {visible(message)}")
     return code
 
 

@@ -1,6 +1,7 @@
 """A parser of the command line that guesses: misspelt commands and options, and options that stand before the command."""
 
 import argparse
+import contextlib
 import itertools
 import sys
 from collections.abc import Sequence
@@ -17,7 +18,8 @@ class GuessingParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End with exit code 2 and one message."""
-        sys.stderr.write(f"error: {message}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid\n")
+        with contextlib.suppress(OSError):  # where nobody can be told, the exit code still says it
+            print(f"error: {message}{'' if message.endswith('?') else ';'} `{self.prog} --help` lists what is valid", file=sys.stderr)
         raise SystemExit(USAGE)
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -1,0 +1,38 @@
+"""Closed or full streams and missing parts end in the exit code of the pages, never in a traceback or in that of a verdict."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from faulty_runs import ROOT, TOOL, one_message
+
+USAGE = 2
+
+
+def by_shell(words: str, streams: str) -> "subprocess.CompletedProcess[str]":
+    line = f'exec "{sys.executable}" -m comparison {words} {streams}'
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(["sh", "-c", line], env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("streams", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_take_what_is_printed(streams: str, tmp_path: Path) -> None:
+    ended = by_shell(f'run two_pads --no-yade -o "{tmp_path / "out"}"', streams)
+    assert ended.returncode == 0 and "error" not in ended.stderr, ended.stderr
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+@pytest.mark.parametrize(("words", "code"), [("solve two_pads", TOOL), ("solve nothing_of_that_name", USAGE), ("no_command", USAGE)])
+def test_an_error_that_nobody_can_be_told_is_no_disagreement(words: str, code: int) -> None:
+    assert by_shell(words, "2>/dev/full").returncode == code
+
+
+@pytest.mark.parametrize("part", ["rich", "h5py", "clarabel", "jinja2"])
+def test_a_missing_part_is_named_with_what_completes_the_installation(part: str, tmp_path: Path) -> None:
+    command = ["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]
+    code = f"import sys; sys.modules[{part!r}] = None; sys.argv[1:] = {command!r}; from comparison.__main__ import main; sys.exit(main())"
+    ended = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == TOOL
+    one_message(ended.stderr, f"the Python module {part}", "is missing", "pip install")
