@@ -43,13 +43,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal that is not UTF-8 gets escapes instead of an error
-    options = parse(parser(), arguments)
-    if options is None:
+    return code_of(lambda: _execute(parse(parser(), arguments)))
+
+
+def _execute(options: argparse.Namespace | None) -> int:
+    if options is None:  # nothing was asked for but help
         return AGREE
-    return code_of(lambda: _execute(options))
-
-
-def _execute(options: argparse.Namespace) -> int:
     context = Context.of(filled(options))
     execute: Callable[[Context], int] = importlib.import_module(COMMANDS[options.verb]).execute
     return execute(context)

@@ -73,6 +73,17 @@ def test_an_interruption_while_the_program_loads_ends_in_one_line(tmp_path: Path
     one_message(said, "stopped before anything began")
 
 
+def test_an_interruption_while_the_command_line_is_read_ends_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("comparison.cli.commands.parser", stopped)
+    assert main(["scenes"]) == INTERRUPTED
+    one_message(capsys.readouterr().err, "stopped")
+
+
 @pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.long)])
 def test_yade_ends_with_the_program_that_started_it(number: signal.Signals, undisturbed: Path, plain_figures: None, tmp_path: Path) -> None:
     out = tmp_path / "out"
