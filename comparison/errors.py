@@ -1,5 +1,7 @@
 """Errors that stop a command, besides a faulty scene, and their one message."""
 
+import errno
+
 from la_core.errors import SceneError, missing_part
 from la_core.exchange import ExchangeError
 
@@ -29,6 +31,17 @@ _WITH_A_MESSAGE = (
 )  # fmt: skip
 
 
+_FREE_SPACE = "free some space; the same command then continues"
+_OTHER_FOLDER = "choose a folder that can be written, or copy the results to one"
+_NEXT_STEP = {  # by the number of a system's error
+    errno.ENOSPC: _FREE_SPACE,
+    errno.EDQUOT: _FREE_SPACE,
+    errno.EROFS: _OTHER_FOLDER,
+    errno.EACCES: _OTHER_FOLDER,
+    errno.EISDIR: "a folder stands where a file is needed; delete or rename it",
+}
+
+
 def message_of(error: BaseException) -> str:
     """Return one message that says what stopped a command and what to do."""
     if isinstance(error, _WITH_A_MESSAGE):
@@ -37,7 +50,9 @@ def message_of(error: BaseException) -> str:
         said = "a file stands where a folder is needed; rename it, or choose another folder with -o"
         return f"{error.filename}: {error.strerror or 'File exists'}: {said}"
     if isinstance(error, OSError):
-        return f"{error.filename or 'standard output'}: {error.strerror or error}"  # what writes files names them
+        step = f"; {_NEXT_STEP[error.errno]}" if error.errno in _NEXT_STEP else ""
+        nameless = "the current folder" if isinstance(error, FileNotFoundError) else "standard output"  # what writes files names them
+        return f"{error.filename or nameless}: {error.strerror or error}{step}"
     if isinstance(error, MemoryError):
         return f"out of memory ({error}); use fewer blocks, or a machine with more memory"
     if isinstance(error, KeyboardInterrupt):

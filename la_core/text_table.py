@@ -54,7 +54,9 @@ def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = No
     try:
         pandas = import_module("pandas")
     except ImportError as error:
-        raise SceneError("to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas"') from error
+        raise SceneError(
+            "to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas": pip install pandas'
+        ) from error
     return pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
 
 

@@ -143,7 +143,7 @@ def checked(installation: Installation) -> Yade:
     try:
         answer = subprocess.run(
             [python, "-s", "-c", _PROBE, modules, SCRIPTS],
-            env=yade_environment(), capture_output=True, text=True, timeout=PROBE_SECONDS, check=False,
+            env=yade_environment(), capture_output=True, text=True, errors="replace", timeout=PROBE_SECONDS, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         raise YadeMissingError(f"{python} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error

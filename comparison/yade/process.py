@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import signal
 import subprocess
@@ -12,9 +13,10 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from comparison.errors import YadeFailedError, YadeMissingError
-from comparison.yade.installation import SCRIPTS, Installation, checked, yade_environment
+from comparison.yade.installation import HOW_TO_GET_YADE, SCRIPTS, Installation, checked, yade_environment
 
 LOG_TAIL = 8  # lines of the log that an error quotes
+NUMBERS = ("attempt", "fraction", "seconds_left", "seconds_to_limit", "settlement", "reaction")  # of a progress report, where known
 GRACE = 60.0  # seconds beyond YADE's own time limit before the process is ended from outside
 
 
@@ -75,10 +77,13 @@ def _followed(
     started: Callable[[], None],
 ) -> int:
     """Run a process and return its exit code; it is killed after `seconds`, or when this call ends. `record` receives its output."""
-    process = subprocess.Popen(
-        command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        text=True, errors="replace", start_new_session=True,
-    )  # fmt: skip
+    try:
+        process = subprocess.Popen(
+            command, env=variables, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            text=True, errors="replace", start_new_session=True,
+        )  # fmt: skip
+    except OSError as error:
+        raise YadeMissingError(f"{command[0]} does not run ({error}); get YADE with: {HOW_TO_GET_YADE}") from error
     overtime = threading.Timer(seconds, _end, [process])
     overtime.daemon = True
     try:
@@ -101,7 +106,14 @@ def _report(line: str) -> dict[str, Any] | None:
         report = json.loads(line.removeprefix("progress ")) if line.startswith("progress ") else None
     except ValueError:
         return None  # a line that only begins like a report
-    return report if isinstance(report, dict) else None
+    if not isinstance(report, dict) or not isinstance(report.get("lacks", []), list):
+        return None
+    return report if all(_is_number(report.get(name)) for name in NUMBERS) else None
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value of a report is a finite number, or is not known."""
+    return value is None or (isinstance(value, int | float) and math.isfinite(value))
 
 
 def _end(process: "subprocess.Popen[str]") -> None:

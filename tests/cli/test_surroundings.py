@@ -1,5 +1,6 @@
 """Closed or full streams and missing parts end in the exit code of the pages, never in a traceback or in that of a verdict."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -7,6 +8,9 @@ from pathlib import Path
 
 import pytest
 from faulty_runs import ROOT, TOOL, one_message
+
+from comparison.cli.commands import main
+from comparison.errors import message_of
 
 USAGE = 2
 
@@ -36,3 +40,32 @@ def test_a_missing_part_is_named_with_what_completes_the_installation(part: str,
     ended = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == TOOL
     one_message(ended.stderr, f"the Python module {part}", "is missing", "pip install")
+
+
+def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    line = f'cd "{gone}" && rmdir "{gone}" && exec "{sys.executable}" -m comparison run two_pads --no-yade -q -o "{tmp_path / "out"}"'
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(["sh", "-c", line], env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == TOOL
+    one_message(ended.stderr, "the current folder: No such file or directory")
+
+
+NEXT_STEPS = {
+    "full": (errno.ENOSPC, "free some space"),
+    "read-only": (errno.EROFS, "can be written"),
+    "closed": (errno.EACCES, "can be written"),
+}
+
+
+@pytest.mark.parametrize(("number", "step"), NEXT_STEPS.values(), ids=NEXT_STEPS)
+def test_a_disk_that_refuses_brings_a_next_step(number: int, step: str) -> None:
+    assert message_of(OSError(number, os.strerror(number), "case.h5")).startswith(f"case.h5: {os.strerror(number)}; ")
+    assert step in message_of(OSError(number, os.strerror(number), "case.h5"))
+
+
+def test_a_folder_in_the_place_of_a_result_brings_a_next_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "two_pads" / "case.h5").mkdir(parents=True)
+    assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]) == TOOL
+    one_message(capsys.readouterr().err, "case.h5: Is a directory; a folder stands where a file is needed")

@@ -23,6 +23,10 @@ DEATHS = {
     "no result": ("exit 0", "without writing its result"),
     "no reason": ("exit 7", "exit code 7"),
     "broken reports": ("echo progress {; echo progress 3; echo 'progress [1'; exit 7", "exit code 7"),
+    "reports of wrong values": (
+        """echo 'progress {"fraction": "x"}'; echo 'progress {"seconds_left": 1e999}'; echo 'progress {"lacks": 5}'; exit 7""",
+        "exit code 7",
+    ),
     "a result that is none": ('echo nothing > "$5"; exit 0', "not a whole file"),
 }
 
@@ -126,6 +130,28 @@ def test_a_python_that_says_nothing_is_no_yade(
     fake_python("", probe="exit 0")
     assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
     assert "does not say which YADE" in capsys.readouterr().err
+
+
+@pytest.mark.yade
+def test_a_python_that_says_rubbish_is_a_failed_tool(
+    fake_python: Fake, tmp_path: Path, plain_figures: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake_python("exit 7", probe=r"printf '\377\376'; exit 0")
+    assert main(["run", "two_pads", "-o", str(tmp_path / "out")]) == TOOL
+    said = capsys.readouterr().err
+    assert said.count("YADE: failed") == 1 and "exit code 7" in said
+
+
+def test_a_program_that_the_system_cannot_start_is_no_yade(
+    tmp_path: Path, plain_figures: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "python"
+    program.write_bytes(b"no program")
+    program.chmod(0o755)
+    monkeypatch.setenv("CROSSCHECK_YADE_PYTHON", str(program))
+    assert main(["run", "two_pads", "two_blocks", "-o", str(tmp_path / "out")]) == TOOL
+    said = capsys.readouterr().err
+    assert said.count("YADE: missing") == 2 and "does not run" in said and "apt-get install" in said
 
 
 def test_the_ladder_of_costs_without_yade_says_so(

@@ -40,7 +40,7 @@ def execute(context: Context) -> int:
     """Run a campaign, print its table, and return the gravest exit code of its cases."""
     options = context.options
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
-        raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet"')
+        raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet": pip install pyarrow')
     path = find_campaign(options.campaign)
     campaign_definition = definition.load_campaign(path)
     folder = (options.output or default_folder(path)).resolve()
