@@ -90,10 +90,11 @@ def _followed(
         overtime.start()
         started()
         assert process.stdout is not None  # it is a pipe
-        for line in process.stdout:
-            record.write(line)
-            if (report := _report(line)) is not None:
-                progress(report)
+        with process.stdout:
+            for line in process.stdout:
+                record.write(line)
+                if (report := _report(line)) is not None:
+                    progress(report)
         return process.wait()
     finally:
         overtime.cancel()

@@ -69,3 +69,13 @@ def test_a_folder_in_the_place_of_a_result_brings_a_next_step(tmp_path: Path, ca
     (tmp_path / "two_pads" / "case.h5").mkdir(parents=True)
     assert main(["run", "two_pads", "--no-yade", "-q", "-o", str(tmp_path)]) == TOOL
     one_message(capsys.readouterr().err, "case.h5: Is a directory; a folder stands where a file is needed")
+
+
+def test_a_run_leaves_no_pipe_of_yade_open(tmp_path: Path) -> None:
+    program = tmp_path / "python"
+    program.write_text("#!/bin/sh\nexit 7\n")
+    program.chmod(0o755)
+    command = [sys.executable, "-W", "always::ResourceWarning", "-m", "comparison", "run", "two_pads", "-q", "-o", str(tmp_path / "out")]
+    environment = {**os.environ, "CROSSCHECK_YADE_PYTHON": str(program)}
+    ended = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ended.returncode == TOOL and "ResourceWarning" not in ended.stderr, ended.stderr
