@@ -45,8 +45,8 @@ SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in th
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
 RESTS = "See in the figure whether the curve rests there. If so, turning blocks may release a thrust that friction held."
 TWO_LEVELS = f"{RESTS} Otherwise repeat both methods with finer settings. {HARDER}"
-INTERVAL = "Work with the interval of the mechanism: it holds for every history of friction."
-LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the mechanism's interval: a small disturbance decides between them."
+BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
+LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ def _other_history(results: Results) -> tuple[str, str]:
     if not abs(other - rest) > UNCERTAIN * max(abs(rest), least_reaction(analysis) / UNCERTAIN):
         return "", ""
     states = f"{rest:.6g} {scene.unit} in limit analysis, {other:.6g} {scene.unit} in YADE"
-    return f"After the lift ([yade] wedging) the methods are at rest in different states ({states}): two histories of friction.", INTERVAL
+    return f"After the lift ([yade] wedging) the methods are at rest in different states ({states}): two histories of friction.", BOUNDS
 
 
 def _jump(results: Results) -> tuple[str, str]:

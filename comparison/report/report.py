@@ -20,8 +20,10 @@ LIMITATIONS = (
     "forces over sections.",
     "Where joints slide, the associated answer is a bound and not a prediction: its flow rule makes sliding joints open "
     "(u_n = mu u_t), but sliding joints of dry stone do not open. The Coulomb prediction has no dilatancy, but its reaction may "
-    "depend on the history of friction. The interval shows how much. Elastic joints under one steady settlement select a value within "
-    "the interval, found by a quasi-static path from rest. Another history, such as repeated settlement, may select another value.",
+    "depend on the history of friction. The interval shows how much, as long as the mechanism stays the same. Elastic joints under "
+    "one steady settlement select a value within the interval, found by a quasi-static path from rest. Another history, such as "
+    "repeated settlement, may select another value, or another mechanism with a value outside the interval; only the bounds hold for "
+    "every history.",
     "The uncertainty of the Coulomb prediction comes from paths of different viscosity and from the change left in their curves. It is an "
     "estimate and no proof. A structure may have several plateaus; then no single value is the answer.",
     "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path have "

@@ -84,8 +84,8 @@ print(f"YADE's base carries {100.0 * more:.0f} % more than without the lift")
 
 # %% [markdown]
 # The program does not call this a disagreement: after the lift the two methods came to rest in different states, so they follow different
-# histories of friction. It does not call it agreement either. Both numbers lie within the interval. An engineer who does not know the
-# history of a wall should work with the interval.
+# histories of friction. It does not call it agreement either. Both numbers lie within the interval, because the mechanism is
+# the same. Another history may even lead to another mechanism, so an engineer who does not know the history should work with the bounds.
 #
 # ## Question
 #
