@@ -1,6 +1,6 @@
 """Search for joints that slide on the way to the plateau.
 
-Without sliding, friction has no history, and the associated answer is Coulomb's.
+Without sliding on the way from rest friction does no work, and the associated answer is Coulomb's.
 
 The associated mechanism alone does not decide: dilatancy wedges blocks that slide without it, such as the lunes of a
 dome. The structure is therefore also followed from rest over its travel, with slightly less friction. Slip on the way
@@ -130,7 +130,7 @@ def _slide_on_the_way(joints: ElasticJoints, wedging: float, associated: Solutio
     if abs(path.points[-1].value - bound) > SAME_VALUE * reference_size(bound):
         return True, "the strain of the joints keeps the structure from its plateau, so friction decides the value", iterations
     less = f"{1.0 - LESS_FRICTION:.0%}"
-    return False, f"no joint slides while the support moves, even with {less} less friction: its history does not matter", iterations
+    return False, f"no joint slides while the support moves, even with {less} less friction: the bound is the value from rest", iterations
 
 
 def _friction_work(joints: ElasticJoints, before: State, last: State) -> np.ndarray:
