@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -21,6 +22,7 @@ from comparison.errors import WorkerLostError
 
 ATTEMPTS = 3  # at work whose worker dies: the system may have killed it because other processes used up the memory
 GRACE = 3.0  # s for a worker to end YADE and finish its files
+AGAIN = 0.01  # s until a worker whose stop Python dropped is stopped once more
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _CONTEXT = multiprocessing.get_context("spawn")
 
@@ -162,6 +164,14 @@ def _serve(function: Callable[[Any], Any], pipe: Connection) -> None:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)  # one stop is enough: a second one must not interrupt the cleaning up
         raise StoppedError
 
+    def dropped(error: "sys.UnraisableHookArgs") -> None:
+        if error.exc_type is StoppedError:  # Python drops what is raised while it destroys an object: the stop comes once more
+            signal.signal(signal.SIGTERM, stop)
+            threading.Timer(AGAIN, os.kill, (os.getpid(), signal.SIGTERM)).start()
+        else:
+            sys.__unraisablehook__(error)
+
+    sys.unraisablehook = dropped
     signal.signal(signal.SIGTERM, stop)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     with contextlib.suppress(EOFError, OSError, StoppedError):

@@ -9,12 +9,25 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from faulty_runs import INTERRUPTED, PATIENCE, TOOL, crosscheck, dies, endless, fails_unreadably, one_message, refuses, unfinished, wait_for
+from faulty_runs import (
+    INTERRUPTED,
+    PATIENCE,
+    TOOL,
+    crosscheck,
+    dies,
+    endless,
+    fails_unreadably,
+    one_message,
+    refuses,
+    stops_while_an_object_ends,
+    unfinished,
+    wait_for,
+)
 from processes import is_gone, reached, tree
 
 from comparison.cli.commands import main
 from comparison.errors import WorkerLostError
-from comparison.workflow import ATTEMPTS, WorkerProcesses
+from comparison.workflow import ATTEMPTS, WorkerProcesses, worker_processes
 from la_core.errors import SceneError
 from la_core.scene.shipped import find
 
@@ -95,6 +108,17 @@ def test_an_error_found_during_a_run_is_said_alike_and_earlier_scenes_keep_their
     assert main(["run", "two_pads", str(own / "rubble.toml"), "-o", str(out), "--no-yade", "--workers", workers, "-q"]) == USAGE
     one_message(capsys.readouterr().err, "through a link; remove the link")
     assert "two_pads" in (out / "report.md").read_text(encoding="utf-8")
+
+
+def test_a_stop_that_comes_while_an_object_ends_is_no_traceback_and_stops_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(worker_processes, "GRACE", PATIENCE)
+    with WorkerProcesses(stops_while_an_object_ends, 1) as workers:
+        workers.begin(tmp_path)
+        wait_for((tmp_path / "begun").exists)
+    assert (tmp_path / "finished").exists()
+    assert capfd.readouterr().err == ""
 
 
 def test_work_whose_workers_all_die_is_lost_in_words() -> None:

@@ -61,6 +61,26 @@ def dies(*ignored: object, **options: object) -> None:
     os._exit(9)
 
 
+class _Ending:
+    """An object whose end takes so long that a stop comes meanwhile, and tells when it has begun."""
+
+    def __init__(self, begun: Path) -> None:
+        self.begun = begun
+
+    def __del__(self) -> None:
+        self.begun.touch()
+        time.sleep(PATIENCE)
+
+
+def stops_while_an_object_ends(folder: Path) -> None:
+    """Work that is stopped while Python destroys an object, and that has something to finish."""
+    _Ending(folder / "begun")
+    try:
+        time.sleep(PATIENCE)
+    finally:
+        (folder / "finished").touch()
+
+
 class UnreadableError(Exception):
     """An error that can be pickled and not be read again, as some libraries' are."""
 
