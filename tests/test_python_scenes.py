@@ -1,6 +1,7 @@
 """Scenes built and varied in Python are those of files, and so are the messages about their mistakes."""
 
 import dataclasses
+import operator
 import re
 import tomllib
 from collections.abc import Callable
@@ -140,3 +141,11 @@ def test_a_wrong_entry_of_an_array_is_said_once() -> None:
         with pytest.raises(la_core.SceneError) as refused:
             la_core.variant("two_pads", {"settlement.direction": value})
         assert str(refused.value) == f"variant of two_pads: {told}"
+
+
+@pytest.mark.parametrize("array", ["gravity", "support_twist", "blocks.density", "blocks.vertices", "loads.force"])
+def test_the_arrays_of_a_scene_cannot_be_changed_behind_its_text(array: str) -> None:
+    scene = la_core.load("two_pads")
+    with pytest.raises(ValueError, match="read-only"):
+        operator.attrgetter(array)(scene)[...] = 0.0
+    assert la_core.solve(scene, bounds_only=True).least == la_core.solve("two_pads", bounds_only=True).least

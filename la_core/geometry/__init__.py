@@ -1,7 +1,7 @@
 """Blocks, the interfaces at which they touch, and the contact points there."""
 
 from la_core.geometry import shapes
-from la_core.geometry.blocks import ROLES, Blocks
+from la_core.geometry.blocks import ROLES, Blocks, hold_arrays
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
@@ -27,6 +27,7 @@ __all__ = [
     "face_polygons",
     "find_interfaces",
     "gaps",
+    "hold_arrays",
     "joint_rooms",
     "loft",
     "missed_joints",

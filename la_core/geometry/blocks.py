@@ -177,6 +177,14 @@ def _triangles(face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndar
     return face_vertex[np.stack([first, first + place, first + place + 1], axis=1)], face
 
 
+def hold_arrays(*records: object) -> None:
+    """Make the arrays among the attributes of records read-only."""
+    for record in records:
+        for value in vars(record).values():
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+
+
 def _face_planes(vertices: np.ndarray, face_vertex: np.ndarray, face_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     corners, face = _triangles(face_vertex, face_start)
     a, b, c = (vertices[corners[:, k]] for k in range(3))

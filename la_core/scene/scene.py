@@ -9,7 +9,7 @@ import numpy as np
 import pydantic
 
 from la_core.errors import SceneError, visible
-from la_core.geometry import ROLES, Blocks, shapes
+from la_core.geometry import ROLES, Blocks, hold_arrays, shapes
 from la_core.pictures import picture
 from la_core.repair import Repairs
 from la_core.scene import reading
@@ -35,8 +35,8 @@ from la_core.text_table import Tabled, number_text
 class Scene(Tabled):
     """Validated scene: blocks, joint law, support motion or live load, requested effects and expected values.
 
-    Units are SI; the axis z points up. `load`, `build` and `variant` make scenes. `print(scene)` shows a summary as a
-    table, and so does a notebook.
+    Units are SI; the axis z points up. `load`, `build` and `variant` make scenes; arrays are read-only. `print(scene)` shows a
+    summary as a table, and so does a notebook.
 
     Attributes
     ----------
@@ -136,6 +136,9 @@ class Scene(Tabled):
     load_names: tuple[str, ...] = ()
     tilt: np.ndarray | None = None
 
+    def __post_init__(self) -> None:
+        hold_arrays(self, self.blocks, self.loads, *([self.ties] if self.ties else []))  # so that `text` stays true
+
     def located(self, error: SceneError) -> SceneError:
         """An error of the scene's blocks or keys with the file before it, and with the lines where the file has this text.
 
@@ -226,16 +229,11 @@ def scene_of_text(text: str, path: Path, name: str, counts_lines: bool = False) 
     """
     data, counted = reading.tables_of(text, path), text if counts_lines else ""
     try:
-        return _build(path, name, text, _validate(data, counted), counted)
+        return _build(path, name, text, scene_file.SceneFile.model_validate(data), counted)
     except SceneError as error:
         raise SceneError(str(path), str(error)) from error
-
-
-def _validate(data: dict[str, Any], counted: str) -> scene_file.SceneFile:
-    try:
-        return scene_file.SceneFile.model_validate(data)
     except pydantic.ValidationError as error:
-        raise as_scene_error(error, data, scene_file.SceneFile, counted) from error
+        raise SceneError(str(path), str(as_scene_error(error, data, scene_file.SceneFile, counted))) from error
 
 
 def _build(path: Path, name: str, text: str, file: scene_file.SceneFile, counted: str) -> Scene:
