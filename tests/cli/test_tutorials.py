@@ -89,6 +89,17 @@ def test_notebooks_are_written_for_one_or_for_all(tmp_path: Path, capsys: pytest
     nbformat.validate(nbformat.read(tmp_path / "one" / "arch.ipynb", as_version=4))
 
 
+def test_a_notebook_that_a_student_worked_in_is_not_replaced(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["tutorial", "--notebook", "-o", str(tmp_path)]
+    assert main(command) == main(command) == 0  # what nobody changed is written again
+    (tmp_path / "arch.ipynb").write_text("an answer", encoding="utf-8")
+    (tmp_path / "pads.ipynb").unlink()
+    assert main(command) == 2
+    assert "arch.ipynb: exists with other content and is not replaced" in " ".join(capsys.readouterr().err.split())
+    assert (tmp_path / "arch.ipynb").read_text(encoding="utf-8") == "an answer"
+    assert not (tmp_path / "pads.ipynb").exists()  # all of them, or none
+
+
 @pytest.mark.yade
 def test_a_wrong_number_in_a_walk_through_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     script = (tutorial.SCRIPTS / "pads.py").read_text(encoding="utf-8")

@@ -109,12 +109,17 @@ def folded(text: str) -> str:
 
 
 def write_notebooks(names: tuple[str, ...], folder: Path) -> list[Path]:
-    """Write tutorials as notebooks into a folder; returns their paths."""
+    """Write tutorials as notebooks into a folder; returns their paths. Raises SceneError before a student's work would be replaced."""
     folder.mkdir(parents=True, exist_ok=True)
-    paths = [folder / f"{name}.ipynb" for name in names]
-    for name, path in zip(names, paths, strict=True):
-        write_text(path, json.dumps(notebook(name), indent=1, ensure_ascii=False) + "\n")
-    return paths
+    texts = {folder / f"{name}.ipynb": json.dumps(notebook(name), indent=1, ensure_ascii=False) + "\n" for name in names}
+    for path, text in texts.items():
+        if path.exists() and path.read_bytes() != text.encode():
+            raise SceneError(
+                str(path), "exists with other content and is not replaced", hint="name another folder with -o, or move the file"
+            )
+    for path, text in texts.items():
+        write_text(path, text)
+    return list(texts)
 
 
 def execute(context: Context) -> int:
