@@ -47,7 +47,7 @@ def as_html(title: str, head: Sequence[str], body: Sequence[Sequence[str]]) -> s
 
 
 def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = None) -> Any:
-    """Rows as a table of pandas; raises SceneError where the extra of that name is not installed.
+    """Rows as a table of pandas, NaN where undefined; raises SceneError where the extra of that name is not installed.
 
     columns: names and order of the columns, which a table without rows has, too; None takes those of the rows.
     """
@@ -57,7 +57,9 @@ def dataframe(rows: Sequence[dict[str, Any]], columns: Sequence[str] | None = No
         raise SceneError(
             "to_dataframe", "needs pandas, which is not installed", hint='install the extra "pandas": pip install pandas'
         ) from error
-    return pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
+    table = pandas.DataFrame(list(rows), columns=None if columns is None else list(columns))
+    undefined = [name for name in table if len(table) and table[name].isna().all()]  # without a number pandas leaves None as it is
+    return table.astype(dict.fromkeys(undefined, float))
 
 
 class Tabled:

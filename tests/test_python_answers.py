@@ -10,6 +10,7 @@ import pytest
 import comparison
 import la_core
 from comparison.cli.commands import main
+from la_core.text_table import dataframe
 
 ROUND_OFF = 1e-6  # of the weight: residuals of a solved cone programme
 ELASTIC = 1e-3  # of the weight: joints are elastic in the prediction
@@ -94,6 +95,14 @@ def test_tables_of_pandas_are_made_where_it_is_installed(monkeypatch: pytest.Mon
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(la_core.SceneError, match='install the extra "pandas"'):
         answer.to_dataframe()
+
+
+def test_what_no_row_defines_is_not_a_number_in_tables_of_pandas() -> None:
+    pytest.importorskip("pandas")
+    table = dataframe([{"name": "one", "least": 1.0, "yade": None}, {"name": "two", "least": None, "yade": None}])
+    assert (table["yade"] > 0.0).tolist() == (table["least"] > 1.0).tolist() == [False, False]
+    assert table["name"].tolist() == ["one", "two"]
+    assert list(dataframe([], ["yade"]).columns) == ["yade"]
 
 
 def test_what_holds_arrays_shows_itself_in_one_line() -> None:
