@@ -22,7 +22,8 @@ LONGEST_NAME = 240  # bytes: file systems allow 255, and a second attempt adds t
 MOST_FRAMES = 50  # per second: a GIF counts hundredths of a second, and players refuse delays below two
 FIGURES = ("assembly.png", "mechanisms.png", "reaction.png", "forces.png", "dissipation.png", "viewer.json")  # of a scene's results
 TABLES = tuple(f"{stem}.{ending}" for stem in ("results", "costs") for ending in ("csv", "parquet"))
-OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, "outcome.json", ".call")
+OUTCOME = "outcome.json"  # of a case of a campaign, beside the folder of its results
+OF_CAMPAIGN = ("campaign.toml", "campaign.h5", "campaign.json", *TABLES, OUTCOME, ".call")
 WRITTEN = frozenset((*RESULTS, *FIGURES, ANIMATION, *REPORTS, *OF_CAMPAIGN))  # names of this program's files in folders that it locks
 _UNFINISHED = re.compile(r"(.+)\.\d+\.part", re.DOTALL)  # names of unfinished files, from `la_core.exchange.checksummed_file`
 

@@ -17,7 +17,7 @@ from comparison.errors import FolderInUseError, message_of
 from comparison.judge import without_undefined
 from comparison.provenance import describe
 from comparison.report import write_report
-from comparison.run_folder import alone_in, write_text
+from comparison.run_folder import OUTCOME, alone_in, write_text
 from comparison.workflow import COMPARISON_CODE, REPEATED, YADE_CODE, Listener, run_scene
 from comparison.yade import ROOT, read_results
 from la_core.analysis import LimitAnalysis, structural_model
@@ -25,7 +25,6 @@ from la_core.digests import code_digest
 from la_core.limit import ClassicParameters, Drive, Status, solve_sequentially
 from la_core.scene import Scene
 
-OUTCOME = "outcome.json"
 HERE = Path(__file__).parent
 OWN_CODE = tuple(HERE / name for name in ("columns.py", "job.py", "mechanism_labels.py"))  # the other modules only gather and draw
 CODE = (ROOT / "la_core", *YADE_CODE, *COMPARISON_CODE, *OWN_CODE)  # code that an outcome depends on

@@ -228,6 +228,20 @@ def test_the_command_exports_stored_results_or_a_scene(tmp_path: Path, capsys: p
     assert main(["export", str(tmp_path), "-o", str(tmp_path / "c")]) == 2
 
 
+def test_cases_of_a_campaign_are_exported_into_folders_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = 'yade = false\n[[sweep]]\nscene = "two_blocks"\nvary = { "joint.friction" = [0.3, 0.6] }\n'
+    (tmp_path / "friction.toml").write_text(text, encoding="utf-8")
+    assert main(["campaign", "friction.toml", "-o", "out", "--workers", "1", "-q"]) == 0
+    capsys.readouterr()
+    cases = [f"two_blocks_friction={friction}" for friction in (0.3, 0.6)]
+    for source in (f"out/cases/{cases[0]}", f"out/cases/{cases[1]}/two_blocks"):
+        assert main(["export", source]) == 0
+    assert capsys.readouterr().out.splitlines() == [f"{case}-paraview/structure.pvd" for case in cases]
+
+
 def test_a_real_run_of_yade_is_exported_with_forces_that_carry_the_weight(
     tmp_path: Path, cross_checked: Callable[[str], CrossChecked]
 ) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from comparison.cli.context import Context
 from comparison.cli.exit_codes import AGREE
 from comparison.report import export_results
+from comparison.run_folder import OUTCOME
 from comparison.yade import Results, locate_results, read_results
 from la_core.analysis import analyse
 from la_core.scene import load_scene, shipped
@@ -26,9 +27,15 @@ def _export_stored(folders: list[Path], output: Path | None) -> list[str]:
     """Export the stored results of scenes, those of several into folders of their names; return the files to open."""
     files: list[str] = []
     for folder in folders:
-        place = Path(f"{folder.name}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
+        place = Path(f"{_name(folder)}-paraview") if output is None else output / folder.name if len(folders) > 1 else output
         files += map(str, export_results(read_results(folder), place))
     return files
+
+
+def _name(folder: Path) -> str:
+    """Return the name of a scene's results, in a campaign that of the case: all cases of a sweep have results of one name."""
+    case = folder.resolve().parent
+    return case.name if (case / OUTCOME).is_file() else folder.name
 
 
 def _export_solved(source: str, output: Path | None) -> list[str]:
