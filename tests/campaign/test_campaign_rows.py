@@ -46,6 +46,11 @@ def test_the_worst_come_first_whatever_their_order_and_their_unit(tmp_path: Path
     assert [row["case"] for row in worst_first(heavier)] == [row["case"] for row in found]
 
 
+def test_cases_that_nothing_tells_apart_keep_the_order_of_the_campaign() -> None:
+    rows: list[dict[str, Any]] = [{"case": f"density={density}", "verdict": None} for density in (900.0, 1000.0, 1e-5)]
+    assert worst_first(rows) == rows
+
+
 def test_a_deviation_of_one_is_what_sliding_joints_and_the_uncertainty_allow(tmp_path: Path) -> None:
     row = campaign(tmp_path).rows[0] | {"yade": 400.0, "yade_uncertainty": 2.0, "coulomb": 396.0}  # 4 apart; 0.5 % of 400, and 2
     assert deviation(row) == pytest.approx(1.0)
