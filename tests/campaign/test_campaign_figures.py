@@ -10,6 +10,7 @@ from made_up_campaigns import FRICTIONS, INSET, MU, campaign, changed, left_out
 from comparison.campaign.columns import METHODS, result_columns
 from comparison.campaign.figures import lines as plot_lines
 from comparison.campaign.figures import maps
+from comparison.campaign.figures.case_costs import case_cost_figure
 from comparison.campaign.parameter_labels import label, quantity
 from comparison.campaign.report.report import write_campaign_report
 from comparison.campaign.row_groups import sweeps_of
@@ -103,3 +104,16 @@ def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:
     counted = {"record_rows", "poses"}
     assert {name for name in SETTINGS if not label(f"yade.{name}").endswith(")")} == counted
     assert label(MU, {MU: "tan phi"}) == "tan phi (-)" and label("wall[0].block[2]", {"wall[0].block[2]": "height"}) == "height (m)"
+
+
+def test_all_numbers_of_an_axis_have_one_size(tmp_path: Path) -> None:
+    table = campaign(tmp_path)
+    costs = [
+        {"case": row["case"], "limit_analysis_seconds": seconds}
+        for row, seconds in zip(table.rows, (0.02, 0.03, 0.05, 0.06, 0.07), strict=False)
+    ]
+    figure = case_cost_figure(replace(table, costs=costs))
+    assert figure is not None
+    figure.draw_without_rendering()
+    written = [text for axes in figure.axes for text in axes.yaxis.get_ticklabels(which="both") if text.get_text()]
+    assert len(written) > 4 and len({text.get_fontsize() for text in written}) == 1

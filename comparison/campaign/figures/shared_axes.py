@@ -100,7 +100,7 @@ def panel_figure(count: int, height: float, columns: int = COLUMNS) -> tuple[Fig
     for axes in grid[count:]:
         axes.set_axis_off()
     for axes in grid[:count]:
-        axes.tick_params(labelsize=8)
+        axes.tick_params(which="both", labelsize=8)
         axes.grid(color=FAINT, alpha=0.25, linewidth=0.5)
     return figure, list(grid[:count])
 
