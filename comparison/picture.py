@@ -73,7 +73,7 @@ def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = No
     Raises
     ------
     SceneError
-        No figure or no scene has this name.
+        No figure or no scene has this name, or `run` is no record of YADE.
 
     Examples
     --------
@@ -85,6 +85,8 @@ def draw(what: Scene | Path | str | Answer, name: str = "", run: Run | None = No
     if not isinstance(what, Answer):
         scene = load(what)
         return Picture(assembly_figure(scene, decided_model(scene).assembly))
+    if not isinstance(run, Run | None):
+        raise SceneError("run", "must be YADE's record, such as result.yade, or None", value=type(run).__name__)
     drawings, chosen = scene_figures(Results(what.analysis, run)), name or "mechanisms"
     if chosen not in drawings:
         raise SceneError(f'figure "{chosen}"', "unknown name", hint=nearest(str(chosen), drawings, "figures"))

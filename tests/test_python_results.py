@@ -125,6 +125,8 @@ def test_a_time_limit_that_is_none_is_refused_before_anything_runs(seconds: floa
 def test_a_figure_in_a_format_that_is_none_is_refused_in_words(tmp_path: Path) -> None:
     with pytest.raises(la_core.SceneError, match=r"x\.jpg: the file name of a figure must end in \.png, \.svg or \.pdf"):
         comparison.draw(la_core.load("two_pads")).save(tmp_path / "x.jpg")
+    with pytest.raises(la_core.SceneError, match="run = 'str': must be YADE's record"):
+        comparison.draw(la_core.solve("two_pads", bounds_only=True), run="results/two_pads/run.h5")  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
 
 
