@@ -52,7 +52,7 @@ def test_one_thicker_joint_leads_to_another_limit_state_within_the_bounds() -> N
         rest, _ = come_to_rest(joints, tangent)
         assert rest is not None
         path = follow(joints, tangent, rest, 1e-3, PredictionSettings(), 0.0, lambda *_: None)
-        assert path is not None and path.plateau.is_flat and path.certificate.worst <= ACCEPTED_RESIDUAL
+        assert path is not None and path.plateau.is_flat and path.end.certificate.worst <= ACCEPTED_RESIDUAL
         found.append(path)
     even, uneven = (joints.value_in_units(path.plateau.value) for path in found)
     least, greatest = (bound.value for bound in analysis.at_inset.bounds.values())
