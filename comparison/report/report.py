@@ -29,7 +29,9 @@ LIMITATIONS = (
     "Limit analysis keeps the undeformed geometry. Its bounds do not depend on stiffness; its Coulomb prediction and its path have "
     "elastic joints. YADE's joints may be stiffer, as the inputs of a scene say: they then reach the same strain at a smaller "
     "settlement, in proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
-    "settlement; only the tolerances cover the remaining influence of stiffness and speed.",
+    "settlement; only the tolerances cover the remaining influence of stiffness and speed. Where joints slide, turning blocks may release "
+    "a thrust after some tenths of a millimetre, and the reaction comes to another plateau within the bounds: [yade] "
+    "plateau_share = 1.0 sends YADE over the whole travel.",
     "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
     "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
     "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",
