@@ -251,9 +251,8 @@ class Protocol:
                 self._set_speed(row.time - self._start_time + 0.5 * self.model.watch.iterPeriod * Omega().dt)
         else:
             self.asked_settlement = self._servo.pulled(row.time - self._start_time)[0]
-        if (
-            travelled - self._origin >= self._next_pose and row.settlement > self.record.poses[-1].settlement
-        ):  # a lifted support begins below 0
+        is_later = row.settlement > self.record.poses[-1].settlement  # a lifted support begins below 0
+        if is_later and travelled - self._origin >= self._next_pose:
             self.record.store_pose()
             is_early = travelled < settings.plateau_travel
             apart = settings.plateau_travel / EARLY_POSES if is_early else LATE_POSES * (travelled - self._origin)

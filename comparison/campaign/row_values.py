@@ -110,12 +110,12 @@ def deviation(row: Row) -> float | None:
 
 
 def worst_first(rows: list[Row]) -> list[Row]:
-    """Return rows by falling deviation; rows without one come last, by gravity of the verdict; equal rows keep their order."""
-    gravity = {"disagree": 0, "cannot stand": 1, "inconclusive": 1}
+    """Return rows by falling deviation; rows without one come last, by severity of the verdict; equal rows keep their order."""
+    severity = {"disagree": 0, "cannot stand": 1, "inconclusive": 1}
 
     def key(row: Row) -> tuple[bool, float, int]:
         apart = deviation(row)
-        return apart is None, -(apart or 0.0), gravity.get(str(row.get("verdict")), 2)
+        return apart is None, -(apart or 0.0), severity.get(str(row.get("verdict")), 2)
 
     return sorted(rows, key=key)
 

@@ -15,7 +15,7 @@ from comparison.verdict import Verdict
 
 
 def conclude(reports: list[tuple[Path, list[dict[str, Any]]]], context: Context, left_out: Mapping[Path, list[str]] | None = None) -> int:
-    """Write the report of each folder, print verdict tables or one JSON object, and return the gravest exit code.
+    """Write the report of each folder, print verdict tables or one JSON object, and return the most severe exit code.
 
     reports: folders with the comparisons of their scenes (dictionaries in the form of comparison.json). left_out: by folder, names of
     scenes whose results cannot be read.

@@ -257,9 +257,9 @@ def _check_balance(results: Results) -> Check:
     """
     scene, analysis, run = results.scene, results.analysis, results.recorded
     assembly = analysis.assembly
-    left = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
+    left_over = run.plateau_wrenches(assembly) + assembly.dead_load + _multiplier(results) * assembly.live_load
     free = assembly.blocks.free
-    power = float(np.sum(left[free] * analysis.main_answer.twists[free]))
+    power = float(np.sum(left_over[free] * analysis.main_answer.twists[free]))
     tolerance = reaction_tolerance(results)
     sizes = [f"{size:.3g} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"

@@ -20,12 +20,13 @@ from comparison.numbers import (
 )
 from la_core.text_table import without_round_off
 
-LIMITS = "No answer lies below R_min or above R_max; the Coulomb prediction is limit analysis' answer with the friction of stone."
+_STONE = "the Coulomb prediction is limit analysis' answer with the friction of stone."
+LIMITS = f"No state in balance on these contact points lies below R_min or above R_max; {_STONE}"
 MEANINGS = {  # what the values are, by their unit
     "N": f"R is the force of the support against its motion, W the weight of the free blocks. {LIMITS}",
     "N m": f"R is the moment of the support against its rotation, W the weight of the free blocks. {LIMITS}",
-    "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No answer lies above the "
-    "associated one; the Coulomb prediction is limit analysis' answer with the friction of stone.",
+    "": "The multiplier is the live load over the weight of the blocks; of a tilt it is the tangent of the angle. No state in balance on "
+    f"these contact points lies above the associated one; {_STONE}",
 }
 NOT_STATED = "not stated: thresholds of slip, or paths, give different intervals"  # why `la_core.coulomb.stated_interval` withholds one
 ROUND_OFF = 1e-9  # of a stiffness

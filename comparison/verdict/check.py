@@ -10,7 +10,7 @@ from comparison.numbers import said_once
 
 
 class Verdict(enum.StrEnum):
-    """Verdict of one check or of a whole comparison; a comparison has the gravest verdict of its checks.
+    """Verdict of one check or of a whole comparison; a comparison has the most severe verdict of its checks.
 
     Attributes
     ----------

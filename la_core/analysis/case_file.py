@@ -28,7 +28,7 @@ OWN_FIELDS = (*exchange.PART_FIELDS, exchange.JOINT_INSET, exchange.SUPPORT_TWIS
 
 
 def _fields(scene: Scene, predictions: dict[str, bool], has_path: bool) -> tuple[exchange.Field, ...]:
-    groups = [f"{edges}/{drive.group}" for edges in ("associated", "associated_sharp") for drive in drives(scene)]
+    groups = [f"{problem}/{drive.group}" for problem in ("associated", "associated_sharp") for drive in drives(scene)]
     fields = exchange.CASE_FIELDS + tuple(field for group in groups for field in exchange.solution_fields(group))
     for group, with_path in predictions.items():
         fields += exchange.coulomb_fields(group, with_path)

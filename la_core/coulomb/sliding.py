@@ -1,6 +1,6 @@
 """Search for joints that slide on the way to the plateau.
 
-Without sliding on the way from rest friction does no work, and the associated answer is Coulomb's.
+Without sliding on the way from rest, friction does no work, and the associated answer is Coulomb's.
 
 The associated mechanism alone does not decide: dilatancy wedges blocks that slide without it, such as the lunes of a
 dome. The structure is therefore also followed from rest over its travel, with slightly less friction. Slip on the way

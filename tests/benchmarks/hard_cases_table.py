@@ -64,7 +64,7 @@ class Outcome:
 
     @property
     def sharp(self) -> float:
-        """Least reaction over the weight without dilatancy, for sharp edges where no joint slides; NaN where there is none."""
+        """Least reaction over the weight without dilatancy, for sharp edges where no joint slides; NaN where the outcome has no value."""
         assert self.summary is not None
         analysis = self.summary["limit_analysis"]
         answer = analysis["coulomb"] or analysis["associated"]

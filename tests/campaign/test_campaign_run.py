@@ -110,7 +110,7 @@ def test_without_yade_a_run_of_an_earlier_call_is_not_told(tmp_path: Path, plain
     ("verdicts", "code"),
     [(["agree"], 0), (["agree", None], 0), (["agree", "inconclusive"], 4), (["inconclusive", "disagree"], 1), (["disagree", "failed"], 3)],
 )
-def test_the_gravest_case_decides_the_exit_code(verdicts: list[str | None], code: int, tmp_path: Path) -> None:
+def test_the_most_severe_case_decides_the_exit_code(verdicts: list[str | None], code: int, tmp_path: Path) -> None:
     from comparison.cli.study_verbs.campaign import exit_code
 
     rows = [{"state": "failed", "verdict": None} if verdict == "failed" else {"state": "done", "verdict": verdict} for verdict in verdicts]

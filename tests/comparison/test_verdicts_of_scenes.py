@@ -1,4 +1,4 @@
-"""The verdict of a scene: the gravest check decides, a fall needs a proof, and an expected value a solved answer."""
+"""The verdict of a scene: the most severe check decides, a fall needs a proof, and an expected value a solved answer."""
 
 import dataclasses
 import math
@@ -74,7 +74,7 @@ def test_the_scene_s_own_expectation_is_checked_for_sharp_edges() -> None:
     assert Verdict.DISAGREE in {check.verdict for check in check_expected(dataclasses.replace(analysis, scene=wrong))}
 
 
-def test_the_gravest_check_decides_and_gives_the_reason() -> None:
+def test_the_most_severe_check_decides_and_gives_the_reason() -> None:
     good, open_, bad = (Check("c", verdict, reason=verdict.value) for verdict in (Verdict.AGREE, Verdict.INCONCLUSIVE, Verdict.DISAGREE))
     assert overall([good, open_, bad]) == (Verdict.DISAGREE, "disagree")
     assert overall([good, open_]) == (Verdict.INCONCLUSIVE, "inconclusive")

@@ -65,7 +65,7 @@ def test_where_the_support_leaves_alone_no_joint_slides_in_the_mechanism_but_one
 
 @pytest.mark.parametrize("settlement", [scenes.DOWN, (0.6, 0.0, -1.0)])
 def test_where_the_support_leaves_alone_friction_decides_nothing(settlement: tuple[float, ...]) -> None:
-    """A reaction of zero is known to a share of the weight, not of its own rounding errors; sharp arrises then have a prediction."""
+    """A reaction of zero is known to a share of the weight, not of its own rounding errors; sharp edges then have a prediction."""
     scene = scenes.build(*scenes.wall(3, 2, split=1.1), inset=0.001, settlement=settlement, model="auto")
     answer = analyse(scene)
     assert answer.assembly.effects.friction == "none-slides"

@@ -6,7 +6,7 @@ import scenes
 from benchmark_turning import TOGETHER, ends_of, yade_over_the_travel
 from scipy.spatial.transform import Rotation
 from turning_joints import TurningJoints
-from verdict_scenes import drawn
+from verdict_scenes import FRESH_SEED, SEED, drawn
 
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.model import assemble, joint_stiffness, twists_of
@@ -44,7 +44,7 @@ def _finite(joints: TurningJoints, blocks: np.ndarray) -> np.ndarray:
 
 def test_turning_blocks_release_a_thrust_that_the_prediction_keeps() -> None:
     """YADE has 0.0808 W over the first tenth of a millimetre, and 0.0660 W after the whole travel (page *turning*)."""
-    ends = ends_of(drawn(0, 20261127).scene)
+    ends = ends_of(drawn(0, FRESH_SEED).scene)
     assert ends is not None and ends.are_flat
     assert ends.first == pytest.approx(ends.coulomb, rel=1e-3)
     assert ends.second == pytest.approx(0.0660, rel=5e-3) and ends.left_at < 1e-4
@@ -52,7 +52,7 @@ def test_turning_blocks_release_a_thrust_that_the_prediction_keeps() -> None:
 
 @pytest.mark.slow
 def test_yade_releases_the_same_thrust() -> None:
-    scene = drawn(35, 20261126).scene
+    scene = drawn(35, SEED).scene
     ends, (reaction, uncertainty) = ends_of(scene), yade_over_the_travel(scene)
     assert ends is not None and abs(ends.change) > 0.1
     assert reaction == pytest.approx(ends.second, abs=uncertainty + TOGETHER * ends.second)

@@ -17,7 +17,7 @@ RESULTS_OF_A_RUN = ("case.h5", "run.h5", "comparison.json")  # any of them tells
 
 
 def execute(context: Context) -> int:
-    """Write every folder's report again and return the gravest exit code.
+    """Write every folder's report again and return the most severe exit code.
 
     A scene whose results cannot be read gets an error message, and the report of the others names it. Raises SceneError for a folder
     without results.

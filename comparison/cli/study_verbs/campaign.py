@@ -37,7 +37,7 @@ MOST_SHOWN = 60  # rows on a terminal; all of them are in results.csv
 
 
 def execute(context: Context) -> int:
-    """Run a campaign, print its table, and return the gravest exit code of its cases."""
+    """Run a campaign, print its table, and return the most severe exit code of its cases."""
     options = context.options
     if options.parquet and importlib.util.find_spec("pyarrow") is None:
         raise SceneError("--parquet", "needs pyarrow, which is not installed", hint='install the extra "parquet": pip install pyarrow')
@@ -72,7 +72,7 @@ def _sigterm_interrupts() -> Iterator[None]:
 
 
 def exit_code(table: CampaignTable) -> int:
-    """Return the exit code of the gravest case; a failed case is graver than a disagreement, and that than an inconclusive case."""
+    """Return the exit code of the most severe case: a failed one, then a disagreement, then a fall, then an inconclusive one."""
     if table.failures:
         return TOOL
     return max((EXIT_OF_VERDICT[row["verdict"] or None] for row in table.rows), key=SEVERITY.index, default=AGREE)

@@ -17,7 +17,7 @@ def is_campaign(folder: Path) -> bool:
 
 
 def report_campaigns(context: Context) -> int:
-    """Write the reports of campaigns again, with the tables beside them, and return the gravest exit code of all cases.
+    """Write the reports of campaigns again, with the tables beside them, and return the most severe exit code of all cases.
 
     Raises SceneError for a folder without a campaign.
     """
