@@ -3,7 +3,7 @@
 from typing import Any
 
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import PredictionSettings
+from la_core.coulomb import STIFFER, PredictionSettings
 from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.geometry import contact_points
 from la_core.model import PLANE_FREEDOMS, Assembly
@@ -16,6 +16,7 @@ EFFECTS: dict[str, tuple[bool | str, ...]] = {  # choices that leave the effect 
     "plane": (True,),
     "friction": ("none-slides", "associated"),
     "elasticity": ("none",),
+    "rotation": ("small",),
     "reach": (True,),
     "displacement": ("small",),
     "recording": ("plateau",),
@@ -24,6 +25,7 @@ WORDS = {  # the physical effect that is on or off
     "plane": "motion out of the plane",
     "friction": "sliding without dilatancy",
     "elasticity": "strain of the joints",
+    "rotation": "release of thrusts by turning blocks",
     "reach": "blocks beyond the support's reach",
     "displacement": "contacts that come into being",
     "recording": "states on the way to the plateau",
@@ -78,6 +80,7 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
     saved = {
         "friction": {"quasi-static paths, at least": PATHS - 1},
         "elasticity": {"springs": points * components},
+        "rotation": {"travels of a path, at least": round(STIFFER) - 1},
         "displacement": {"engine in YADE, the collider": 1},
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }

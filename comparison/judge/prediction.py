@@ -43,7 +43,7 @@ FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a fi
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
 SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
-RESTS = "See in the figure whether the curve rests there. If so, turning blocks may release a thrust that friction held."
+RESTS = 'Where the figure shows the curve at rest there, turning blocks may have released a thrust: set [effects] rotation = "finite".'
 TWO_LEVELS = f"{RESTS} Otherwise repeat both methods with finer settings. {HARDER}"
 BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."

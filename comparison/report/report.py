@@ -30,8 +30,8 @@ LIMITATIONS = (
     "elastic joints. YADE's joints may be stiffer, as the inputs of a scene say: they then reach the same strain at a smaller "
     "settlement, in proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
     "settlement; only the tolerances cover the remaining influence of stiffness and speed. Where joints slide, turning blocks may release "
-    "a thrust after some tenths of a millimetre, and the reaction comes to another plateau within the bounds: [yade] "
-    "plateau_share = 1.0 sends YADE over the whole travel.",
+    "a thrust after some tenths of a millimetre, and the reaction comes to another plateau within the bounds. [effects] "
+    'rotation = "small" is for settlements before this release, "finite" for settlements after it.',
     "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
     "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
     "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",

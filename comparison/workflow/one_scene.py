@@ -37,6 +37,10 @@ from la_core.analysis import LimitAnalysis, StructuralModel, structural_model
 from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
+AFTER_RELEASE = (
+    'Rotations are finite ([effects] rotation = "finite"): both methods answer for a settlement after which turning blocks have released '
+    "the thrusts that friction locked in."
+)
 Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # how to draw each figure of the results, by its name
 
 
@@ -162,11 +166,13 @@ def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis
 
 
 def _notes(analysis: LimitAnalysis) -> list[str]:
+    """Return what a reader must know of the question that both methods answer."""
     scene, shared = analysis.scene, analysis.assembly.inset
+    notes = [AFTER_RELEASE] if analysis.assembly.effects.rotation == "finite" else []
     if shared == scene.inset or (scene.accuracy is not None and scene.inset != 0.0):
-        return []
+        return notes
     rounded = f"YADE needs an inset and uses its smallest, {shared:g} m"
-    return [f"The scene has sharp edges (inset 0). {rounded}; its result is compared with limit analysis at the same inset."]
+    return [*notes, f"The scene has sharp edges (inset 0). {rounded}; its result is compared with limit analysis at the same inset."]
 
 
 def _compare(outcome: SceneOutcome, folder: Path, listener: Listener, figures: Figures | None) -> dict[str, Any]:

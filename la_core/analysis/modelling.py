@@ -81,6 +81,11 @@ def smallest_inset(assembly: Assembly) -> float:
     return float(min(SMALLEST_INSET, SMALLEST_INSET_SHARE * middle))
 
 
+def has_given_stiffness(scene: Scene) -> bool:
+    """Whether the scene sets the stiffness of YADE's joints, or wedging, whose thrust is in proportion to it."""
+    return "normal_stiffness" in scene.yade or wedging(scene) != 0.0
+
+
 def wedging(scene: Scene) -> float:
     """Motion of the support against its settlement before gravity acts, m (rad for a rotation)."""
     return float(scene.yade.get("wedging", 0.0))

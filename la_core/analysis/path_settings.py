@@ -4,8 +4,9 @@ import numpy as np
 
 from la_core import exchange
 from la_core.analysis.accuracy import scale
+from la_core.analysis.modelling import has_given_stiffness
 from la_core.analysis.result import LimitAnalysis
-from la_core.coulomb import FLAT, CoulombSolution, plateau_of
+from la_core.coulomb import FLAT, STIFFER, CoulombSolution, plateau_of
 
 LONG_PATH = 1.5  # travels: a path that was followed for longer was not flat after the first
 STIFFENING_PER_TRAVEL, MOST_STIFFENING = 4.0, 32.0  # one travel of the path is a quarter of a run's
@@ -24,8 +25,10 @@ def settings_after_path(analysis: LimitAnalysis) -> dict[str, float]:
     With stiffer joints one travel of a run is as many elastic sags as several travels of the path. Joints stiff enough for a longer
     path would make steps too short: YADE may then stop only where all of its plateau lies beyond the travel that the path took to settle.
     Empty where the path needed one travel, where the scene sets the stiffness itself, and where wedging gives the structure a thrust in
-    proportion to it.
+    proportion to it. Where blocks turn on the path, YADE covers its whole travel, with the joints that the path stands for.
     """
+    if analysis.assembly.effects.rotation == "finite":
+        return {"plateau_share": 1.0} | ({} if has_given_stiffness(analysis.scene) else {"least_stiffening": STIFFER})
     coulomb = _long_path(analysis)
     if coulomb is None:
         return {}
@@ -50,10 +53,11 @@ def settings_of_long_run(analysis: LimitAnalysis) -> dict[str, float]:
 
 
 def _long_path(analysis: LimitAnalysis) -> CoulombSolution | None:
-    """Return the prediction if its path needed more than one travel; None otherwise, and where the scene sets stiffness or wedging."""
-    given, coulomb = analysis.scene.yade, analysis.coulomb
-    is_given = "normal_stiffness" in given or bool(given.get("wedging"))
-    return coulomb if coulomb is not None and not is_given and _flat_after(analysis, coulomb) > LONG_PATH else None
+    """Return the prediction if its path needed more than one travel by itself; None otherwise, and where the scene sets the stiffness."""
+    coulomb = analysis.coulomb
+    if coulomb is None or analysis.assembly.effects.rotation == "finite" or has_given_stiffness(analysis.scene):
+        return None
+    return coulomb if _flat_after(analysis, coulomb) > LONG_PATH else None
 
 
 def _flat_after(analysis: LimitAnalysis, coulomb: CoulombSolution) -> float:

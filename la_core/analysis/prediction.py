@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from la_core.analysis import reach
-from la_core.analysis.decisions import decide_effects
-from la_core.analysis.modelling import StructuralModel, wedging
+from la_core.analysis.decisions import decide_effects, with_rotation_explained
+from la_core.analysis.modelling import StructuralModel, has_given_stiffness, wedging
 from la_core.analysis.result import Answers
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings
 from la_core.coulomb import (
@@ -64,10 +64,16 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
         predicted = _predicted(model, region, decision.search, settings.prediction, listener)
         obstacle = _why_not_valid(bounds, predicted)
         if not obstacle:
-            return _with_whole_at_rest(model, predicted)
+            return _explained(model, _with_whole_at_rest(model, predicted))
         reason = f"the whole structure is modelled, because {obstacle}"
     whole = _with_effects(bounds, decision.effects.with_effect("reach", False, reason))
-    return _predicted(model, whole, decision.search, settings.prediction, listener)
+    return _explained(model, _predicted(model, whole, decision.search, settings.prediction, listener))
+
+
+def _explained(model: StructuralModel, answers: Pair) -> Pair:
+    """Return the answers with effects that say what their prediction shows."""
+    coulomb = answers[0].coulomb
+    return answers if coulomb is None else _with_effects(answers, with_rotation_explained(model.scene, answers[0].assembly, coulomb))
 
 
 def _with_effects(answers: Pair, effects: Effects) -> Pair:
@@ -120,7 +126,8 @@ def _predicted(
         if search is not None and not search.found:
             timed = search if bounds is at_inset else replace(search, seconds=0.0)  # the time of the search counts once
             return timed.as_coulomb(bounds.assembly, associated)
-        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings, listener.path)
+        as_given = has_given_stiffness(model.scene)
+        return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), settings, listener.path, as_given)
 
     if at_inset.assembly.effects.friction != "coulomb" and slides:
         return answers

@@ -4,7 +4,8 @@ from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.followed_path import PathProgress, PredictionSettings
 from la_core.coulomb.interval import interval_status
-from la_core.coulomb.plateau import FLAT, plateau_of
+from la_core.coulomb.path.turning import STIFFER
+from la_core.coulomb.plateau import FLAT, plateau_of, reference_size
 from la_core.coulomb.prediction import predict, reaction_at_rest
 from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
@@ -14,6 +15,7 @@ __all__ = [
     "FLAT",
     "SAME_VALUE",
     "SLIDING_SHARE",
+    "STIFFER",
     "CoulombSolution",
     "EquilibriumPath",
     "PathProgress",
@@ -25,5 +27,6 @@ __all__ = [
     "plateau_of",
     "predict",
     "reaction_at_rest",
+    "reference_size",
     "slides_in_mechanism",
 ]

@@ -134,7 +134,11 @@ def end_of(path: QuasiStaticPath) -> End:
 
 
 def certified_end(path: QuasiStaticPath, stretch: float) -> End:
-    """Go on with hardly any drag until the state is a limit state; otherwise return the step that comes closest."""
+    """Go on with hardly any drag until the state is a limit state; otherwise return the step that comes closest.
+
+    Rotations are small on this stretch, because a mechanism is one of first order.
+    """
+    turning, path.joints = path.joints, path.joints_as_turned
     best = end_of(path)
     most = path.iterations + max(END_ITERATIONS * path.iterations, LEAST_END_ITERATIONS)
     for _ in path.advance_to(path.last.progress + stretch, most, END_VISCOSITY, stretch / END_STEPS):
@@ -142,6 +146,7 @@ def certified_end(path: QuasiStaticPath, stretch: float) -> End:
         best = best.or_nearer(now)
         if now.certificate.worst <= ACCEPTED_RESIDUAL / 10.0:
             break
+    path.joints = turning
     return best
 
 

@@ -64,7 +64,7 @@ def follow_path(assembly: Assembly, stiffness: JointStiffness, settlement: float
         Motion of the support against its settlement before gravity acts, m or rad.
     """
     start = time.perf_counter()
-    joints = ElasticJoints(assembly, stiffness)
+    joints = ElasticJoints(assembly, stiffness, 0.0 if assembly.effects.rotation == "small" else 1.0)
     tangent = Tangent(joints)
     rest, _ = come_to_rest(joints, tangent, wedging / stiffness.travel)
     points: list[Point] = []

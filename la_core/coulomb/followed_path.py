@@ -15,7 +15,7 @@ from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, End, certified_end, e
 from la_core.coulomb.lasting import Lasting
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel
+from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel, least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.plateau import Plateau
@@ -38,6 +38,7 @@ MORE_VISCOUS, LAST_OF_SMOOTH = 0.1, 1e-3  # first viscosity over that of a small
 MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of one with sharp joints
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
+TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
 END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
@@ -177,11 +178,16 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
 
 
 def follow(
-    joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, least_travel: float, send: Sender
+    joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, as_far_as: float, send: Sender
 ) -> FollowedPath | None:
-    """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on."""
-    end = first_travel(joints)
-    least, longest = max(end, least_travel), 2.0**settings.doublings * end
+    """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on.
+
+    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more.
+
+    as_far_as: least travel of the path.
+    """
+    end, turned = first_travel(joints), least_travel(joints)
+    least, longest = max(turned, as_far_as), _longest(joints, settings)
     more = max(len(joints.weights) / BIG, 1.0) ** 2
     viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
@@ -193,7 +199,9 @@ def follow(
         reached, progress, values = path.last.progress, *path.curve
         is_last = reached < end or end >= longest
         found = plateau.plateau_of(progress, values, reached, values[-1])
-        if found.is_known:
+        if reached >= turned and found.is_flat:
+            path.joints = path.joints_as_turned
+        if reached >= turned and found.is_known:
             passed.append((found, path.copy()))
         if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
             ended = certified_end(path, END_STRETCH * reached)
@@ -233,7 +241,7 @@ def follow_large(
     The finest path goes on to the limit state near its end; a coarser one only shows what the smoothing changes. None where the
     path cannot begin.
     """
-    travel, most = first_travel(joints), MORE_EFFORT * _effort(joints, settings)
+    travel, least, most = first_travel(joints), least_travel(joints), MORE_EFFORT * _effort(joints, settings)
     force = 1.0 / len(joints.friction)  # mean contact force
     smooth, sharp = SMOOTH * first * force, min(SMOOTH * first, SMOOTH_END) * force
     viscosity = Falling(MORE_VISCOUS * first, min(MORE_VISCOUS * first, LAST_OF_SMOOTH), travel)
@@ -242,7 +250,7 @@ def follow_large(
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, Falling(smooth, smooth, travel))
     again = AGAIN * settings.effort / PredictionSettings.effort
-    end = _to_plateau(path, travel, 2.0**settings.doublings * travel, most, again, send)
+    end = _to_plateau(path, least, _longest(joints, settings), most, again, send)
     if path.last.progress == end:
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
@@ -259,7 +267,7 @@ def follow_large(
 
 
 def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: float, again: float, send: Sender) -> float:
-    """Follow a path over its travel, and on until its plateau is known, at most to `longest`; return the end.
+    """Follow a path over its travel, and on until its plateau is known, at most to `longest`, where blocks cease to turn; return the end.
 
     most: most iterations of the path; again: most iterations beyond its travel, over those of its travel. A path that its limit ends within
     its travel has a progress below the returned end.
@@ -270,10 +278,16 @@ def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: floa
             send(point.progress, (1.0 + SHARPENED) * end, point.value)
         reached = path.last.progress
         if reached < end or end >= longest or plateau.plateau_of(*path.curve, reached, path.points[-1].value).is_known:
+            path.joints = path.joints_as_turned
             return max(reached, travel)
         if end == travel:
             most = min(most, (1.0 + again) * path.iterations)
         end *= 2.0
+
+
+def _longest(joints: ElasticJoints, settings: PredictionSettings) -> float:
+    """Longest travel of a path. A structure that turns farther has another geometry."""
+    return 2.0**settings.doublings * first_travel(joints) if joints.turning is None else TURNED * least_travel(joints)
 
 
 def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:

@@ -18,9 +18,10 @@ from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSetting
 from la_core.coulomb.interval import stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
-from la_core.coulomb.path.quasi_static_path import first_travel
+from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
@@ -47,6 +48,7 @@ def predict(
     wedging: float = 0.0,
     settings: PredictionSettings | None = None,
     report: Reporter | None = None,
+    as_given: bool = False,
 ) -> CoulombSolution:
     """Follow the structure from rest to its plateau and return the state there.
 
@@ -66,12 +68,15 @@ def predict(
         Viscosities and steps.
     report : callable, optional
         Receives the progress of the paths.
+    as_given : bool
+        Whether finite rotations are those of joints with this stiffness, over the travel; if not, the path stands for stiffer joints.
     """
     has_bound = associated.status is Status.SOLVED
     may_move = associated.status is Status.UNBOUNDED and assembly.effects.elasticity != "none"
     if not (has_bound or may_move):
         return without_answer(assembly, associated.status)
-    solution = _followed_from_rest(assembly, stiffness, wedging, settings or PredictionSettings(), report)
+    turning = 0.0 if assembly.effects.rotation == "small" else 1.0 if as_given else 1.0 / STIFFER
+    solution = _followed_from_rest(assembly, stiffness, turning, wedging, settings or PredictionSettings(), report)
     if has_bound:
         return _reaching_to(solution, associated.value, assembly.has_live_load)
     if solution.status is Status.SOLVED and not _is_locked_in(solution):
@@ -106,18 +111,18 @@ def _is_locked_in(solution: CoulombSolution) -> bool:
 
 
 def _followed_from_rest(
-    assembly: Assembly, stiffness: JointStiffness, wedging: float, settings: PredictionSettings, report: Reporter | None
+    assembly: Assembly, stiffness: JointStiffness, turning: float, wedging: float, settings: PredictionSettings, report: Reporter | None
 ) -> CoulombSolution:
-    """Return the state on the plateau of a structure that stands; the parameters are those of `predict`."""
+    """Return the state on the plateau of a structure that stands; turning: see `ElasticJoints`; others: see `predict`."""
     start = time.perf_counter()
-    joints = ElasticJoints(assembly, stiffness)
+    joints = ElasticJoints(assembly, stiffness, turning)
     tangent = Tangent(joints)
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
         return _of_falling_blocks(assembly, start, iterations)
     followed = _paths(joints, tangent, rest, settings, report) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
-    if not followed or followed[-1].plateau.travel < first_travel(joints):
+    if not followed or followed[-1].plateau.travel < least_travel(joints):
         smooth = _smooth_paths(joints, -rest.progress, settings, report)
         iterations += sum(path.iterations for path in smooth)
         followed = smooth or followed
@@ -166,7 +171,7 @@ def _paths(
         if one is None:
             return []
         followed.append(one)
-        if one.plateau.travel < first_travel(joints):
+        if one.plateau.travel < least_travel(joints):
             break
     return followed
 
@@ -217,7 +222,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
     twists = twists_of(assembly, (last.blocks - before.blocks) / stride) + motion
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
-    reached = last.progress >= first_travel(joints) and not still_smooth
+    reached = last.progress >= least_travel(joints) and not still_smooth
     certified = certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)

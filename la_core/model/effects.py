@@ -32,6 +32,8 @@ class Effects:
         States that YADE stores: "plateau" (at rest and on the plateau) or "states" (all the way).
     reasons : dict of str
         Reason for each effect, by its name.
+    rotation : str
+        Rotations of the blocks in limit analysis: "small", or "finite" (turning blocks may release thrusts).
     sliding_excluded : bool
         Sliding is excluded by Heyman's law at the scene's request, not only absent from the answer.
     called_back : tuple of str
@@ -45,6 +47,7 @@ class Effects:
     displacement: str
     recording: str
     reasons: dict[str, str]
+    rotation: str = "small"
     sliding_excluded: bool = False
     called_back: tuple[str, ...] = ()
 
@@ -67,11 +70,19 @@ def decide(scene: Scene) -> Effects:
         elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
     elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
         raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
+    if scene.effects.rotation == "finite" and friction in ("associated", "none-slides"):
+        obstacle = f'friction = "{friction}" yields bounds, which hold for every rotation'
+        raise SceneError("effects.rotation", obstacle, value="finite", hint='leave it out or say "auto"')
     by_request = "requested in the scene"
     reasons = {
         "plane": why_plane,
         "friction": by_request if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
         "elasticity": by_request if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
+        "rotation": by_request
+        if scene.effects.rotation != "auto"
+        else _BOUNDS_HOLD
+        if friction in ("associated", "none-slides")
+        else _SMALL,
     }
     return Effects(
         plane,
@@ -81,10 +92,13 @@ def decide(scene: Scene) -> Effects:
         displacement="finite",
         recording="states",
         reasons=reasons,
+        rotation="finite" if scene.effects.rotation == "finite" else "small",
         sliding_excluded=friction == "none-slides",
     )
 
 
+_SMALL = "the answer is for small settlements"
+_BOUNDS_HOLD = "bounds hold for every history of friction"
 _DEFAULT = "joints may slide, and real friction does not dilate"
 _WHY_ELASTIC = {
     "none": "bounds do not depend on the joints' strain",

@@ -128,9 +128,12 @@ def same_structure(scene: Scene, changes: Mapping[str, Any], name: str) -> Scene
 
 
 def full_model(scene: Scene) -> Scene:
-    """The scene with every effect modelled, named with FULL_SUFFIX; a requested associated or no-sliding law stays."""
-    law = scene.effects.friction
-    effects = EVERY_EFFECT | ({"friction": law} if law in ("associated", "none-slides") else {})
+    """The scene with every effect modelled, named with FULL_SUFFIX; a requested associated or no-sliding law stays.
+
+    So do rotations: they decide for which settlements the answer is.
+    """
+    law, rotation = scene.effects.friction, scene.effects.rotation
+    effects = EVERY_EFFECT | {"rotation": rotation} | ({"friction": law} if law in ("associated", "none-slides") else {})
     return same_structure(scene, {"effects": effects}, f"{scene.name}{FULL_SUFFIX}")
 
 

@@ -1,7 +1,7 @@
 """What blocks that turn by a finite angle change: `.venv/bin/python tests/benchmarks/benchmark_turning.py`.
 
-Writes comparison/gallery/turning.md: the random scenes of the verdicts, whose path is followed with displacements of first and of second
-order in the rotations. Where both differ, YADE is sent over the whole travel.
+Writes comparison/gallery/turning.md: the predictions of the verdicts' random scenes with small and with finite rotations. Where both
+differ, YADE judges the one with finite rotations.
 """
 
 import argparse
@@ -13,156 +13,167 @@ from pathlib import Path
 
 import numpy as np
 import on_path  # noqa: F401  so that the packages are found
-from turning_joints import TurningJoints
+from growth_report import table
 from verdict_scenes import FRESH_SEED, SCENES, SEED, drawn
 
 import comparison
 import la_core
-from la_core.analysis import analyse
-from la_core.coulomb.followed_path import annealed
-from la_core.coulomb.path.elastic_joints import ElasticJoints
-from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
-from la_core.coulomb.path.rest import come_to_rest
-from la_core.coulomb.path.tangent import Tangent
-from la_core.coulomb.plateau import plateau_of, reference_size
-from la_core.model import joint_stiffness
+from comparison.numbers import with_uncertainty
+from comparison.verdict import mark_of
+from la_core.analysis import LimitAnalysis, analyse
+from la_core.coulomb import STIFFER, CoulombSolution
 
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "turning.md"
 SEEDS = (SEED, FRESH_SEED)
-STIFFER = 16.0  # joints over those of limit analysis, so that a release begins early in the travel; YADE takes 4 to 32
-VISCOSITY = 1e-3  # first one of the finer path of a prediction, in multiples of the weight at unit rate
-MOST_ITERATIONS = 20_000
-CHANGED, LEFT = 5e-3, 1e-2  # of the reaction: a change that the page lists; the distance at which the curve has left the first order's
-TOGETHER = 5e-3  # of the reaction: YADE confirms a value within this and its stated uncertainty
-HEAD = """# What turning blocks release
+FINITE = {"effects.rotation": "finite"}
+KNOWN = 1e-2  # of the reaction: most uncertainty of a value that counts
+CHANGED, LEFT = 5e-3, 1e-2  # of the reaction: a change that the page lists; the distance at which a curve has left the value of small ones
+LEAST = 0.01  # of the weight: smaller reactions count as this
+HEAD = f"""# What turning blocks release
 
 Limit analysis keeps the geometry as laid: where a block turns, its contact points move at right angles to their arms. In truth they move on
 circles. The difference, of second order in the rotation, is tiny beside a block, but not beside the strain of stiff joints. Friction may
-lock a thrust in, which holds only by this strain. Turning blocks release it after a settlement of about the root of strain times block
-size, some tenths of a millimetre, and the reaction comes to another plateau. The prediction is for settlements before this release. The
-bounds hold before and after it.
+lock a thrust in, which holds by this strain alone. Turning blocks release it after a settlement of about the root of strain times block
+size, some tenths of a millimetre, and the reaction comes to another plateau. The bounds hold before and after.
 
-Here the random scenes of [both](verdicts.md) [pages](fresh_verdicts.md) of verdicts are followed from rest over one travel, 0.8 mm, with
-joints 16 times as stiff as those of the prediction: once with displacements of first order in the rotations, once of second order. In both
-the forces balance on the geometry as laid. Where the ends differ by more than 0.5 %, YADE is sent over the whole travel, by the setting
-`[yade] plateau_share = 1.0`. Written by `python tests/benchmarks/benchmark_turning.py --workers 2`.
+A prediction is for settlements before this release. With `[effects] rotation = "finite"` it is for settlements after: its path follows
+displacements of second order, of joints {STIFFER:g} times as stiff, over one travel, and then goes on until its curve is flat. Forces
+balance on the geometry as laid, and the end is certified as that of every other path. YADE, whose blocks always turn by finite angles,
+covers its whole travel with joints as stiff.
 
-*leaves at*: settlement at which the path of second order has left the end of the other one by 1 %; with softer joints it leaves later.
-*YADE is at*: the order whose end is within 0.5 % and the uncertainty of YADE.
+The table lists those random scenes of [both](verdicts.md) [pages](fresh_verdicts.md) of verdicts whose prediction changes by more than
+{100 * CHANGED:g} %. Written by `python tests/benchmarks/benchmark_turning.py --workers 2`.
+
+*interval*: width of the mechanism's interval for small rotations, over the value. *leaves at*: settlement at which the path with finite
+rotations has left the value of small ones by {100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of
+YADE and limit analysis, both with finite rotations. *s*: seconds of YADE's run.
 """
-COLUMNS = ("scene", "Coulomb R/W", "first order", "second order", "change %", "leaves at, mm", "YADE, whole travel", "YADE is at")
+HEADINGS = ("scene", "small: R/W", "finite: R/W", "change %", "interval", "leaves at, mm", "YADE, whole travel", "verdict", "s")
 
 
 @dataclass(frozen=True)
-class Ends:
-    """Ends of the two paths of a scene over the weight, whether both are flat, and the settlement, m, at which the second one leaves."""
+class Predicted:
+    """Prediction over the weight."""
 
-    coulomb: float
-    first: float
-    second: float
-    are_flat: bool
-    left_at: float
-    iterations: tuple[int, int]
+    value: float
+    uncertainty: float
+    width: float
+    iterations: int
+    seconds: float
+
+    @classmethod
+    def of(cls, coulomb: CoulombSolution, weight: float) -> "Predicted":
+        """Prediction over the weight, from one in N or N m."""
+        low, high = coulomb.interval
+        return cls(coulomb.value / weight, coulomb.uncertainty / weight, (high - low) / weight, coulomb.iterations, coulomb.seconds)
 
     @property
-    def change(self) -> float:
-        """Change by the second order, over the reaction."""
-        return (self.second - self.first) / reference_size(self.first)
+    def size(self) -> float:
+        """Size that differences are relative to."""
+        return max(abs(self.value), LEAST)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the value is known well enough to be compared."""
+        return self.uncertainty <= KNOWN * self.size
 
 
 @dataclass(frozen=True)
 class Row:
-    """Scene with its ends, and YADE's reaction and uncertainty over the weight: NaN without a plateau, None where YADE did not run."""
+    """Scene with its predictions for small and for finite rotations, the settlement, m, at which they part, and YADE's run of the latter.
+
+    yade: reaction over the weight, its uncertainty, verdict and seconds; None where YADE did not run.
+    """
 
     name: str
-    ends: Ends
-    yade: tuple[float, float] | None
+    small: Predicted
+    finite: Predicted
+    left_at: float
+    yade: tuple[float, float, str, float] | None = None
 
     @property
-    def at(self) -> str:
-        """Order of the displacements that YADE confirms."""
-        value, uncertainty = self.yade or (np.nan, np.nan)
-        if not np.isfinite(value):
-            return "no plateau"
-        near = [abs(value - end) <= TOGETHER * reference_size(end) + uncertainty for end in (self.ends.first, self.ends.second)]
-        return {(True, False): "the first order", (False, True): "the second order", (True, True): "both"}.get(
-            (near[0], near[1]), "neither"
-        )
+    def change(self) -> float:
+        """Change of the prediction, over the reaction."""
+        return (self.finite.value - self.small.value) / self.small.size
 
     @property
-    def line(self) -> str:
-        """Line of the table."""
-        ends, (value, uncertainty) = self.ends, self.yade or (np.nan, np.nan)
-        shown = f"{value:.4g} ± {uncertainty:.1g}" if np.isfinite(value) else "–"
-        numbers = [f"{number:.4g}" for number in (ends.coulomb, ends.first, ends.second)]
-        numbers += [f"{100.0 * ends.change:+.2g}", f"{1e3 * ends.left_at:.2g}"]
-        return f"| {' | '.join([self.name, *numbers, shown, self.at])} |"
+    def is_known(self) -> bool:
+        """Whether both predictions are known."""
+        return self.small.is_known and self.finite.is_known
 
-
-def ends_of(scene: la_core.Scene) -> Ends | None:
-    """Follow both paths of a scene; None where it has no prediction, or where a path does not reach its end."""
-    analysis = analyse(scene)
-    if analysis.coulomb is None or not np.isfinite(analysis.coulomb.value):
-        return None
-    assembly, stiff = analysis.assembly, STIFFER * analysis.stiffness.normal
-    stiffness = joint_stiffness(assembly, scene.inset, {**scene.yade, "normal_stiffness": stiff, "shear_stiffness": stiff})
-    paths = [path for kind in (ElasticJoints, TurningJoints) if (path := followed(kind(assembly, stiffness))) is not None]
-    if len(paths) < 2:
-        return None
-    first, second = (path.points[-1].value for path in paths)
-    are_flat = all(plateau_of(*path.curve, 1.0, path.points[-1].value).is_known for path in paths)
-    progress, values = paths[1].curve
-    left_at = float(np.max(progress[np.abs(values - first) <= LEFT * reference_size(first)], initial=0.0)) * paths[1].joints.unit
-    iterations = (paths[0].iterations, paths[1].iterations)
-    return Ends(analysis.coulomb.value / scene.weight, first, second, are_flat, left_at, iterations)
-
-
-def followed(joints: ElasticJoints) -> QuasiStaticPath | None:
-    """Path from rest over one travel; None where it does not begin or does not reach its end."""
-    tangent = Tangent(joints)
-    rest, _ = come_to_rest(joints, tangent)
-    if rest is None:
-        return None
-    path = QuasiStaticPath(joints, tangent, rest, annealed(joints, VISCOSITY))
-    for _ in path.advance_to(1.0, MOST_ITERATIONS):
-        pass
-    return path if path.last.progress == 1.0 else None
-
-
-def yade_over_the_travel(scene: la_core.Scene) -> tuple[float, float]:
-    """Reaction of YADE and its uncertainty over the weight, after the whole travel; NaN without a plateau."""
-    with tempfile.TemporaryDirectory() as folder:
-        run = comparison.run(la_core.variant(scene, {"yade.plateau_share": 1.0}), folder, quiet=True).yade
-    return (np.nan, np.nan) if run is None else (run.reaction / scene.weight, run.uncertainty / scene.weight)
+    @property
+    def cells(self) -> list[str]:
+        """Cells of the table."""
+        assert self.yade is not None
+        value, uncertainty, verdict, seconds = self.yade
+        small, finite = (with_uncertainty(one.value, one.uncertainty) for one in (self.small, self.finite))
+        width = self.small.width / self.small.size
+        return [
+            self.name,
+            small,
+            finite,
+            f"{100.0 * self.change:+.2g}",
+            f"{width:.2g}" if np.isfinite(width) else "unknown",
+            f"{1e3 * self.left_at:.2g}" if abs(self.change) > LEFT else "–",
+            with_uncertainty(value, uncertainty) if np.isfinite(value) else "no plateau",
+            mark_of(verdict),
+            f"{seconds:.2g}",
+        ]
 
 
 def measured(scene: tuple[int, int]) -> Row | None:
-    """Follow the paths of a scene, its seed and number, and run YADE where their ends differ; None where a path does not reach its end."""
+    """Predict a scene, its seed and number, for both rotations, and run YADE where they differ; None where a prediction has no value."""
     seed, number = scene
     one = drawn(number, seed)
-    ends = ends_of(one.scene)
-    if ends is None:
+    finite = la_core.variant(one.scene, FINITE)
+    analyses = analyse(one.scene), analyse(finite)
+    answers = [analysis.coulomb for analysis in analyses]
+    if any(answer is None or np.isnan(answer.value) for answer in answers):
         return None
-    differ = ends.are_flat and abs(ends.change) > CHANGED
-    return Row(f"{number} of {seed}, {one.kind}, {one.motion}", ends, yade_over_the_travel(one.scene) if differ else None)
+    predicted = [Predicted.of(answer, one.scene.weight) for answer in answers if answer is not None]
+    row = Row(f"{number} of {seed}, {one.kind}, {one.motion}", *predicted, left_at(analyses[1], analyses[0].coulomb))
+    if not row.is_known or abs(row.change) <= CHANGED:
+        return row
+    with tempfile.TemporaryDirectory() as folder:
+        run = comparison.run(finite, folder, quiet=True)
+    value, uncertainty = (np.nan, np.nan) if run.yade is None else (run.yade.reaction, run.yade.uncertainty)
+    seconds = (run.summary["yade"] or {}).get("seconds") or np.nan
+    return Row(row.name, *predicted, row.left_at, (value / finite.weight, uncertainty / finite.weight, run.verdict, seconds))
+
+
+def left_at(finite: LimitAnalysis, small: CoulombSolution | None) -> float:
+    """Settlement, m, at which the curve of finite rotations leaves the value of small ones, on the joints that it stands for."""
+    if small is None or finite.coulomb is None:
+        return np.nan
+    settlement, values = finite.coulomb.path_settlement / STIFFER, finite.coulomb.path_value
+    near = np.abs(values - small.value) <= LEFT * max(abs(small.value), LEAST * finite.scene.weight)
+    return float(np.max(settlement[near], initial=0.0)) * finite.assembly.support_speed
 
 
 def page(rows: list[Row], scenes: int) -> str:
-    """The page: its head, what was found, and a line for each scene whose ends differ."""
-    known = [row for row in rows if row.ends.are_flat]
+    """The page: its head, what was found, and a line for each scene whose predictions differ."""
+    known = [row for row in rows if row.is_known]
     listed = [row for row in known if row.yade is not None]
-    changes = [abs(row.ends.change) for row in known]
-    first, second = np.sum([row.ends.iterations for row in rows], axis=0)
-    confirmed = Counter(row.at for row in listed).most_common()
+    changes = [abs(row.change) for row in known]
+    most_narrow = min((row.small.width / row.small.size for row in known if abs(row.change) > LEFT), default=np.nan)
+    verdicts = Counter(row.yade[2] for row in listed if row.yade is not None).most_common()
+    work, seconds = (sum(getattr(row.finite, name) for row in rows) / sum(getattr(row.small, name) for row in rows) for name in COSTS)
+    median = float(np.median([row.finite.seconds / row.small.seconds for row in rows if row.small.seconds > 0.0]))
+    open_ones = [sum(not getattr(row, name).is_known for row in rows) for name in ("small", "finite")]
     found = [
-        f"- Of {scenes} scenes {len(rows)} have a prediction and reach the end of both paths. Of {len(known)} both ends are known to 1 %.",
-        f"- {len(listed)} of these change by more than {100 * CHANGED:g} %, {sum(change > LEFT for change in changes)} by more than 1 %, "
-        f"the most by {100 * max(changes):.2g} %.",
-        f"- Where they change, YADE is at {', at '.join(f'{at} in {count}' for at, count in confirmed)}.",
-        f"- The second order takes {second / first:.2g} times as many iterations.",
+        f"- Of {scenes} scenes {len(rows)} have both predictions. {open_ones[0]} of those with small rotations and {open_ones[1]} of those "
+        f"with finite ones are uncertain by more than {100 * KNOWN:g} %; {len(known)} scenes remain.",
+        f"- {len(listed)} of these change by more than {100 * CHANGED:g} %, {sum(change > LEFT for change in changes)} by more than "
+        f"{100 * LEFT:g} %, the most by {100 * max(changes):.2g} %.",
+        f"- YADE's verdict on these: {', '.join(f'{count} {verdict}' for verdict, count in verdicts)}.",
+        f"- Predictions with finite rotations take {work:.2g} times as many iterations, and {seconds:.2g} times as long; "
+        f"in the median scene {median:.2g} times as long.",
+        f"- The narrowest interval of a scene that changes by more than {100 * LEFT:g} % is {most_narrow:.2g} of the value.",
     ]
-    table = [f"| {' | '.join(COLUMNS)} |", "|" + " --- |" * len(COLUMNS), *(row.line for row in listed)]
-    return "\n".join([HEAD, *found, "", *table]) + "\n"
+    return "\n\n".join([HEAD.rstrip("\n"), "\n".join(found), table(HEADINGS, [row.cells for row in listed])]) + "\n"
+
+
+COSTS = ("iterations", "seconds")
 
 
 def main() -> None:
@@ -177,7 +188,7 @@ def main() -> None:
         for row in pool.map(measured, chosen):
             rows += [row] if row is not None else []
             if row is not None and row.yade is not None:
-                print(row.line, flush=True)
+                print(" | ".join(row.cells), flush=True)
     PAGE.write_text(page(rows, len(chosen)), encoding="utf-8")
 
 

@@ -23,6 +23,7 @@ def test_the_full_model_has_every_effect_and_the_same_structure(name: str) -> No
     assert full.name == f"{name}_full"
     assert full.effects.model_dump() == {
         "plane": False, "friction": "coulomb", "elasticity": "auto", "reach": False, "displacement": "finite", "recording": "states",
+        "rotation": "auto",
     }  # fmt: skip
     assert full.blocks.names == scene.blocks.names and full.weight == scene.weight
     assert full.path_asked == scene.path_asked and full.expected == scene.expected and full.yade == scene.yade

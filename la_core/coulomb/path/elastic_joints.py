@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from la_core.coulomb.path.turning import Turning
 from la_core.model import Assembly, JointStiffness, columns, scaled_load, support_motion
 
 ROUND_OFF = 1e-8  # of the mean block weight: normal force that carries no friction
@@ -51,6 +52,8 @@ class ElasticJoints:
         Blocks, contact points, weights, and the support's motion or the live load.
     stiffness : JointStiffness
         Stiffness of a contact point, and the travel of the support, which is the unit of displacement.
+    turning : float
+        Share of the displacements of second order in the rotations that counts, see `Turning`; 0 for small rotations.
 
     Attributes
     ----------
@@ -70,7 +73,7 @@ class ElasticJoints:
         Largest sag of the glued structure under its weight, over `unit`.
     """
 
-    def __init__(self, assembly: Assembly, stiffness: JointStiffness) -> None:
+    def __init__(self, assembly: Assembly, stiffness: JointStiffness, turning: float = 0.0) -> None:
         if stiffness.shear == 0.0:  # smooth joints: friction never builds up
             points = replace(assembly.points, friction=np.zeros_like(assembly.points.friction))
             assembly = replace(assembly, points=points)
@@ -84,6 +87,8 @@ class ElasticJoints:
         self.freedoms = kinematics.shape[1] // len(assembly.blocks)
         free = np.repeat(assembly.blocks.free, self.freedoms)
         self.motion = self.local(kinematics @ columns(assembly, motion))
+        self.turning = Turning(assembly, self.unit, self.unit * motion, turning) if turning > 0.0 else None
+        self._turned: np.ndarray | None = None  # displacements of second order
         self.all_kinematics = kinematics
         self.kinematics = kinematics[:, free].tocsr()
         self.transposed = self.kinematics.T.tocsr()
@@ -114,7 +119,20 @@ class ElasticJoints:
 
     def displacement(self, blocks: np.ndarray, progress: float) -> np.ndarray:
         """Relative displacements (C, k) for displacements (n,) of the free blocks and the support's motion over its travel."""
-        return self.local(self.kinematics @ blocks) + progress * self.motion
+        first = self.local(self.kinematics @ blocks) + progress * self.motion
+        return first if self._turned is None else first + self._turned
+
+    def as_turned(self, blocks: np.ndarray, progress: float, for_good: bool = False) -> "ElasticJoints":
+        """Return the joints with the second order of these displacements; the same joints where rotations are small.
+
+        for_good: whether rotations are small from here on.
+        """
+        if self.turning is None:
+            return self
+        other = copy.copy(self)
+        other._turned = self.turning.displacement(blocks, progress, self.local(self.kinematics @ blocks) + progress * self.motion)
+        other.turning = None if for_good else self.turning
+        return other
 
     def state(self, displacement: np.ndarray, before: JointState, smoothing: float = 0.0) -> tuple[JointState, np.ndarray]:
         """State at the end of a step, and minus the derivative of its forces by the displacements.

@@ -148,6 +148,11 @@ class QuasiStaticPath:
         return np.array([point.progress for point in self.points]), np.array([point.value for point in self.points])
 
     @property
+    def joints_as_turned(self) -> ElasticJoints:
+        """The joints with the second order of the last state, whose rotations are small from here on."""
+        return self.joints.as_turned(self.last.blocks, self._support_at(self.last.progress), for_good=True)
+
+    @property
     def rate(self) -> np.ndarray:
         """Rate (n,) of the free blocks in the last step, over the progress."""
         return self._rate
@@ -215,12 +220,16 @@ class QuasiStaticPath:
             self._length = length / CUT
         return self._length >= SHORTEST_STEP
 
+    def _support_at(self, progress: float) -> float:
+        """Motion of the support since the blocks were laid, over the travel."""
+        return 0.0 if self.joints.live else self._offset + progress
+
     def _trial(self, progress: float, drag: float, length: float, smoothing: float) -> Trial:
+        """Try a step. Turning blocks have the second order of the first guess, for a tangent of first order would lead astray."""
         live_at = self._live_at + progress if self.joints.live else None
-        support = 0.0 if self.joints.live else self._offset + progress
         guess = self.last.blocks + length * self._rate
-        target = Target(progress, support, live_at)
-        return advance(self.joints, self._tangent, self.last, target, drag, guess, smoothing)
+        target = Target(progress, self._support_at(progress), live_at)
+        return advance(self.joints.as_turned(guess, target.support), self._tangent, self.last, target, drag, guess, smoothing)
 
     def _accept(self, state: State, length: float, viscosity: float) -> None:
         self.before, self.last = self.last, state
@@ -235,8 +244,13 @@ class QuasiStaticPath:
 
 
 def first_travel(joints: ElasticJoints) -> float:
-    """Travel that a path is followed for before its curve is judged: the whole travel, and SAGS elastic sags."""
+    """Travel over which the strain of the joints fades: the whole travel, and SAGS elastic sags."""
     return max(1.0, SAGS * joints.sag)
+
+
+def least_travel(joints: ElasticJoints) -> float:
+    """Travel that a path is followed for before its curve is judged: the first travel, or that of the joints that it stands for."""
+    return first_travel(joints) / (1.0 if joints.turning is None else joints.turning.share)
 
 
 def _change(before: State, after: State) -> float:

@@ -189,6 +189,10 @@ class RequestedEffects(Table):
     displacement: Literal["auto", "small", "finite"] = described(
         "small: contacts in YADE are those of the joints; finite: YADE looks for new ones", default="auto"
     )
+    rotation: Literal["auto", "small", "finite"] = described(
+        "small: the prediction is for small settlements; finite: turning blocks may release a thrust, and YADE covers its whole travel",
+        default="auto",
+    )
     recording: Literal["auto", "plateau", "states"] = described("states that YADE stores: on the plateau, or all the way", default="auto")
 
 
