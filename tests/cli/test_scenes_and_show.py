@@ -58,6 +58,8 @@ def test_an_estimate_spans_the_factor_it_states_and_is_told_in_one_unit() -> Non
     times = estimated_times(338)
     assert times["yade"].greatest == pytest.approx(WITHIN**2 * times["yade"].least)
     assert estimated_times(338, yade=False).keys() == {"limit_analysis"}
+    finite = estimated_times(338, finite=True)
+    assert finite["limit_analysis"] == times["limit_analysis"] and finite["yade"].least > times["yade"].least
     assert str(TimeEstimate(0.1, 0.9)) == "less than 1 s" and str(TimeEstimate(400.0, 3700.0)) == "7 min to 1 h"
 
 

@@ -73,7 +73,7 @@ def scene_facts(scene: Scene, decided: DecidedModel) -> dict[str, Any]:
     facts["loads"], facts["ties"] = loads_as_dicts(scene.loads, scene.load_names), ties_as_dicts(scene.ties, blocks.names)
     facts["motions"] = [] if scene.own_twists is None else motions_as_dicts(scene.support_twists, blocks)
     facts["tilt"] = None if scene.tilt is None else scene.tilt.tolist()
-    times = estimated_times(len(assembly.points))
+    times = estimated_times(len(assembly.points), finite=assembly.effects.rotation == "finite")
     facts["estimated_seconds"] = {method: [time.least, time.greatest] for method, time in times.items()}
     facts["geometry"] = geometry_changes(scene, decided.whole.slivers, decided.whole.short_joints)
     return facts | {"effects": effects_summary(scene, decided.whole, assembly)}
