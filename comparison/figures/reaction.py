@@ -197,7 +197,7 @@ def _kept_clear(results: Results, scales: Scales, end: float) -> list[float]:
     settlement, value = curve_of(results, end)
     values += list(value[settlement >= 0.5 * end])
     if analysis.path is not None:
-        at = analysis.path.settlement / results.stiffening
+        at = analysis.path.settlement / results.path_scale
         late = (at >= 0.5 * end) & (at <= end)
         values += list(analysis.path.value[late])
     return [value / scales.reaction for value in values]
@@ -223,7 +223,7 @@ def _draw_prediction(axes: Any, results: Results, scales: Scales, limits: tuple[
     if path is not None:
         # The thin line is below YADE's record and the marks are above it, so that both are visible where they coincide.
         marks = {"marker": "o", "markersize": 4, "markerfacecolor": "white", "markeredgewidth": 1.0, "linewidth": 0.0, "zorder": 5}
-        at, values = path.settlement / results.stiffening / scales.settlement, path.value / scales.reaction
+        at, values = path.settlement / results.path_scale / scales.settlement, path.value / scales.reaction
         if not len(settlement):  # its chords would cut the corners of the curve
             axes.plot(at, values, color=LIMIT_ANALYSIS, linewidth=1.0, zorder=2)
         axes.plot(at, values, color=LIMIT_ANALYSIS, label=PATH + at_joints_of_yade(results), **marks)
@@ -258,7 +258,7 @@ def _draw_difference(axes: Any, results: Results, scales: Scales) -> None:
     at, size = run.settling("settlement"), run.settling("reaction")
     ends = [
         np.interp(apart.settlement, at, size),
-        np.interp(apart.settlement, coulomb.path_settlement / results.stiffening, coulomb.path_value),
+        np.interp(apart.settlement, coulomb.path_settlement / results.prediction_scale, coulomb.path_value),
     ]
     where = f"{format_number(apart.settlement / scales.settlement, 2)} {scales.settlement_unit}"
     label = f"{APART}: {f'{format_number(apart.largest / scales.reaction, 2)} {scales.reaction_unit}'.rstrip()} at {where}"

@@ -89,13 +89,13 @@ def largest_settlement(results: Results) -> float:
 def curve_of(results: Results, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Return settlement (P,), m or rad, and value (P,) of the prediction's curve from rest to a settlement; empty without a curve.
 
-    The settlement is that at which the stiffer joints of YADE's run are strained alike.
+    The settlement is that at which the stiffer joints of YADE's run are strained alike, or have released as much.
     """
     analysis = results.analysis
     known = analysis.coulomb is not None and len(analysis.coulomb.path_settlement) >= 2 and math.isfinite(results.stiffening)
     if analysis.coulomb is None or not known or not end > 0.0:
         return np.zeros(0), np.zeros(0)
-    settlement, value = analysis.coulomb.path_settlement / results.stiffening, analysis.coulomb.path_value
+    settlement, value = analysis.coulomb.path_settlement / results.prediction_scale, analysis.coulomb.path_value
     inside = (settlement >= 0.0) & (settlement < end)
     last = min(end, float(settlement[-1]))
     return np.append(settlement[inside], last), np.append(value[inside], np.interp(last, settlement, value))

@@ -1,6 +1,6 @@
 """Compare the whole curves: the reaction that YADE records while the support moves, and that of the prediction's path.
 
-YADE's joints may be stiffer: only travel over sag counts, so the path is put to the settlement at which YADE's joints strain as much.
+YADE's joints may be stiffer: the path is put to the settlement at which YADE's joints strain as much, or have released as much.
 The verdict rests on the plateaus; where the curves part, inertia matters or another joint gives way first. Where YADE's plateau differs
 from the prediction, its curve may have been there before.
 """
@@ -50,7 +50,7 @@ def compare_curves(results: Results) -> CurveDifference | None:
     if coulomb is None or run is None or len(coulomb.path_settlement) < 2 or math.isnan(results.stiffening):
         return None
     settlement, reaction = run.settling("settlement"), run.settling("reaction")
-    path = coulomb.path_settlement / results.stiffening
+    path = coulomb.path_settlement / results.prediction_scale
     shared = (settlement >= path[0]) & (settlement <= path[-1]) & np.isfinite(reaction)
     at, size = settlement[shared], reaction[shared]
     if len(at) < 2 or not at[-1] > at[0]:

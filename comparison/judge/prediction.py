@@ -43,8 +43,7 @@ FINER_PATHS = f"Let limit analysis follow finer paths: this is cheaper than a fi
 FELL = "the blocks slide and fall, under gravity or on the way to a plateau, although an equilibrium exists"  # of a prediction
 SLOWER_RUN = f"Run YADE more slowly (set [yade] speed to half of the speed in the report) and on stiffer joints. {HARDER}"
 BOTH_FINER = f"Repeat both methods with finer settings. {HARDER}"
-RESTS = 'Where the figure shows the curve at rest there, turning blocks may have released a thrust: set [effects] rotation = "finite".'
-TWO_LEVELS = f"{RESTS} Otherwise repeat both methods with finer settings. {HARDER}"
+TWO_LEVELS = f'If the curve rests there, turning blocks may have released a thrust: set [effects] rotation = "finite". If not: {BOTH_FINER}'
 BOUNDS = "Work with the bounds: they hold for every history of friction, the interval only for those that end in its mechanism."
 LEAST_FAVOURABLE = "Work with the least favourable plateau, or with the bounds: a small disturbance decides between them."
 
@@ -179,7 +178,8 @@ def _check_reaction(results: Results, prediction: Prediction, state: Check | Non
         if known := [(doubt, step) for doubt, step in doubts if doubt]:
             return replace(check, verdict=Verdict.INCONCLUSIVE, reason=f"{check.reason} {known[0][0]}", next_step=known[0][1])
         if prediction.slides and (before := earlier_agreement(results, value, tolerance)):
-            return replace(check, reason=f"{check.reason} {before}", next_step=TWO_LEVELS)
+            is_small = results.analysis.assembly.effects.rotation == "small"
+            return replace(check, reason=f"{check.reason} {before}", next_step=TWO_LEVELS if is_small else BOTH_FINER)
     return check
 
 

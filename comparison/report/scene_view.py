@@ -110,9 +110,12 @@ def view_of_scene(folder: Path, index: int, comparison: dict[str, Any], units: U
 
 
 def _notes(comparison: dict[str, Any]) -> Iterator[str]:
-    """Yield what a reader should know before the figures: an earlier attempt, the notes of the run, joints of one method only."""
+    """Yield what a reader should know before the figures: earlier attempt, notes, small rotations, joints of one method only."""
     yield from _first_verdict(comparison)
     yield from comparison.get("notes") or []
+    effects = comparison.get("effects") or {}
+    if effects.get("friction") == "coulomb" and effects.get("rotation") == "small":
+        yield f"Rotations of the blocks are small: {effects['reasons']['rotation']}."
     yield from _joint_notes(comparison)
 
 

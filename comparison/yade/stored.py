@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from comparison.yade.run_record import Run, read_run
-from la_core.analysis import LimitAnalysis, case_file
+from la_core.analysis import LimitAnalysis, case_file, has_given_stiffness
+from la_core.coulomb import STIFFER
 from la_core.errors import SceneError
 from la_core.exchange import ExchangeError
 from la_core.geometry import Interfaces
@@ -60,16 +61,31 @@ class Results:
 
     @property
     def stiffening(self) -> float:
-        """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN where a stiffness is undefined or zero.
-
-        With small displacements only travel over sag counts: a settlement s of the run strains the joints as s times this does on the
-        path.
-        """
+        """Stiffness of YADE's joints over that of limit analysis, > 0; 1 without a run, NaN where a stiffness is undefined or zero."""
         if self.run is None:
             return 1.0
         normal = self.analysis.stiffness.normal
         used = float(self.run.settings.get("normal_stiffness", normal))
         return used / normal if normal > 0.0 and used > 0.0 else math.nan
+
+    @property
+    def path_scale(self) -> float:
+        """Settlement of the requested path over that of YADE's run at which both are alike; NaN where `stiffening` is.
+
+        With small rotations only travel over sag counts, so both strain their joints alike. With finite ones both have released as much:
+        the settlement of a release grows with the root of the sag.
+        """
+        return math.sqrt(self.stiffening) if self._turns else self.stiffening
+
+    @property
+    def prediction_scale(self) -> float:
+        """The same for the curve of the prediction, whose joints stand for stiffer ones where rotations are finite."""
+        stands_for_stiffer = self._turns and not has_given_stiffness(self.scene)
+        return self.path_scale * (math.sqrt(STIFFER) if stands_for_stiffer else 1.0)
+
+    @property
+    def _turns(self) -> bool:
+        return self.analysis.assembly.effects.rotation == "finite"
 
 
 def read_results(folder: Path, interfaces: Interfaces | None = None) -> Results:

@@ -5,7 +5,7 @@ from la_core.analysis.accuracy import HISTORY, INSET_SHARE, has_history, lacks_s
 from la_core.analysis.answer import Answer, answer_headings, answer_rows, solve
 from la_core.analysis.case_file import write_case
 from la_core.analysis.decisions import DecidedModel, decided_model
-from la_core.analysis.modelling import StructuralModel, drives, smallest_inset, structural_model, wedging
+from la_core.analysis.modelling import StructuralModel, drives, has_given_stiffness, smallest_inset, structural_model, wedging
 from la_core.analysis.result import Attempt, LimitAnalysis, associated_values, coulomb_values, path_values
 from la_core.analysis.settings import AnalysisListener, AnalysisSettings, Silent
 from la_core.analysis.stage import analyse
@@ -29,6 +29,7 @@ __all__ = [
     "coulomb_values",
     "decided_model",
     "drives",
+    "has_given_stiffness",
     "has_history",
     "lacks_sharp_prediction",
     "path_values",

@@ -70,19 +70,13 @@ def decide(scene: Scene) -> Effects:
         elasticity = "none" if friction in ("associated", "none-slides") else "path" if scene.path_asked else "plateau"
     elif (obstacle := _obstacle_to_elasticity(scene)) is not None:
         raise SceneError("effects.elasticity", obstacle, value=elasticity, hint='leave it out or say "auto"')
-    if scene.effects.rotation == "finite" and friction in ("associated", "none-slides"):
-        obstacle = f'friction = "{friction}" yields bounds, which hold for every rotation'
-        raise SceneError("effects.rotation", obstacle, value="finite", hint='leave it out or say "auto"')
+    rotation, why_rotation = _decide_rotation(scene)
     by_request = "requested in the scene"
     reasons = {
         "plane": why_plane,
         "friction": by_request if friction != "auto" else "a [path] follows the history of friction" if scene.path_asked else _DEFAULT,
         "elasticity": by_request if scene.effects.elasticity != "auto" else _WHY_ELASTIC[elasticity],
-        "rotation": by_request
-        if scene.effects.rotation != "auto"
-        else _BOUNDS_HOLD
-        if friction in ("associated", "none-slides")
-        else _SMALL,
+        "rotation": why_rotation,
     }
     return Effects(
         plane,
@@ -92,13 +86,12 @@ def decide(scene: Scene) -> Effects:
         displacement="finite",
         recording="states",
         reasons=reasons,
-        rotation="finite" if scene.effects.rotation == "finite" else "small",
+        rotation=rotation,
         sliding_excluded=friction == "none-slides",
     )
 
 
-_SMALL = "the answer is for small settlements"
-_BOUNDS_HOLD = "bounds hold for every history of friction"
+BOUNDS_HOLD = "bounds hold for every history of friction"
 _DEFAULT = "joints may slide, and real friction does not dilate"
 _WHY_ELASTIC = {
     "none": "bounds do not depend on the joints' strain",
@@ -117,6 +110,18 @@ def _decide_plane(scene: Scene) -> tuple[bool, str]:
     low, high = (round(float(y), MICROMETRE) + 0.0 for y in (scene.blocks.low[:, 1].min(), scene.blocks.high[:, 1].max()))
     fits = f"every block is a prism from y = {low:.6g} to {high:.6g} m, and gravity and the motion lie in the xz plane"
     return plane, obstacle or (fits if plane else f"requested in the scene, although {fits}")
+
+
+def _decide_rotation(scene: Scene) -> tuple[str, str]:
+    """Whether rotations are "small" or "finite", and why."""
+    friction, request = scene.effects.friction, scene.effects.rotation
+    bounds_alone = friction in ("associated", "none-slides")
+    if request == "finite" and bounds_alone:
+        obstacle = f'friction = "{friction}" yields bounds, which hold for every rotation'
+        raise SceneError("effects.rotation", obstacle, value=request, hint='leave it out or say "auto"')
+    if request != "auto":
+        return request, "requested in the scene"
+    return "small", BOUNDS_HOLD if bounds_alone else "the answer is for small settlements"
 
 
 def _obstacle_to_elasticity(scene: Scene) -> str | None:

@@ -91,6 +91,8 @@ def test_a_disagreement_names_an_earlier_stretch_at_the_prediction(
     check = named(REACTION, judged(wall, run))
     assert check.verdict is Verdict.DISAGREE
     assert ("within the tolerance of the prediction" in check.reason) == ("rests there" in check.next_step) == (named_stretch is not None)
+    finite = wall.with_effects(wall.assembly.effects.with_effect("rotation", "finite", ""))
+    assert "rotation" not in named(REACTION, judged(finite, run)).next_step  # the prediction has released what turning blocks release
     if named_stretch is not None:
         first, *_, last = 1e3 * run.record.settlement[held[named_stretch]]
         assert f"Before its plateau, from {first:.3g} mm to {last:.3g} mm, YADE's reaction" in check.reason

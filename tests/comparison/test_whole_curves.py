@@ -10,6 +10,7 @@ import scenes
 from judged_runs import coulomb_of, judged
 from runs import coulomb_run, made_up_run
 
+import la_core
 from comparison.figures.reaction_levels import curve_of
 from comparison.judge.curves import compare_curves
 from comparison.verdict.check import Verdict, overall
@@ -49,6 +50,20 @@ def test_a_path_is_put_to_the_stiffness_of_yades_joints(wall: LimitAnalysis) -> 
     found = compare_curves(Results(wall, run))
     assert found is not None
     assert found.largest <= 1e-9 * coulomb.value and found.until == pytest.approx(settlement[-1])
+
+
+@pytest.mark.parametrize(("own", "prediction", "path"), [(False, 8.0, 2.0), (True, 2.0, 2.0)], ids=["derived", "given"])
+def test_a_path_with_finite_rotations_is_put_to_where_yades_joints_have_released_as_much(
+    wall: LimitAnalysis, own: bool, prediction: float, path: float
+) -> None:
+    """A release comes at a settlement like the root of the sag; the prediction stands for joints 16 times as stiff, but for given ones."""
+    effects = wall.assembly.effects.with_effect("rotation", "finite", "")
+    scene = la_core.variant(wall.scene, {"yade.normal_stiffness": wall.stiffness.normal}) if own else wall.scene
+    turning = dataclasses.replace(wall.with_effects(effects), scene=scene)
+    run = dataclasses.replace(coulomb_run(wall), settings={"normal_stiffness": 4.0 * wall.stiffness.normal})
+    results = Results(turning, run)
+    assert (results.prediction_scale, results.path_scale) == pytest.approx((prediction, path))
+    assert (Results(wall, run).prediction_scale, Results(wall, run).path_scale) == (4.0, 4.0)
 
 
 def test_curves_are_compared_as_far_as_both_go_and_not_at_all_without_one(wall: LimitAnalysis) -> None:
