@@ -234,7 +234,8 @@ def jumps_at(place: float, jump: float, way: np.ndarray) -> np.ndarray:
 def analysis_of(scene: Scene, way: np.ndarray, values: np.ndarray, value: float) -> Any:
     """Limit analysis of a weight of 10 N whose path had these values (T,), N, on its way (T,), in travels, to a value, N."""
     coulomb = SimpleNamespace(travel=way[-1], value=value, path_settlement=8e-4 * way, path_value=values)
-    assembly = SimpleNamespace(effects=SimpleNamespace(friction="coulomb"), weight=10.0, in_value_unit=lambda weight: weight)
+    effects = SimpleNamespace(friction="coulomb", rotation="small")
+    assembly = SimpleNamespace(effects=effects, weight=10.0, in_value_unit=lambda weight: weight)
     stiffness, at_inset = SimpleNamespace(travel=8e-4), SimpleNamespace(sharpest=coulomb)
     return SimpleNamespace(scene=scene, coulomb=coulomb, stiffness=stiffness, assembly=assembly, at_inset=at_inset)
 
