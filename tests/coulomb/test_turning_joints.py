@@ -15,7 +15,7 @@ import la_core
 from la_core.analysis import analyse
 from la_core.analysis.decisions import with_rotation_explained
 from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
-from la_core.coulomb import ACCEPTED_RESIDUAL, STIFFER, follow_path, followed_path
+from la_core.coulomb import ACCEPTED_RESIDUAL, STIFFER, follow_path, followed_path, prediction
 from la_core.coulomb.certificate import certified_end, certify
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel, least_travel
@@ -181,6 +181,18 @@ def test_the_requested_curve_is_that_of_the_joints_as_they_are() -> None:
     on_stiff = np.interp(settlement / math.sqrt(STIFFER), stiff.path_settlement / STIFFER, stiff.path_value)
     np.testing.assert_allclose(np.interp(settlement, soft.settlement, soft.value), on_stiff, rtol=0.01)
     assert soft.value[-1] < 0.85 * analyse(RELEASES).coulomb.value  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("number", "seed", "yade"), [(0, FRESH_SEED, 0.0660), (69, FRESH_SEED, 0.0348), (10, SEED, 0.2209)])
+def test_smooth_joints_of_large_structures_release_the_same_thrust(
+    number: int, seed: int, yade: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The uncertainty of smooth joints is that of their law, some per cent of a small structure."""
+    monkeypatch.setattr(prediction, "LARGE", 0.0)
+    scene = drawn(number, seed).scene
+    coulomb = analyse(la_core.variant(scene, FINITE)).coulomb
+    assert coulomb is not None and coulomb.status is Status.SOLVED and coulomb.travel >= STIFFER
+    assert coulomb.value / scene.weight == pytest.approx(yade, rel=0.01)
 
 
 @pytest.mark.parametrize("stiffer", [1.0, 16.0, 64.0])
