@@ -15,9 +15,8 @@ from la_core.model import Assembly
 # Of the reaction: what neither method states. YADE's blocks move, by at most 1/400 of a block's size, and the prediction is for the
 # undeformed geometry. That changes a lever arm of half a block by 1/200. Rounded edges, joints' stiffness and gravity are the same in both.
 FLOOR = 5e-3
-UNCERTAIN = (
-    exchange.UNCERTAIN
-)  # of the reaction: where a method states more, the floor alone counts; twice the floor, so that the floor still matters
+# Of the reaction: where a method states more, the floor alone counts; twice the floor, so that the floor still matters.
+UNCERTAIN = exchange.UNCERTAIN
 LEAST_REACTION = exchange.LEAST_REACTION  # of the weight: floor of a reaction of zero; UNCERTAIN of a reaction of 1 % of the weight
 UNBALANCED = 0.02  # of the mean block weight: inertia and damping of a quasi-static run
 
