@@ -5,7 +5,9 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, TypeGuard
+from typing import Any
+
+from la_core.text_table import exists
 
 POINT = 1e-4  # of the value: an interval narrower than this is a point
 LEAST_UNCERTAINTY = 1e-7  # a smaller one is round-off: a tenth of the residual that a solver is allowed
@@ -57,11 +59,6 @@ def plain_number(value: Any, digits: int = 2) -> str:
     """Return a small number, such as a tolerance, without an exponent as far as MOST_PLACES reach, and without zeros at its end."""
     text = small_number(value, value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
-
-
-def exists(value: Any) -> TypeGuard[float]:
-    """Return whether a value is a finite number."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def with_uncertainty(value: Any, uncertainty: Any) -> str:

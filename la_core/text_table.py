@@ -4,12 +4,17 @@ import html
 import math
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, TypeGuard
 
 from la_core.errors import SceneError
 
 ROUND_OFF = 1e-7  # of the weight: a smaller reaction is zero but for the residuals of the solver, of which 1e-6 are accepted
 OVER_WEIGHT = {"": "", "N": "over W", "N m": "over W, m"}  # headings of values over the weight, by their unit; multipliers have none
+
+
+def exists(value: Any) -> TypeGuard[float]:
+    """Return whether a value is a finite number."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def number_text(value: float | None, digits: int = 6) -> str:

@@ -9,10 +9,11 @@ from urllib.parse import quote
 
 from comparison.campaign.table import CampaignTable
 from comparison.judge import FLOOR, LEAST_REACTION
-from comparison.numbers import exists, format_number
+from comparison.numbers import format_number
 from comparison.verdict import verdict_title
 from la_core import text_table
 from la_core.limit import Status
+from la_core.text_table import exists
 
 Row = dict[str, Any]
 FAILED = "failed"

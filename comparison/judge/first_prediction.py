@@ -4,8 +4,9 @@ import json
 from typing import Any
 
 from comparison.judge.effects_table import EFFECTS
-from comparison.numbers import exists, several_plateaus, with_uncertainty
+from comparison.numbers import several_plateaus, with_uncertainty
 from la_core.analysis import LimitAnalysis, associated_values, coulomb_values
+from la_core.text_table import exists
 
 WITHOUT = {  # what the first answer was without, by effect
     "friction": "sliding",

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, class_words, exists, format_number, plural
+from comparison.numbers import Units, class_words, format_number, plural
 from comparison.report.plain_words import PLACES
 from comparison.report.values import ROUND_OFF
 from la_core.scene import given_keys
+from la_core.text_table import exists
 
 Rows = list[tuple[str, str]]
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from comparison.numbers import Units, exists, format_number, plain_number, with_uncertainty
+from comparison.numbers import Units, format_number, plain_number, with_uncertainty
 from comparison.verdict import Verdict
+from la_core.text_table import exists
 
 BOUND = "associated"  # the answer that is a bound where no Coulomb prediction is known
 LOWER = "this is the lower bound of limit analysis, because no Coulomb prediction is known"

@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from comparison.judge import without_undefined
-from comparison.numbers import Units, exists
+from comparison.numbers import Units
 from comparison.report.scene_view import view_of_scene
 from comparison.report.templating import flat, template_environment
 from comparison.report.viewer import scripts
 from comparison.run_folder import write_text
 from comparison.verdict import VERDICTS
+from la_core.text_table import exists
 
 LIMITATIONS = (
     "Contact forces are not compared one by one. Most structures of rigid blocks are statically indeterminate: many sets of contact "
@@ -31,7 +32,8 @@ LIMITATIONS = (
     "settlement, in proportion. In YADE the support has moved and the blocks have inertia. The plateau is extrapolated to zero "
     "settlement; only the tolerances cover the remaining influence of stiffness and speed. Where joints slide, turning blocks may release "
     "a thrust after some tenths of a millimetre, and the reaction comes to another plateau within the bounds. [effects] "
-    'rotation = "small" is for settlements before this release, "finite" for settlements after it.',
+    'rotation = "small" is for settlements before this release, "finite" for settlements after it. By default limit analysis also says '
+    "what the prediction becomes after the release; YADE then checks only the value before it.",
     "Contact points lie inside the edges of each joint by the inset, the same in both methods. This shortens every lever arm. "
     "Agreement at that inset does not prove the answer for sharp edges. The report therefore gives the bounds for sharp edges, too; "
     "where joints slide, sharp edges would give another history of friction, and the prediction is for the scene's own inset.",

@@ -87,6 +87,8 @@ def values_of(comparison: dict[str, Any], units: Units) -> dict[str, Any]:
         "uncertainty": shown(yade.get("uncertainty")) if steady else None,
         "coulomb": predicted,
         "coulomb_uncertainty": shown(shared_coulomb.get("uncertainty")),
+        "released": shown(shared_coulomb.get("released")),
+        "released_uncertainty": shown(shared_coulomb.get("released_uncertainty")),
         "difference": recorded - nearest if exists(nearest) and exists(recorded) else None,
     }
     sources = (("associated", shared), ("Coulomb", shared_coulomb), ("YADE", yade if steady else {}))
@@ -141,6 +143,13 @@ def value_rows(results: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     if exists(r["coulomb"]) or r["coulomb_status"] != DASH:
         status = ", ".join(part for part in ("" if r["coulomb_status"] == "solved" else r["coulomb_status"], r["plateaus"]) if part)
         yield row("limit analysis: Coulomb prediction", r["coulomb"], r["coulomb_uncertainty"], ratios["coulomb"], status)
+        if exists(r["released"]):
+            yield row(
+                "limit analysis: prediction after turning blocks release thrusts",
+                r["released"],
+                r["released_uncertainty"],
+                ratios["released"],
+            )
         yield "limit analysis: interval of the prediction's mechanism", r["interval"], ""
     state = "" if r["yade_status"] == "plateau" else r["yade_status"]
     yield row("YADE: plateau", r["yade"], r["uncertainty"], ratios["yade"], state)

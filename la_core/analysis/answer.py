@@ -17,9 +17,9 @@ from la_core.limit import Drive, Solution, Status
 from la_core.measures import joint_rows
 from la_core.pictures import picture
 from la_core.scene import Scene, load
-from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, number_text, over_weight, without_round_off
+from la_core.text_table import OVER_WEIGHT, Tabled, dataframe, exists, number_text, over_weight, without_round_off
 
-NAN = float("nan")
+NAN = math.nan
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -264,19 +264,18 @@ def answer_rows(scene: Scene, values: dict[str, Any]) -> Iterator[tuple[str, str
 def _coulomb_rows(scene: Scene, answer: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     """Yield the rows of the prediction: value, interval, sharp value, residuals and cost."""
     yield "Coulomb: status", answer["status"], ""
-    low, high = answer[f"{scene.quantity}_interval"]
     yield _quantity(scene, f"Coulomb: {scene.quantity}", answer[scene.quantity])
-    uncertainty = answer["uncertainty"]
-    yield "Coulomb: uncertainty", number_text(uncertainty, 2), _over_weight_text(scene, uncertainty, 2)
+    yield "Coulomb: uncertainty", number_text(answer["uncertainty"], 2), _over_weight_text(scene, answer["uncertainty"], 2)
     yield from _angle_rows("Coulomb: ", answer)
     for plateau in answer["plateaus"]:
         yield _quantity(scene, "Coulomb: one of several plateaus", plateau)
-    is_predicted = answer[scene.quantity] is not None and math.isfinite(answer[scene.quantity])  # else no interval is withheld
-    for name, end in (("Coulomb: least by its mechanism", low), ("Coulomb: greatest by its mechanism", high)):
-        is_number = end is not None and math.isfinite(end)
-        yield (name, answer["interval_status"], "") if is_predicted and not is_number else _quantity(scene, name, end)
-    if math.isfinite(answer[f"{scene.quantity}_sharp"] or math.nan):
-        yield _quantity(scene, f"Coulomb: {scene.quantity} sharp", answer[f"{scene.quantity}_sharp"])
+    is_predicted = exists(answer[scene.quantity])  # else no interval is withheld
+    for which, end in zip(("least", "greatest"), answer[f"{scene.quantity}_interval"], strict=True):
+        name = f"Coulomb: {which} by its mechanism"
+        yield (name, answer["interval_status"], "") if is_predicted and not exists(end) else _quantity(scene, name, end)
+    for name, key in (("sharp", f"{scene.quantity}_sharp"), ("after release", "released")):
+        if exists(answer[key]):
+            yield _quantity(scene, f"Coulomb: {scene.quantity} {name}", answer[key])
     for name in ("strain_residual", "drift", "travel", "seconds"):
         yield f"Coulomb: {name.replace('_', ' ')}", number_text(answer[name], 2), ""
     yield "Coulomb: iterations", str(answer["iterations"]), ""

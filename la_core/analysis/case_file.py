@@ -90,6 +90,8 @@ def write_case(path: Path, analysis: LimitAnalysis, inputs: str, first_predictio
         own[exchange.SWAY] = analysis.stiffness.sway
     if of_long_run := settings_of_long_run(analysis):
         own[exchange.LONG_RUN_SETTINGS] = as_text(of_long_run)
+    if analysis.coulomb is not None and math.isfinite(analysis.coulomb.released):
+        own |= {field: values[field.path] for field in exchange.RELEASE_FIELDS}
     predictions = {f"coulomb{suffix}": True for suffix, one in (("", analysis.at_inset), ("_sharp", analysis.sharp)) if one.coulomb}
     fields = _fields(scene, predictions, analysis.path is not None) + tuple(own)
     values |= {field.path: value for field, value in own.items()}
@@ -166,7 +168,7 @@ def read_case(path: Path, scene: Scene, interfaces: Interfaces | None = None) ->
     """
     stored = [group for group in ("coulomb", "coulomb_sharp") if exchange.holds(path, f"limit_analysis/{group}")]
     predictions = {group: exchange.holds(path, f"limit_analysis/{group}/uncertainty") for group in stored}
-    own = exchange.present(path, (*OWN_FIELDS, exchange.SWAY))
+    own = exchange.present(path, (*OWN_FIELDS, exchange.SWAY, *exchange.RELEASE_FIELDS))
     data = exchange.read(path, _fields(scene, predictions, exchange.holds(path, "path")) + own)
     whole = assemble(scene, interfaces)
     with exchange.values_of(path):

@@ -246,14 +246,14 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
         return None
     values: dict[str, Any] = {"status": printed.status.value, name: printed.value, f"{name}_interval": list(printed.interval)}
     values |= {"interval_status": interval_status(printed.interval)}
-    values |= {"uncertainty": printed.uncertainty, "plateaus": printed.plateaus.tolist()}
+    values |= _stated(printed)
     values[f"{name}_sharp"] = math.nan if sharp is None else sharp.value
     values[f"{name}_interval_sharp"] = [math.nan, math.nan] if sharp is None else list(sharp.interval)
     if scene.inset == 0.0 and analysis.assembly.inset:
         shared = {"inset": analysis.assembly.inset, name: rounded.value, f"{name}_interval": list(rounded.interval)}
         shared |= tilt_angles(scene.tilt, rounded.value, rounded.uncertainty)
         shared["interval_status"] = interval_status(rounded.interval)
-        values["shared_inset"] = shared | {"uncertainty": rounded.uncertainty, "plateaus": rounded.plateaus.tolist()}
+        values["shared_inset"] = shared | _stated(rounded)
     values |= tilt_angles(scene.tilt, printed.value, printed.uncertainty)
     values |= {f"{name}_at_rest": printed.at_rest} | {evidence: getattr(printed, evidence) for evidence in COULOMB_EVIDENCE}
     return values | {
@@ -264,6 +264,12 @@ def coulomb_values(analysis: LimitAnalysis) -> dict[str, Any] | None:
         "curve": {"settlement": printed.path_settlement.tolist(), name: printed.path_value.tolist()},
         "seconds": sum(s.seconds for s in {id(s): s for s in (rounded, sharp) if s is not None}.values()),
     }
+
+
+def _stated(coulomb: CoulombSolution) -> dict[str, Any]:
+    """Return what a prediction states beside its value."""
+    values = {name: getattr(coulomb, name) for name in ("uncertainty", "released", "released_uncertainty")}
+    return values | {"plateaus": coulomb.plateaus.tolist()}
 
 
 def path_values(analysis: LimitAnalysis) -> dict[str, Any] | None:

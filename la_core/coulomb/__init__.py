@@ -3,16 +3,19 @@
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
 from la_core.coulomb.equilibrium_path import EquilibriumPath, follow_path
 from la_core.coulomb.followed_path import PathProgress, PredictionSettings
-from la_core.coulomb.interval import interval_status
+from la_core.coulomb.interval import ONE_VALUE, interval_status, relative_width
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import FLAT, plateau_of, reference_size
 from la_core.coulomb.prediction import predict, reaction_at_rest
+from la_core.coulomb.release import CHANGED, change_by_release
 from la_core.coulomb.sliding import SAME_VALUE, SLIDING_SHARE, Sliding, look_for_sliding, slides_in_mechanism
 from la_core.coulomb.solution import CoulombSolution
 
 __all__ = [
     "ACCEPTED_RESIDUAL",
+    "CHANGED",
     "FLAT",
+    "ONE_VALUE",
     "SAME_VALUE",
     "SLIDING_SHARE",
     "STIFFER",
@@ -21,6 +24,7 @@ __all__ = [
     "PathProgress",
     "PredictionSettings",
     "Sliding",
+    "change_by_release",
     "follow_path",
     "interval_status",
     "look_for_sliding",
@@ -28,5 +32,6 @@ __all__ = [
     "predict",
     "reaction_at_rest",
     "reference_size",
+    "relative_width",
     "slides_in_mechanism",
 ]

@@ -1,20 +1,17 @@
-"""One path of a prediction, followed from rest to its plateau, and its progress for whoever waits for it.
+"""One path of a prediction, its limits, and its progress for whoever waits for it; the path of a large structure.
 
-A small structure has sharp joints, and the travel of its path is doubled until the curve is flat. A large one has joints that part and
-slip gradually at first and become sharp at the end.
+A large structure has joints that part and slip gradually at first and become sharp at the end.
 """
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, End, certified_end, end_of, limit_state_near
-from la_core.coulomb.lasting import Lasting
+from la_core.coulomb.certificate import End, end_of, limit_state_near
 from la_core.coulomb.path.elastic_joints import ElasticJoints
-from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath, first_travel, least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
@@ -39,7 +36,6 @@ MORE_EFFORT = 6.0  # most iterations of a path with smooth joints over those of 
 SHARP_EFFORT = 0.5  # most iterations on the stretch where joints become sharp, over those of a path with smooth joints
 AGAIN = 1.0  # most iterations from the first travel to the plateau over those of the first travel, at the usual effort
 TURNED = 4.0  # longest travel of a path with finite rotations, over its least one
-END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
 
 
 @dataclass(frozen=True)
@@ -59,12 +55,16 @@ class PredictionSettings:
         MORE_EFFORT times as many, and its limit AGAIN grows as the effort.
     doublings : int
         How often the travel may be doubled where the curve is not flat.
+    with_release : bool
+        Whether paths with small rotations go on with finite ones where their mechanism allows several values, to say what turning
+        blocks release.
     """
 
     viscosities: tuple[float, ...] = (1e-2, 1e-3)
     finer: float = 1.0
     effort: float = 2e5
     doublings: int = MOST_DOUBLINGS
+    with_release: bool = False
 
     @property
     def viscosities_in_turn(self) -> tuple[float, ...]:
@@ -124,6 +124,12 @@ class SharedProgress:
         """End the paths that are still followed at their next point."""
         self._is_stopped = True
 
+    def senders_of_more(self, viscosities: list[float]) -> list[Sender]:
+        """Return the functions that report the points of paths beyond those so far, one for each first viscosity."""
+        so_far = len(self._shares)
+        self._shares += [0.0] * len(viscosities)
+        return [self.sender(viscosity, so_far + number) for number, viscosity in enumerate(viscosities, start=1)]
+
     def sender(self, viscosity: float, path: int) -> Sender:
         """Return the function that reports the points of one path with this first viscosity; paths are counted from 1."""
         self._shares += [0.0] * (path - len(self._shares))
@@ -154,6 +160,7 @@ class FollowedPath:
     exhausted: bool
     smooth_error: float = 0.0  # most by which the law of its smooth joints is off, force at a contact point; 0 of sharp joints
     on_the_way: tuple[float, ...] = ()  # values of plateaus that the curve leaves, and at its end
+    first_travel: QuasiStaticPath | None = None  # the path at the end of its first travel; None where joints are smooth or it ends before
 
     @classmethod
     def on(
@@ -177,60 +184,14 @@ def annealed(joints: ElasticJoints, first: float, last: float = LAST_VISCOSITY) 
     return Falling(first, min(first, last), ANNEALED * first_travel(joints))
 
 
-def follow(
-    joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, as_far_as: float, send: Sender
-) -> FollowedPath | None:
-    """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on.
-
-    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more.
-
-    as_far_as: least travel of the path.
-    """
-    end, turned = first_travel(joints), least_travel(joints)
-    least, longest = max(turned, as_far_as), _longest(joints, settings)
-    more = max(len(joints.weights) / BIG, 1.0) ** 2
-    viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
-    path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer)
-    passed: list[tuple[Plateau, QuasiStaticPath]] = []
-    lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way
-    while True:
-        for point in path.advance_to(end, _effort(joints, settings)):
-            send(point.progress, end, point.value)
-        reached, progress, values = path.last.progress, *path.curve
-        is_last = reached < end or end >= longest
-        found = plateau.plateau_of(progress, values, reached, values[-1])
-        if reached >= turned and found.is_flat:
-            path.joints = path.joints_as_turned
-        if reached >= turned and found.is_known:
-            passed.append((found, path.copy()))
-        if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
-            ended = certified_end(path, END_STRETCH * reached)
-            if is_last or (ended.certificate.worst <= ACCEPTED_RESIDUAL and lasting.holds(path, ended.before, ended.last)):
-                break
-        if is_last:
-            return None
-        end *= 2.0
-    last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end)
-    chosen = _plateau_left(passed, last.plateau) or last
-    on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)
-    return replace(chosen, on_the_way=(*on_the_way, last.plateau.value), iterations=path.iterations)
+def longest_travel(joints: ElasticJoints, settings: PredictionSettings) -> float:
+    """Longest travel of a path. A structure that turns farther has another geometry."""
+    return 2.0**settings.doublings * first_travel(joints) if joints.turning is None else TURNED * least_travel(joints)
 
 
-def _plateau_left(passed: list[tuple[Plateau, QuasiStaticPath]], last: Plateau) -> FollowedPath | None:
-    """Return the path up to the best plateau that it passed if its curve has left this one for a doubtful value; otherwise None.
-
-    Friction may lock a thrust in, which blocks release by motions many times the settlement at which the curve was flat.
-    """
-    if not passed:
-        return None
-    best, path = min(passed, key=lambda one: one[0].doubt)
-    if not best.is_left_at(last):
-        return None
-    curve, ended = path.curve, certified_end(path.copy(), END_STRETCH * path.last.progress)
-    if ended.certificate.worst > ACCEPTED_RESIDUAL:
-        ended = limit_state_near(path)
-    early = FollowedPath.on(path, curve, ended, path.value(ended.last), False)
-    return early if ended.certificate.worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None
+def most_iterations(joints: ElasticJoints, settings: PredictionSettings) -> float:
+    """Most Newton iterations of a path."""
+    return settings.effort / float(np.sqrt(min(len(joints.weights), LARGE)))
 
 
 def follow_large(
@@ -241,7 +202,7 @@ def follow_large(
     The finest path goes on to the limit state near its end; a coarser one only shows what the smoothing changes. None where the
     path cannot begin.
     """
-    travel, least, most = first_travel(joints), least_travel(joints), MORE_EFFORT * _effort(joints, settings)
+    travel, least, most = first_travel(joints), least_travel(joints), MORE_EFFORT * most_iterations(joints, settings)
     force = 1.0 / len(joints.friction)  # mean contact force
     smooth, sharp = SMOOTH * first * force, min(SMOOTH * first, SMOOTH_END) * force
     viscosity = Falling(MORE_VISCOUS * first, min(MORE_VISCOUS * first, LAST_OF_SMOOTH), travel)
@@ -250,7 +211,7 @@ def follow_large(
         return None
     path = QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer, Falling(smooth, smooth, travel))
     again = AGAIN * settings.effort / PredictionSettings.effort
-    end = _to_plateau(path, least, _longest(joints, settings), most, again, send)
+    end = _to_plateau(path, least, longest_travel(joints, settings), most, again, send)
     if path.last.progress == end:
         path.smoothing = Falling(smooth, sharp, (1.0 + SHARPENED) * end, end)
         end *= 1.0 + SHARPENED
@@ -283,13 +244,3 @@ def _to_plateau(path: QuasiStaticPath, travel: float, longest: float, most: floa
         if end == travel:
             most = min(most, (1.0 + again) * path.iterations)
         end *= 2.0
-
-
-def _longest(joints: ElasticJoints, settings: PredictionSettings) -> float:
-    """Longest travel of a path. A structure that turns farther has another geometry."""
-    return 2.0**settings.doublings * first_travel(joints) if joints.turning is None else TURNED * least_travel(joints)
-
-
-def _effort(joints: ElasticJoints, settings: PredictionSettings) -> float:
-    """Most Newton iterations of a path."""
-    return settings.effort / float(np.sqrt(min(len(joints.weights), LARGE)))

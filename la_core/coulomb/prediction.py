@@ -14,25 +14,22 @@ import numpy as np
 
 from la_core.coulomb import plateau
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
-from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow, follow_large
-from la_core.coulomb.interval import stated_interval
+from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow_large
+from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
+from la_core.coulomb.release import released
+from la_core.coulomb.several_paths import BROAD, disagree, left_by_smoothing, on_one_plateau, stated_uncertainty
+from la_core.coulomb.sharp_path import follow
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.limit import Drive, Solution, Status
 from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
 from la_core.side_by_side import side_by_side
 
-# Times the move from the end of a path with smooth joints to the limit state near it.
-MOVED = 5.0
-# Of the value: what settings that should not matter change. On `wall_third` two ways of the viscosity gave 0.070328 and 0.070310.
-STEPS_SHARE = 3e-4
-SAFETY = 2.0  # times the difference between the two finest paths
-BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
 # Of the value, from the nearest end of its mechanism's interval, where blocks that dilate lock. Of 66 values that YADE confirmed none was
 # farther than 0.10; a block against a step, whose value YADE did not confirm, was 0.45 away.
 LOCKED_IN = 0.25
@@ -89,8 +86,10 @@ def _reaching_to(solution: CoulombSolution, bound: float, is_live: bool) -> Coul
 
     A path may end beyond while its drag still holds blocks that fail first, because they have little of the mass.
     """
-    beyond = solution.value - bound if is_live else bound - solution.value
-    return replace(solution, uncertainty=max(solution.uncertainty, beyond))
+    sign = 1.0 if is_live else -1.0
+    uncertainty = max(solution.uncertainty, sign * (solution.value - bound))
+    after_release = float(np.maximum(solution.released_uncertainty, sign * (solution.released - bound)))
+    return replace(solution, uncertainty=uncertainty, released_uncertainty=after_release)
 
 
 def _is_held_back(solution: CoulombSolution) -> bool:
@@ -120,7 +119,8 @@ def _followed_from_rest(
     rest, iterations = come_to_rest(joints, tangent, wedging / stiffness.travel)
     if rest is None:
         return _of_falling_blocks(assembly, start, iterations)
-    followed = _paths(joints, tangent, rest, settings, report) if len(joints.weights) <= LARGE else []
+    progress = SharedProgress(joints, report, len(settings.viscosities))
+    followed = _paths(joints, tangent, rest, settings, progress) if len(joints.weights) <= LARGE else []
     iterations += sum(path.iterations for path in followed)
     if not followed or followed[-1].plateau.travel < least_travel(joints):
         smooth = _smooth_paths(joints, -rest.progress, settings, report)
@@ -132,6 +132,11 @@ def _followed_from_rest(
     unknown = solution.uncertainty > UNKNOWN * max(abs(joints.value_in_units(1.0)), abs(solution.value))  # blocks fall on one path
     if unknown or (joints.live and _is_held_back(solution)):
         return _of_falling_blocks(assembly, start, iterations)
+    has_one_value = relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
+    if settings.with_release and not has_one_value:
+        after = released(joints, stiffness, followed, settings, progress)
+        solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty)
+        iterations += after.iterations
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
 
@@ -155,16 +160,15 @@ def _value_at_rest(joints: ElasticJoints, rest: State) -> float:
 
 
 def _paths(
-    joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, report: Reporter | None
+    joints: ElasticJoints, tangent: Tangent, rest: State, settings: PredictionSettings, progress: SharedProgress
 ) -> list[FollowedPath]:
     """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
 
     No other follows a path whose effort ends before its first travel.
     """
-    progress = SharedProgress(joints, report, len(settings.viscosities))
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):
-        if number > len(settings.viscosities) and (not _disagree(followed) or followed[-1].exhausted):
+        if number > len(settings.viscosities) and (not disagree(followed) or followed[-1].exhausted):
             break
         least = max((path.plateau.travel for path in followed), default=0.0)
         one = follow(joints, tangent, rest, viscosity, settings, least, progress.sender(viscosity, number))
@@ -195,28 +199,20 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
     if len(paths) < number:
         return []
     last = paths[-1]
-    if not last.exhausted and _left_by_smoothing(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
+    if not last.exhausted and left_by_smoothing(last, paths) > plateau.EARLY * plateau.reference_size(last.plateau.value):
         finer = followed(number + 1)
         paths += [finer] if finer is not None and not finer.exhausted else []
     return paths
 
 
-def _disagree(followed: list[FollowedPath]) -> bool:
-    """Whether the paths end on different plateaus."""
-    return len(plateau.groups([path.plateau.value for path in followed])) > 1
-
-
 def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath]) -> CoulombSolution:
     """Answer from all paths: the finest path of the plateau that most paths end on."""
     assembly = joints.assembly
-    values = [path.plateau.value for path in followed]
-    is_smooth = followed[-1].smooth_error > 0.0
-    groups = [list(range(len(followed)))] if is_smooth else plateau.groups(values)
-    most = max(groups, key=lambda group: (len(group), max(group)))
-    chosen = followed[max(most)]
+    alike = on_one_plateau(followed)
+    chosen, is_smooth = alike[0], followed[-1].smooth_error > 0.0
     before, last, certificate = chosen.end.before, chosen.end.last, chosen.end.certificate
-    value, uncertainty = chosen.plateau.value, _uncertainty(chosen, followed)
-    met = np.array([*values, *chosen.on_the_way])
+    value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, followed)
+    met = np.array([*(path.plateau.value for path in followed), *chosen.on_the_way])
     several = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist())]
     stride = last.progress - before.progress
     speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
@@ -226,7 +222,7 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
     certified = certificate.worst <= ACCEPTED_RESIDUAL and reached
     certain = uncertainty <= BROAD * plateau.reference_size(value)
     unit = joints.value_in_units(1.0)
-    mechanisms = [(path.end.before, path.end.last) for path in (chosen, *(followed[i] for i in most if followed[i] is not chosen))]
+    mechanisms = [(path.end.before, path.end.last) for path in alike]
     low, high = stated_interval(joints, mechanisms, value, uncertainty)
     return CoulombSolution(
         Status.SOLVED if certified and certain else Status.INACCURATE,
@@ -251,26 +247,3 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
         path_settlement=chosen.progress * stiffness.travel,
         path_value=chosen.values * unit,
     )
-
-
-def _uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
-    """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
-    end, values = chosen.plateau, [path.plateau.value for path in followed]
-    if chosen.smooth_error > 0.0:
-        left = _left_by_smoothing(chosen, followed)
-    elif len(plateau.groups(values)) > 1:
-        left = max(abs(end.value - value) for value in values)
-    else:
-        near = followed[-2:]
-        left = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
-    return float(np.nanmax([left, end.doubt, STEPS_SHARE * abs(end.value)]))
-
-
-def _left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> float:
-    """Uncertainty that a sharper path would lessen: the paths' difference, the move to the limit state and the law's error, scaled.
-
-    The means of these paths on the way differ, because their smoothing does.
-    """
-    end = finest.plateau.value
-    differ = SAFETY * max(abs(end - path.plateau.value) for path in followed[-2:])
-    return float(np.nanmax([differ, MOVED * abs(end - finest.values[-1]), SAFETY * finest.smooth_error]))

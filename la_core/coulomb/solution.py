@@ -65,6 +65,9 @@ class CoulombSolution:
         First viscosity of each path, in multiples of the weight at unit rate.
     path_settlement, path_value : (P,) array
         Curve of the finest path: motion of the support (m or rad), or displacement along the live load (m), and value.
+    released, released_uncertainty : float
+        Value of a prediction with small rotations after turning blocks have released a thrust, and its uncertainty, in the unit of the
+        value. NaN where it is unknown, or where nothing called for it.
     """
 
     status: Status
@@ -88,6 +91,8 @@ class CoulombSolution:
     viscosities: np.ndarray = field(default_factory=_empty)
     path_settlement: np.ndarray = field(default_factory=_empty)
     path_value: np.ndarray = field(default_factory=_empty)
+    released: float = NAN
+    released_uncertainty: float = NAN
 
     @property
     def certificate(self) -> float:

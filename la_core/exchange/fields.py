@@ -182,6 +182,15 @@ def _below(group: str, rows: tuple[tuple[str, str, tuple[str | int, ...], str, s
     )
 
 
+# Optional: only where a path went on with turning blocks.
+RELEASE_FIELDS = _below(
+    "coulomb",
+    (
+        ("released", "f8", (), "N, N m or -", "value after turning blocks have released the thrusts that friction locked in"),
+        ("released_uncertainty", "f8", (), "N, N m or -", "stated uncertainty of that value"),
+    ),
+)
+
 # Not in the files of version 0.2.0.
 UNCERTAINTY_PARTS = (
     Field("result/uncertainty_scatter", "f8", (), "N or N m", "part of the uncertainty: noise of the record"),

@@ -21,7 +21,8 @@ from verdict_scenes import drawn
 
 import la_core
 from comparison.judge.requested_accuracy import percent
-from comparison.numbers import exists, format_number, with_uncertainty
+from comparison.numbers import format_number, with_uncertainty
+from la_core.text_table import exists
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import write_text

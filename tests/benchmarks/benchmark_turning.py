@@ -27,7 +27,7 @@ from la_core.coulomb import STIFFER, CoulombSolution
 PAGE = Path(__file__).parents[2] / "comparison" / "gallery" / "turning.md"
 SEEDS = (SEED, FRESH_SEED)
 SHOWN = (FRESH_SEED, 0)  # seed and number of the scene whose figure the page has
-FINITE = {"effects.rotation": "finite"}
+SMALL, FINITE = ({"effects.rotation": rotation} for rotation in ("small", "finite"))
 KNOWN = 1e-2  # of the reaction: most uncertainty of a value that counts
 CHANGED, LEFT = 5e-3, 1e-2  # of the reaction: a change that the page lists; the distance at which a curve has left the value of small ones
 LEAST = 0.01  # of the weight: smaller reactions count as this
@@ -38,10 +38,11 @@ circles. The difference, of second order in the rotation, is tiny beside a block
 lock a thrust in, which holds by this strain alone. Turning blocks release it after a settlement of about the root of strain times block
 size, some tenths of a millimetre, and the reaction comes to another plateau. The bounds hold before and after.
 
-A prediction is for settlements before this release. With `[effects] rotation = "finite"` it is for settlements after: its path follows
-displacements of second order, of joints {STIFFER:g} times as stiff, over one travel, and then goes on until its curve is flat. Forces
-balance on the geometry as laid, and the end is certified as that of every other path. YADE, whose blocks always turn by finite angles,
-covers its whole travel with joints as stiff.
+A prediction is for settlements before this release. Where friction allows its mechanism several values, its paths go on with finite
+rotations, and the answer also has the value after the release (*released*). With `[effects] rotation = "finite"` the prediction itself is
+for settlements after: its path follows displacements of second order, of joints {STIFFER:g} times as stiff, over one travel, and then goes
+on until its curve is flat. Forces balance on the geometry as laid, and the end is certified as that of every other path. YADE, whose blocks
+always turn by finite angles, covers its whole travel with joints as stiff.
 
 ![Reaction over settlement of one scene by both methods: both curves fall together from 0.0807 to 0.0660 W](turning.png)
 
@@ -55,11 +56,23 @@ were drawn after it was fixed (`--seed 20261128`): 190 are known to 1 % with bot
 %, the most by 11 %. YADE agrees with 8 of the 9, and has no plateau in the other one (137). In scene 196 the interval is one point:
 turning blocks lead to another mechanism, and to 1.7 % more, by both methods.
 
-*interval*: width of the mechanism's interval for small rotations, over the value. *leaves at*: settlement at which the path with finite
-rotations has left the value of small ones by {100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of
-YADE and limit analysis, both with finite rotations. *s*: seconds of YADE's run.
+*released*: what the default prediction says of the value after a release. *interval*: width of the mechanism's interval for small
+rotations, over the value. *leaves at*: settlement at which the path with finite rotations has left the value of small ones by
+{100 * LEFT:g} %, for changes beyond this; with softer joints it leaves later. *verdict*: of YADE and limit analysis, both with finite
+rotations. *s*: seconds of YADE's run.
 """
-HEADINGS = ("scene", "small: R/W", "finite: R/W", "change %", "interval", "leaves at, mm", "YADE, whole travel", "verdict", "s")
+HEADINGS = (
+    "scene",
+    "small: R/W",
+    "released: R/W",
+    "finite: R/W",
+    "change %",
+    "interval",
+    "leaves at, mm",
+    "YADE, whole travel",
+    "verdict",
+    "s",
+)
 
 
 @dataclass(frozen=True)
@@ -78,6 +91,12 @@ class Predicted:
         low, high = coulomb.interval
         return cls(coulomb.value / weight, coulomb.uncertainty / weight, (high - low) / weight, coulomb.iterations, coulomb.seconds)
 
+    @classmethod
+    def released(cls, coulomb: CoulombSolution, weight: float) -> "Predicted":
+        """What a prediction says of the value after a release, with the cost of the whole prediction; NaN where unknown."""
+        value, uncertainty = coulomb.released / weight, coulomb.released_uncertainty / weight
+        return cls(value, uncertainty, np.nan, coulomb.iterations, coulomb.seconds)
+
     @property
     def size(self) -> float:
         """Size that differences are relative to."""
@@ -91,13 +110,15 @@ class Predicted:
 
 @dataclass(frozen=True)
 class Row:
-    """Scene with its predictions for small and for finite rotations, the settlement, m, at which they part, and YADE's run of the latter.
+    """Scene with its predictions for small rotations, after a release and for finite rotations, and YADE's run of the latter.
 
+    left_at: settlement, m, at which the curve of finite rotations leaves the value of small ones.
     yade: reaction over the weight, its uncertainty, verdict and seconds; None where YADE did not run.
     """
 
     name: str
     small: Predicted
+    released: Predicted
     finite: Predicted
     left_at: float
     yade: tuple[float, float, str, float] | None = None
@@ -117,12 +138,11 @@ class Row:
         """Cells of the table."""
         assert self.yade is not None
         value, uncertainty, verdict, seconds = self.yade
-        small, finite = (with_uncertainty(one.value, one.uncertainty) for one in (self.small, self.finite))
+        values = [with_uncertainty(one.value, one.uncertainty) for one in (self.small, self.released, self.finite)]
         width = self.small.width / self.small.size
         return [
             self.name,
-            small,
-            finite,
+            *values,
             f"{100.0 * self.change:+.2g}",
             f"{width:.2g}" if np.isfinite(width) else "unknown",
             f"{1e3 * self.left_at:.2g}" if abs(self.change) > LEFT else "–",
@@ -136,13 +156,13 @@ def measured(scene: tuple[int, int]) -> Row | None:
     """Predict a scene, its seed and number, for both rotations, and run YADE where they differ; None where a prediction has no value."""
     seed, number = scene
     one = drawn(number, seed)
-    finite = la_core.variant(one.scene, FINITE)
-    analyses = analyse(one.scene), analyse(finite)
-    answers = [analysis.coulomb for analysis in analyses]
-    if any(answer is None or np.isnan(answer.value) for answer in answers):
+    finite, weight = la_core.variant(one.scene, FINITE), one.scene.weight
+    analyses = analyse(la_core.variant(one.scene, SMALL)), analyse(one.scene), analyse(finite)
+    answers = [analysis.coulomb for analysis in analyses if analysis.coulomb is not None and not np.isnan(analysis.coulomb.value)]
+    if len(answers) < len(analyses):
         return None
-    predicted = [Predicted.of(answer, one.scene.weight) for answer in answers if answer is not None]
-    row = Row(f"{number} of {seed}, {one.kind}, {one.motion}", *predicted, left_at(analyses[1], analyses[0].coulomb))
+    predicted = Predicted.of(answers[0], weight), Predicted.released(answers[1], weight), Predicted.of(answers[2], weight)
+    row = Row(f"{number} of {seed}, {one.kind}, {one.motion}", *predicted, left_at(analyses[2], answers[0]))
     if not row.is_known or abs(row.change) <= CHANGED:
         return row
     with tempfile.TemporaryDirectory() as folder:
@@ -151,13 +171,12 @@ def measured(scene: tuple[int, int]) -> Row | None:
             shutil.copy(run.folder / "reaction.png", PAGE.with_suffix(".png"))
     value, uncertainty = (np.nan, np.nan) if run.yade is None else (run.yade.reaction, run.yade.uncertainty)
     seconds = (run.summary["yade"] or {}).get("seconds") or np.nan
-    return Row(row.name, *predicted, row.left_at, (value / finite.weight, uncertainty / finite.weight, run.verdict, seconds))
+    return Row(row.name, *predicted, row.left_at, (value / weight, uncertainty / weight, run.verdict, seconds))
 
 
-def left_at(finite: LimitAnalysis, small: CoulombSolution | None) -> float:
+def left_at(finite: LimitAnalysis, small: CoulombSolution) -> float:
     """Settlement, m, at which the curve of finite rotations leaves the value of small ones, on the joints that it stands for."""
-    if small is None or finite.coulomb is None:
-        return np.nan
+    assert finite.coulomb is not None
     settlement, values = finite.coulomb.path_settlement / STIFFER, finite.coulomb.path_value
     near = np.abs(values - small.value) <= LEFT * max(abs(small.value), LEAST * finite.scene.weight)
     return float(np.max(settlement[near], initial=0.0)) * finite.assembly.support_speed
@@ -170,8 +189,6 @@ def page(rows: list[Row], scenes: int) -> str:
     changes = [abs(row.change) for row in known]
     most_narrow = min((row.small.width / row.small.size for row in known if abs(row.change) > LEFT), default=np.nan)
     verdicts = Counter(row.yade[2] for row in listed if row.yade is not None).most_common()
-    work, seconds = (sum(getattr(row.finite, name) for row in rows) / sum(getattr(row.small, name) for row in rows) for name in COSTS)
-    median = float(np.median([row.finite.seconds / row.small.seconds for row in rows if row.small.seconds > 0.0]))
     open_ones = [sum(not getattr(row, name).is_known for row in rows) for name in ("small", "finite")]
     found = [
         f"- Of {scenes} scenes {len(rows)} have both predictions. {open_ones[0]} of those with small rotations and {open_ones[1]} of those "
@@ -179,11 +196,37 @@ def page(rows: list[Row], scenes: int) -> str:
         f"- {len(listed)} of these change by more than {100 * CHANGED:g} %, {sum(change > LEFT for change in changes)} by more than "
         f"{100 * LEFT:g} %, the most by {100 * max(changes):.2g} %.",
         f"- YADE's verdict on these: {', '.join(f'{count} {verdict}' for verdict, count in verdicts)}.",
-        f"- Predictions with finite rotations take {work:.2g} times as many iterations, and {seconds:.2g} times as long; "
-        f"in the median scene {median:.2g} times as long.",
+        f"- {_said_of_release(rows)}",
+        f"- Default predictions, with the value after a release, take {_cost(rows, 'released')}. Those with finite rotations take "
+        f"{_cost(rows, 'finite')}.",
         f"- The narrowest interval of a scene that changes by more than {100 * LEFT:g} % is {most_narrow:.2g} of the value.",
     ]
     return "\n\n".join([HEAD.rstrip("\n"), "\n".join(found), table(HEADINGS, [row.cells for row in listed])]) + "\n"
+
+
+def _said_of_release(rows: list[Row]) -> str:
+    """In how many scenes the default prediction has the value after a release, and how far this is from that of finite rotations."""
+    said = [row for row in rows if np.isfinite(row.released.value)]
+    off = [(abs(row.released.value - row.finite.value), row) for row in said if row.released.is_known and row.finite.is_known]
+    beyond = [row.name for apart, row in off if apart > row.released.uncertainty + row.finite.uncertainty]
+    most = max(apart / row.finite.size for apart, row in off)
+    changed = [row for row in rows if row.is_known and abs(row.change) > CHANGED]
+    of_changed = sum(np.isfinite(row.released.value) for row in changed)
+    return (
+        f"The default prediction has the value after a release in {len(said)} scenes, {of_changed} of the {len(changed)} that change among "
+        f"them. Where both are known, it differs from that of finite rotations by {100.0 * most:.2g} % at most, and by more than both "
+        f"uncertainties in {len(beyond)} scenes{': ' + '; '.join(beyond) if beyond else ''}."
+    )
+
+
+def _cost(rows: list[Row], name: str) -> str:
+    """What a prediction costs over that with small rotations alone."""
+    work, seconds = (
+        sum(getattr(getattr(row, name), cost) for row in rows) / sum(getattr(row.small, cost) for row in rows) for cost in COSTS
+    )
+    median = float(np.median([getattr(row, name).seconds / row.small.seconds for row in rows if row.small.seconds > 0.0]))
+    times = f"{seconds:.2g} times as long ({median:.2g} in the median)"
+    return f"{work:.2g} times as many iterations as those with small rotations alone, and {times}"
 
 
 COSTS = ("iterations", "seconds")

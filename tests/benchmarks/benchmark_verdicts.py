@@ -23,7 +23,7 @@ from marked_text import sentences
 from rich.console import Console
 from verdict_scenes import SCENES, SEED, drawn
 
-from comparison.numbers import exists, format_number, with_uncertainty
+from comparison.numbers import format_number, with_uncertainty
 from comparison.progress import Narration
 from comparison.provenance import describe
 from comparison.run_folder import write_text
@@ -31,6 +31,7 @@ from comparison.verdict import mark_of
 from comparison.workflow import run_scene, try_harder
 from la_core.exchange import TRAVEL_PERIODS
 from la_core.scene import same_structure
+from la_core.text_table import exists
 
 GALLERY = Path(__file__).parents[2] / "comparison" / "gallery"
 STIFFER, SLOWER = 4.0, 2.0  # of an agreement's second run: stiffness of the joints, duration of the travel

@@ -6,10 +6,11 @@ import scenes
 
 from la_core.analysis.stage import analyse
 from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
-from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, follow
+from la_core.coulomb.followed_path import FollowedPath, PredictionSettings
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.sharp_path import follow
 
 
 class UnevenJoints(ElasticJoints):

@@ -7,7 +7,17 @@ import numpy as np
 import pytest
 import scenes
 
-from la_core.coulomb import ACCEPTED_RESIDUAL, CoulombSolution, PathProgress, certificate, followed_path, plateau, predict, prediction
+from la_core.coulomb import (
+    ACCEPTED_RESIDUAL,
+    CoulombSolution,
+    PathProgress,
+    certificate,
+    followed_path,
+    plateau,
+    predict,
+    prediction,
+    several_paths,
+)
 from la_core.coulomb.followed_path import PredictionSettings, Reporter
 from la_core.coulomb.path.elastic_joints import ElasticJoints, JointState
 from la_core.limit import Drive, Status, solve_associated
@@ -120,7 +130,7 @@ def test_limit_state_near_a_path_of_smooth_joints_is_certified(plane, live, monk
     assert before > 10.0 * ACCEPTED_RESIDUAL
     assert found.certificate <= ACCEPTED_RESIDUAL
     assert found.value == pytest.approx(joints.value_in_units(value), rel=0.02)
-    assert found.uncertainty >= prediction.MOVED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
+    assert found.uncertainty >= several_paths.MOVED * abs(found.value - joints.value_in_units(value)) * (1.0 - 1e-9)
 
 
 def test_rounds_that_lower_no_residual_go_on_until_they_are_held_least(monkeypatch) -> None:

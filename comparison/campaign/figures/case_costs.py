@@ -11,7 +11,8 @@ from comparison.campaign.figures import shared_axes
 from comparison.campaign.row_values import costs_once
 from comparison.campaign.table import CampaignTable
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE
-from comparison.numbers import exists, format_number
+from comparison.numbers import format_number
+from la_core.text_table import exists
 
 SECONDS = {"limit_analysis_seconds": ("limit analysis", LIMIT_ANALYSIS, "o"), "yade_seconds": ("YADE", YADE, "s")}
 SIZES = (1, 2, 3, 4, 5, 6, 8)  # of every decade: numbers of blocks at the ticks

@@ -13,7 +13,7 @@ from comparison.campaign.parameter_labels import CLASSIC, quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines
 from comparison.campaign.row_values import Row, over_weight
 from comparison.figures import INK, LIMIT_ANALYSIS
-from comparison.numbers import exists
+from la_core.text_table import exists
 
 SERIES = 5
 SCENES = 3  # in a figure, a row each

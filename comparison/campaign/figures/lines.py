@@ -18,7 +18,7 @@ from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_groups import Line, SweepRows, lines, longest, slices
 from comparison.campaign.row_values import LIMIT, Row, bounds, interval, mechanism_name, of_mechanism, over_weight, prediction
 from comparison.figures import INK, LIMIT_ANALYSIS, YADE, tint
-from comparison.numbers import exists
+from la_core.text_table import exists
 
 SERIES = 5  # lines in a panel; a larger number is thinned out evenly
 PANELS = 9  # in a figure; further panels go to further figures

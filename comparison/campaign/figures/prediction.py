@@ -15,8 +15,8 @@ from comparison.campaign.parameter_labels import quantity
 from comparison.campaign.row_values import Row, bounds, interval, over_weight, prediction, sweep_of
 from comparison.figures import FAINT, INK, LIMIT_ANALYSIS, YADE, tint
 from comparison.judge import FLOOR
-from comparison.numbers import exists
 from la_core.limit import Drive
+from la_core.text_table import exists
 
 OUTSIDE = 1e9  # end of an infinite bar, outside every frame
 BOUNDED = 60  # cases; bounds of more would cover each other

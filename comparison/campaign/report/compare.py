@@ -12,8 +12,8 @@ from comparison.campaign.report.verdict_matrix import verdict_symbol
 from comparison.campaign.row_values import METHODS, Row, mechanism_name, runs_of, sweep_of
 from comparison.campaign.table import CampaignTable
 from comparison.judge import UNCERTAIN
-from comparison.numbers import exists
 from comparison.report import flat
+from la_core.text_table import exists
 
 SOLVER = 1e-6  # of the weight (of a multiplier): residual of the cone solver, and round-off
 UNSTATED = 1e-3  # of a prediction that states no uncertainty, by an older version: its error

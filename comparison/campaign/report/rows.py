@@ -26,8 +26,9 @@ from comparison.campaign.row_values import (
     worst_first,
 )
 from comparison.campaign.table import CampaignTable
-from comparison.numbers import DASH, exists, format_number, interval_words, share_of, small_number, with_uncertainty
+from comparison.numbers import DASH, format_number, interval_words, share_of, small_number, with_uncertainty
 from comparison.verdict import VERDICTS, Verdict
+from la_core.text_table import exists
 
 MOST_PICTURES = 12  # of mechanisms on a page, which holds them in itself
 PREDICTED_BY = {"coulomb": "Coulomb", "least": "associated"}

@@ -8,8 +8,9 @@ from comparison.campaign.parameter_labels import label, short, shown
 from comparison.campaign.row_groups import SweepRows, key, longest, ordered, slices, sweeps_of
 from comparison.campaign.row_values import Row, deviation, failed, link
 from comparison.campaign.table import CampaignTable
-from comparison.numbers import exists, format_number
+from comparison.numbers import format_number
 from comparison.verdict import VERDICTS
+from la_core.text_table import exists
 
 FAILURE = ("!", "failed")
 MOST_COLUMNS = 24  # that fit side by side; a parameter with more values goes downwards

@@ -1,0 +1,74 @@
+"""What turning blocks release: the paths of a prediction go on with finite rotations, from the end of their first travel.
+
+Until then the displacements of second order are too small to matter, so both predictions share the way. On the 25 random scenes of
+`comparison/gallery/turning.md` the paths that branch off end within 0.04 % of those whose blocks turn from rest on.
+"""
+
+from dataclasses import dataclass
+
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
+from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, SharedProgress
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.quasi_static_path import least_travel
+from la_core.coulomb.path.turning import STIFFER
+from la_core.coulomb.plateau import reference_size
+from la_core.coulomb.several_paths import BROAD, on_one_plateau, stated_uncertainty
+from la_core.coulomb.sharp_path import go_on_turning
+from la_core.coulomb.solution import CoulombSolution
+from la_core.model import JointStiffness
+
+CHANGED = 5e-3  # of the value: smaller changes are within the floor of a judge's tolerance
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Released:
+    """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it."""
+
+    value: float = NAN
+    uncertainty: float = NAN
+    iterations: int = 0
+
+
+def released(
+    joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath], settings: PredictionSettings, progress: SharedProgress
+) -> Released:
+    """Return the value after turning blocks have released what they can; unknown without a certified plateau, or with smooth joints.
+
+    Parameters
+    ----------
+    joints : ElasticJoints
+        Structure on its elastic joints, with small rotations.
+    stiffness : JointStiffness
+        Stiffness of the joints, and the travel.
+    followed : list of FollowedPath
+        Paths with small rotations.
+    settings : PredictionSettings
+        Limits of the paths.
+    progress : SharedProgress
+        Receives how far the paths are.
+    """
+    starts = [path.first_travel for path in followed if path.first_travel is not None]
+    if not starts or len(starts) < len(followed):
+        return Released()
+    turning, on = ElasticJoints(joints.assembly, stiffness, 1.0 / STIFFER), list[FollowedPath]()
+    senders, iterations = progress.senders_of_more([path.viscosity for path in followed]), 0
+    for start, send in zip(starts, senders, strict=True):
+        least = max((path.plateau.travel for path in on), default=0.0)
+        if (path := go_on_turning(start, turning, settings, least, send)) is None:
+            return Released(iterations=iterations)
+        on.append(path)
+        iterations += path.iterations - start.iterations
+    chosen = on_one_plateau(on)[0]
+    value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, on)
+    is_certified = chosen.end.certificate.worst <= ACCEPTED_RESIDUAL and chosen.end.last.progress >= least_travel(turning)
+    if not (is_certified and uncertainty <= BROAD * reference_size(value)):
+        return Released(iterations=iterations)
+    unit = joints.value_in_units(1.0)
+    return Released(value * unit, uncertainty * unit, iterations)
+
+
+def change_by_release(coulomb: CoulombSolution, unit: float) -> tuple[float, float]:
+    """Change of a prediction by a release and the doubt about it, both over the value. unit: value of a scaled one."""
+    size = reference_size(coulomb.value / unit) * unit
+    return (coulomb.released - coulomb.value) / size, (coulomb.uncertainty + coulomb.released_uncertainty) / size

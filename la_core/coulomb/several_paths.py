@@ -1,0 +1,52 @@
+"""What several paths of one structure come to: those on the plateau that counts, and what all of them leave uncertain."""
+
+import numpy as np
+
+from la_core.coulomb import plateau
+from la_core.coulomb.followed_path import FollowedPath
+
+# Times the move from the end of a path with smooth joints to the limit state near it.
+MOVED = 5.0
+# Of the value: what settings that should not matter change. On `wall_third` two ways of the viscosity gave 0.070328 and 0.070310.
+STEPS_SHARE = 3e-4
+BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called solved
+SAFETY = 2.0  # times the difference between the two finest paths
+
+
+def disagree(followed: list[FollowedPath]) -> bool:
+    """Whether the paths end on different plateaus."""
+    return len(plateau.groups([path.plateau.value for path in followed])) > 1
+
+
+def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
+    """Return the paths of the plateau that most paths end on, first the finest, whose end is the answer.
+
+    Paths with smooth joints count as one plateau: their smoothing, not the structure, keeps them apart.
+    """
+    is_smooth = followed[-1].smooth_error > 0.0
+    groups = [list(range(len(followed)))] if is_smooth else plateau.groups([path.plateau.value for path in followed])
+    most = max(groups, key=lambda group: (len(group), max(group)))
+    return [followed[max(most)], *(followed[i] for i in most if i != max(most))]
+
+
+def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:
+    """Largest of what the paths differ by, what the curve still changes by, how it scatters and what its steps leave, scaled."""
+    end, values = chosen.plateau, [path.plateau.value for path in followed]
+    if chosen.smooth_error > 0.0:
+        left = left_by_smoothing(chosen, followed)
+    elif len(plateau.groups(values)) > 1:
+        left = max(abs(end.value - value) for value in values)
+    else:
+        near = followed[-2:]
+        left = SAFETY * max(max(abs(end.value - path.plateau.value), abs(end.mean - path.plateau.mean)) for path in near)
+    return float(np.nanmax([left, end.doubt, STEPS_SHARE * abs(end.value)]))
+
+
+def left_by_smoothing(finest: FollowedPath, followed: list[FollowedPath]) -> float:
+    """Uncertainty that a sharper path would lessen: the paths' difference, the move to the limit state and the law's error, scaled.
+
+    The means of these paths on the way differ, because their smoothing does.
+    """
+    end = finest.plateau.value
+    differ = SAFETY * max(abs(end - path.plateau.value) for path in followed[-2:])
+    return float(np.nanmax([differ, MOVED * abs(end - finest.values[-1]), SAFETY * finest.smooth_error]))

@@ -1,0 +1,99 @@
+"""A path of sharp joints: its travel is doubled until its curve is flat, and it ends in a certified limit state."""
+
+from dataclasses import replace
+
+from la_core.coulomb import plateau
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, certified_end, limit_state_near
+from la_core.coulomb.followed_path import (
+    BIG,
+    LAST_VISCOSITY,
+    FollowedPath,
+    PredictionSettings,
+    Sender,
+    annealed,
+    longest_travel,
+    most_iterations,
+)
+from la_core.coulomb.lasting import Lasting
+from la_core.coulomb.path.elastic_joints import ElasticJoints
+from la_core.coulomb.path.implicit_step import State
+from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel, least_travel
+from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.plateau import Plateau
+
+END_STRETCH = 0.1  # most travel of the last stretch, to the certified end, over that of the path
+
+
+def follow(
+    joints: ElasticJoints, tangent: Tangent, rest: State, first: float, settings: PredictionSettings, as_far_as: float, send: Sender
+) -> FollowedPath | None:
+    """Follow one path with a first viscosity until its curve is flat, and to a certified end; None where it cannot go on.
+
+    as_far_as: least travel of the path.
+    """
+    more = max(len(joints.weights) / BIG, 1.0) ** 2
+    viscosity = annealed(joints, more * first, more**2 * LAST_VISCOSITY)
+    return _to_its_end(QuasiStaticPath(joints, tangent, rest, viscosity, settings.finer), settings, as_far_as, send)
+
+
+def go_on_turning(
+    path: QuasiStaticPath, joints: ElasticJoints, settings: PredictionSettings, as_far_as: float, send: Sender
+) -> FollowedPath | None:
+    """Follow a copy of a path on with joints whose blocks turn by finite angles, as `follow` does; None where it cannot go on.
+
+    as_far_as: least travel of the path.
+    """
+    path = path.copy()
+    path.joints = joints
+    return _to_its_end(path, settings, as_far_as, send)
+
+
+def _to_its_end(path: QuasiStaticPath, settings: PredictionSettings, as_far_as: float, send: Sender) -> FollowedPath | None:
+    """Follow a path until its curve is flat, and to a certified end; None where it cannot go on.
+
+    Where blocks turn, they do so until the path has gone as far as the joints that it stands for and nothing is released any more.
+    """
+    joints, first = path.joints, None
+    end, turned = first_travel(joints), least_travel(joints)
+    least, longest = max(turned, as_far_as), longest_travel(joints, settings)
+    passed: list[tuple[Plateau, QuasiStaticPath]] = []
+    lasting = Lasting(longest / 2.0)  # a curve is flat over the second half of its way
+    while True:
+        for point in path.advance_to(end, most_iterations(joints, settings)):
+            send(point.progress, max(end, least), point.value)
+        reached, progress, values = path.last.progress, *path.curve
+        first = first or (path.copy() if reached == end else None)
+        is_last = reached < end or end >= longest
+        found = plateau.plateau_of(progress, values, reached, values[-1])
+        if reached >= turned and found.is_flat:
+            path.joints = path.joints_as_turned
+        if reached >= turned and found.is_known:
+            passed.append((found, path.copy()))
+        if reached > 0.0 and (is_last or (end >= least and found.is_flat)):
+            ended = certified_end(path, END_STRETCH * reached)
+            if is_last or (ended.certificate.worst <= ACCEPTED_RESIDUAL and lasting.holds(path, ended.before, ended.last)):
+                break
+        if is_last:
+            return None
+        end *= 2.0
+    last = FollowedPath.on(path, (progress, values), ended, path.value(ended.last), reached < end)
+    chosen = _plateau_left(passed, last.plateau) or last
+    on_the_way = tuple(one.value for one, _ in passed if abs(one.value - last.plateau.value) > plateau.LEFT * one.doubt)
+    return replace(chosen, on_the_way=(*on_the_way, last.plateau.value), iterations=path.iterations, first_travel=first)
+
+
+def _plateau_left(passed: list[tuple[Plateau, QuasiStaticPath]], last: Plateau) -> FollowedPath | None:
+    """Return the path up to the best plateau that it passed if its curve has left this one for a doubtful value; otherwise None.
+
+    Friction may lock a thrust in, which blocks release by motions many times the settlement at which the curve was flat.
+    """
+    if not passed:
+        return None
+    best, path = min(passed, key=lambda one: one[0].doubt)
+    if not best.is_left_at(last):
+        return None
+    curve, ended = path.curve, certified_end(path.copy(), END_STRETCH * path.last.progress)
+    if ended.certificate.worst > ACCEPTED_RESIDUAL:
+        ended = limit_state_near(path)
+    early = FollowedPath.on(path, curve, ended, path.value(ended.last), False)
+    return early if ended.certificate.worst <= ACCEPTED_RESIDUAL and early.plateau.is_known else None

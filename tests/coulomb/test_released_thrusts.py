@@ -1,0 +1,140 @@
+"""A prediction with small rotations says what turning blocks release: its paths go on with finite ones."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scenes
+from coulomb_problems import problem
+from verdict_scenes import FRESH_SEED, SEED, drawn
+
+import la_core
+from la_core.analysis import analyse
+from la_core.analysis.answer import answer_rows
+from la_core.analysis.case_file import read_case, write_case
+from la_core.coulomb import CHANGED, CoulombSolution, PredictionSettings, change_by_release, prediction
+from la_core.coulomb.path import quasi_static_path
+from la_core.limit import Drive, Status, solve_associated
+from la_core.scene import Scene
+
+RELEASES = drawn(0, FRESH_SEED).scene  # a wall whose turning blocks release a fifth of the reaction
+FINITE = {"effects.rotation": "finite"}
+
+
+def predicted(scene: Scene) -> CoulombSolution:
+    """Prediction of a scene."""
+    coulomb = analyse(scene).coulomb
+    assert coulomb is not None and coulomb.status is Status.SOLVED
+    return coulomb
+
+
+@pytest.mark.parametrize(
+    ("number", "seed", "yade"),
+    [
+        pytest.param(0, FRESH_SEED, 0.0660, id="wall"),
+        pytest.param(10, SEED, 0.2209, id="support that turns"),
+        pytest.param(94, SEED, 0.1856, id="reaction that rises"),
+        pytest.param(69, FRESH_SEED, 0.0348, id="release between 8 and 32 travels"),
+    ],
+)
+def test_the_value_after_a_release_is_that_of_yade_over_its_whole_travel(number: int, seed: int, yade: float) -> None:
+    """YADE's values were measured on joints 16 or 64 times as stiff as those of limit analysis."""
+    scene = drawn(number, seed).scene
+    coulomb = predicted(scene)
+    assert coulomb.released / scene.weight == pytest.approx(yade, rel=5e-3)
+    assert abs(coulomb.released - coulomb.value) > 5.0 * (coulomb.uncertainty + coulomb.released_uncertainty)
+
+
+def test_paths_that_branch_off_end_where_those_from_rest_do() -> None:
+    for number in (0, 30, 60):
+        scene = drawn(number, FRESH_SEED).scene
+        small, finite = predicted(scene), predicted(la_core.variant(scene, FINITE))
+        assert small.released == pytest.approx(finite.value, rel=1e-3, abs=small.released_uncertainty + finite.uncertainty)
+
+
+def test_the_way_so_far_is_shared() -> None:
+    """Both predictions together cost less than twice the one from rest, and the first travel is not followed again."""
+    scene = drawn(45, SEED).scene
+    both, small, finite = (predicted(la_core.variant(scene, {"effects.rotation": name})) for name in ("auto", "small", "finite"))
+    assert small.iterations < both.iterations < small.iterations + finite.iterations - 100
+
+
+def test_the_prediction_itself_does_not_change() -> None:
+    assembly, stiffness = problem(RELEASES)
+    bound = solve_associated(assembly, Drive.YIELDING)
+    alone, more = (
+        prediction.predict(assembly, stiffness, bound, settings=PredictionSettings(with_release=release)) for release in (False, True)
+    )
+    assert math.isnan(alone.released) and more.released < 0.9 * more.value
+    for name in alone.__dataclass_fields__.keys() - {"released", "released_uncertainty", "seconds", "iterations"}:
+        assert np.array_equal(getattr(alone, name), getattr(more, name)), name
+
+
+def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
+    scene = scenes.shipped("wall_third")
+    coulomb = predicted(scene)
+    change, doubt = change_by_release(coulomb, scene.weight)
+    assert math.isfinite(change) and abs(change) + doubt < CHANGED
+
+
+@pytest.mark.parametrize("more", [{"effects.rotation": "small"}, FINITE, {"yade.wedging": 1e-5}], ids=["small", "finite", "wedged"])
+def test_nothing_is_followed_where_it_is_not_asked_for(more: dict[str, object]) -> None:
+    coulomb = predicted(la_core.variant(RELEASES, more))
+    assert math.isnan(coulomb.released) and math.isnan(coulomb.released_uncertainty)
+
+
+def test_a_mechanism_that_allows_one_value_is_not_followed_further() -> None:
+    assert math.isnan(predicted(scenes.shipped("ferris_tin_loi_1")).released)
+
+
+def test_smooth_joints_do_not_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prediction, "LARGE", 1.0)
+    coulomb = analyse(RELEASES).coulomb
+    assert coulomb is not None and math.isfinite(coulomb.value) and math.isnan(coulomb.released)
+
+
+def test_a_path_that_cannot_go_on_leaves_the_value_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    original = quasi_static_path.advance
+
+    def advance(joints, *arguments):
+        turns = joints.turning is not None
+        return quasi_static_path.Trial(None, 1) if turns else original(joints, *arguments)
+
+    monkeypatch.setattr(quasi_static_path, "advance", advance)
+    analysis = analyse(RELEASES)
+    assert analysis.coulomb is not None and analysis.coulomb.status is Status.SOLVED and math.isnan(analysis.coulomb.released)
+    assert "turning blocks may release a thrust" in analysis.assembly.effects.reasons["rotation"]
+
+
+# --- what a user reads ------------------------------------------------------------------------------------------------------------
+
+
+def test_tables_and_json_have_the_value_after_a_release() -> None:
+    answer = la_core.solve(RELEASES)
+    values = answer.values["coulomb"]
+    rows = {name: numbers for name, *numbers in answer_rows(RELEASES, answer.values)}
+    assert values["released"] == answer.analysis.coulomb.released
+    assert rows["Coulomb: reaction after release"] == ["1929.8", "0.06604"]
+    unknown = json.loads(json.dumps(answer.values | {"coulomb": values | {"released": None}}))
+    assert "Coulomb: reaction after release" not in {name for name, *_ in answer_rows(RELEASES, unknown)}
+
+
+def test_the_value_is_stored_and_files_without_it_are_read(tmp_path: Path) -> None:
+    analysis = analyse(RELEASES)
+    assert analysis.coulomb is not None
+    write_case(tmp_path / "with.h5", analysis, "inputs")
+    read = read_case(tmp_path / "with.h5", RELEASES).coulomb
+    assert read is not None and (read.released, read.released_uncertainty) == (
+        analysis.coulomb.released,
+        analysis.coulomb.released_uncertainty,
+    )
+    without = replace(analysis, at_inset=replace(analysis.at_inset, coulomb=replace(analysis.coulomb, released=math.nan)))
+    write_case(tmp_path / "without.h5", without, "inputs")
+    with h5py.File(tmp_path / "without.h5") as file:
+        assert "released" not in file["limit_analysis/coulomb"]
+    read = read_case(tmp_path / "without.h5", RELEASES).coulomb
+    assert read is not None and math.isnan(read.released)
