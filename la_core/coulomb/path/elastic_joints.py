@@ -134,6 +134,14 @@ class ElasticJoints:
         other.turning = None if for_good else self.turning
         return other
 
+    def with_axes_of_first(self) -> "ElasticJoints":
+        """Return the same joints with axes that turn with block a of each, not with b; the same joints where rotations are small."""
+        if self.turning is None:
+            return self
+        other = copy.copy(self)
+        other.turning = self.turning.with_axes_of_first()
+        return other
+
     def state(self, displacement: np.ndarray, before: JointState, smoothing: float = 0.0) -> tuple[JointState, np.ndarray]:
         """State at the end of a step, and minus the derivative of its forces by the displacements.
 

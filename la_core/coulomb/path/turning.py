@@ -1,11 +1,12 @@
 """Displacements of second order in the rotations of the blocks.
 
-A point at r on a block that turns by w moves by w x r + w x (w x r) / 2, and the axes of a joint turn with block b. The centroid of a
-support that turns about an axis moves on a circle, too, by v + w x v / 2. The second order is tiny beside a block, but not beside the
+A point at r on a block that turns by w moves by w x r + w x (w x r) / 2, and the axes of a joint turn with one of its blocks. The centroid
+of a support that turns about an axis moves on a circle, too, by v + w x v / 2. The second order is tiny beside a block, but not beside the
 strain of stiff joints: friction may lock a thrust in, which holds by this strain alone, and turning blocks release it. Forces balance on
 the geometry as laid, so that every plateau is one of limit analysis.
 """
 
+import copy
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -18,7 +19,7 @@ STIFFER = 16.0
 
 
 class Turning:
-    """Second order of the displacements at the contact points of an assembly.
+    """Second order of the displacements at the contact points of an assembly; the axes of its joints turn with block b.
 
     Parameters
     ----------
@@ -39,10 +40,17 @@ class Turning:
         self._factors = np.array([[1, 1]] if assembly.effects.plane else list(combinations_with_replacement(range(3), 2))).T
         shown = self._axes[:, : self._width]
         a, b = assembly.contact_blocks
+        self._axes_of = b
         arms = [assembly.points.position - assembly.blocks.centroid[block] for block in (a, b)]
         self._curved = np.concatenate([-self._curvature(shown, arms[0]), self._curvature(shown, arms[1])], axis=2)
         circled = 0.5 * np.cross(motion[:, 3:], motion[:, :3]) / unit**2
         self._circled = np.einsum("cj,ckj->ck", circled[b] - circled[a], shown)
+
+    def with_axes_of_first(self) -> "Turning":
+        """Return the same where the axes turn with block a: where corners meet, nothing but the order of the blocks tells a from b."""
+        other = copy.copy(self)
+        other._axes_of = self._assembly.contact_blocks[0]
+        return other
 
     def displacement(self, blocks: np.ndarray, progress: float, first: np.ndarray) -> np.ndarray:
         """Second order (C, k), over the unit.
@@ -60,7 +68,7 @@ class Turning:
         a, b = self._assembly.contact_blocks
         products = turns[:, self._factors[0]] * turns[:, self._factors[1]]
         curved = np.einsum("ckp,cp->ck", self._curved, np.concatenate([products[a], products[b]], axis=1))
-        second: np.ndarray = self._size * (curved + progress**2 * self._circled + self._as_axes_turn(first, turns[b]))
+        second: np.ndarray = self._size * (curved + progress**2 * self._circled + self._as_axes_turn(first, turns[self._axes_of]))
         return second
 
     def _curvature(self, axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
