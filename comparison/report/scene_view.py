@@ -258,11 +258,17 @@ def _level_words(comparison: dict[str, Any]) -> str:
         parts += ["the prediction with its uncertainty"] + ["its curve from rest"] * (len(curve) > 1)
         parts += ["the interval of values that its mechanism allows"] * (interval_words(low, high, "") not in (DASH, A_POINT))
     words = f" Limit analysis: {', '.join(parts[:-1])}{', and ' if len(parts) > 1 else ''}{parts[-1]}."
-    times = stiffening_of(comparison)
-    if times != 1.0 and len(curve) > 1:
-        number = format_number(times, 3)
-        words += f" The curve's settlement is divided by {number}: YADE's joints are {number} times as stiff as those of limit analysis."
-    return words
+    return words + (_curve_words(comparison) if len(curve) > 1 else "")
+
+
+def _curve_words(comparison: dict[str, Any]) -> str:
+    """Return at which settlement the figure of the reaction shows the curve of the prediction; "" where it is the curve's own."""
+    number = "" if (times := stiffening_of(comparison)) == 1.0 else format_number(times, 3)
+    stiffer = f"{number} times as stiff as those of limit analysis"
+    if (comparison.get("effects") or {}).get("rotation") == "finite":
+        joints = f"YADE's joints, {stiffer}," if number else "the joints"
+        return f" The curve is drawn at the settlement at which {joints} have released as much."
+    return f" The curve's settlement is divided by {number}: YADE's joints are {stiffer}." if number else ""
 
 
 def _is_arch(comparison: dict[str, Any]) -> bool:

@@ -64,7 +64,8 @@ class CoulombSolution:
     viscosities : (V,) array
         First viscosity of each path, in multiples of the weight at unit rate.
     path_settlement, path_value : (P,) array
-        Curve of the finest path: motion of the support (m or rad), or displacement along the live load (m), and value.
+        Curve of the finest path: motion of the support (m or rad), or displacement along the live load (m), and value. Where rotations
+        are finite and the stiffness of the joints is not given, joints as they are release as much at a quarter of this motion.
     released, released_uncertainty : float
         Value of a prediction with small rotations after turning blocks have released a thrust, and its uncertainty, in the unit of the
         value. NaN where it is unknown, or where nothing called for it.

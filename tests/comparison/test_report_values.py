@@ -223,8 +223,14 @@ def test_a_page_says_of_a_moment_that_it_is_one(tmp_path: Path) -> None:
         (
             {"joints": {"normal": 2e9}, "settings": {"normal_stiffness": 8e9}},
             ("plateau extrapolated", "its curve from rest, and the interval of values", "4 times as stiff as those of limit analysis"),
-            (),
+            ("released",),
         ),
+        (
+            {"joints": {"normal": 2e9}, "settings": {"normal_stiffness": 128e9}, "effects": {"rotation": "finite"}},
+            ("at which YADE's joints, 64 times as stiff as those of limit analysis, have released as much.",),
+            ("divided",),  # by the root of 16 times 64
+        ),
+        ({"effects": {"rotation": "finite"}}, ("at which the joints have released as much.",), ("divided",)),
     ],
 )
 def test_the_caption_says_what_the_figure_shows(
