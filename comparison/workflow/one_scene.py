@@ -38,7 +38,7 @@ from la_core.scene import Scene
 
 TIME_LIMIT = 3600.0  # s of wall time for one YADE run, when neither scene nor command says otherwise
 AFTER_RELEASE = (
-    'Rotations are finite ([effects] rotation = "finite"): both methods answer for a settlement after which turning blocks have released '
+    'Rotations are finite ([effects] rotation = "finite"): both methods answer for a motion after which turning blocks have released '
     "the thrusts that friction locked in."
 )
 Figures = Callable[[Results], Mapping[str, Callable[[], Any]]]  # how to draw each figure of the results, by its name

@@ -121,7 +121,7 @@ def _decide_rotation(scene: Scene) -> tuple[str, str]:
         raise SceneError("effects.rotation", obstacle, value=request, hint='leave it out or say "auto"')
     if request != "auto":
         return request, "requested in the scene"
-    return "small", BOUNDS_HOLD if bounds_alone else "the answer is for small settlements"
+    return "small", BOUNDS_HOLD if bounds_alone else "the answer is for small displacements"
 
 
 def _obstacle_to_elasticity(scene: Scene) -> str | None:
