@@ -139,16 +139,15 @@ def _solved(model: StructuralModel, folder: Path, listener: Listener, with_yade:
     """Return both methods' results, stored or new; limit analysis alone without YADE."""
     scene = model.scene
     analysis, inputs = limit_analysis_stage(model, folder, listener)
-    notes = _notes(analysis)
     if not with_yade:
-        return SceneOutcome(Results(analysis), None, notes, inputs)
+        return SceneOutcome(Results(analysis), None, _notes(analysis), inputs)
     limit = time_limit or scene.yade.get("time_limit", TIME_LIMIT)
     analysis = store_changed(analysis, accuracy_settings.initial_settings(analysis), inputs, folder)
     run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
     while run is not None and (better := _better(Results(analysis, run), listener, limit)) is not None:
         analysis = store_changed(analysis, better, inputs, folder)
         run, yade = yade_stage(analysis, run_inputs(inputs, analysis), folder, listener, limit)
-    return SceneOutcome(Results(analysis, run), yade, notes, run_inputs(inputs, analysis))
+    return SceneOutcome(Results(analysis, run), yade, _notes(analysis), run_inputs(inputs, analysis))
 
 
 def _better(results: Results, listener: Listener, limit: float) -> LimitAnalysis | None:

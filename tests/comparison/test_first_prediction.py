@@ -19,6 +19,7 @@ from conftest import Silent
 from faulty_runs import lasting
 from runs import coulomb_run, perfect_run, with_answers, write_run
 
+import la_core
 from comparison.cli.commands import main
 from comparison.judge.effects_table import EFFECTS
 from comparison.judge.first_prediction import WHY, WITHOUT, answer_of, first_prediction_summary
@@ -177,6 +178,15 @@ def test_the_first_answer_is_kept_where_friction_was_left_out(tmp_path: Path, ma
     assert first["coulomb"]["reaction"] == stored.item()  # what stood in the file when YADE began
     start = "Before YADE ran, limit analysis without sliding said 363.30 N; joints slide in YADE, so friction was modelled: "
     assert first["sentence"].startswith(start) and first["sentence"].endswith(" N.")
+
+
+def test_a_note_says_of_restored_friction_that_rotations_are_finite(tmp_path: Path, made_up_yade: Callable[[Make], list[bytes]]) -> None:
+    """Without sliding there is nothing to release, so the rotations of the first answer are small."""
+    runs = made_up_yade(sliding)
+    summary = run_scene(la_core.variant(two_pads(), {"effects.rotation": "finite"}), tmp_path / "pads", Silent(), with_yade=True)
+    assert len(runs) == 2 and summary["first_prediction"]["restored"] == ["friction"]
+    assert summary["effects"]["rotation"] == "finite"
+    assert any("Rotations are finite" in note for note in summary["notes"])
 
 
 def test_the_first_answer_survives_a_second_call_a_report_and_lost_files(
