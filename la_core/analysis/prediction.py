@@ -127,7 +127,8 @@ def _predicted(
             timed = search if bounds is at_inset else replace(search, seconds=0.0)  # the time of the search counts once
             return timed.as_coulomb(bounds.assembly, associated)
         as_given = has_given_stiffness(model.scene)
-        asked = replace(settings, with_release=model.scene.effects.rotation == "auto" and not as_given)
+        goes_on = bounds is at_inset and model.scene.effects.rotation == "auto" and not as_given
+        asked = replace(settings, with_release=goes_on)
         return predict(bounds.assembly, model.stiffness, associated, wedging(model.scene), asked, listener.path, as_given)
 
     if at_inset.assembly.effects.friction != "coulomb" and slides:

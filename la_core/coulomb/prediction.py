@@ -23,7 +23,7 @@ from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.release import released
-from la_core.coulomb.several_paths import BROAD, disagree, left_by_smoothing, on_one_plateau, stated_uncertainty
+from la_core.coulomb.several_paths import BROAD, disagree, joints_of_path, left_by_smoothing, on_one_plateau, stated_uncertainty
 from la_core.coulomb.sharp_path import follow
 from la_core.coulomb.solution import CoulombSolution, without_answer
 from la_core.limit import Drive, Solution, Status
@@ -164,14 +164,14 @@ def _paths(
 ) -> list[FollowedPath]:
     """Follow paths with sharp joints, each at least as far as those before; no path where one cannot go on.
 
-    No other follows a path whose effort ends before its first travel. See `_of_path`.
+    No other follows a path whose effort ends before its first travel. See `joints_of_path`.
     """
     followed: list[FollowedPath] = []
     for number, viscosity in enumerate(settings.viscosities_in_turn, start=1):
         if number > len(settings.viscosities) and (not disagree(followed) or followed[-1].exhausted):
             break
         least = max((path.plateau.travel for path in followed), default=0.0)
-        own = _of_path(joints, number, settings)
+        own = joints_of_path(joints, number, settings)
         one = follow(own, tangent, rest, viscosity, settings, least, progress.sender(viscosity, number))
         if one is None:
             return []
@@ -179,11 +179,6 @@ def _paths(
         if one.plateau.travel < least_travel(joints):
             break
     return followed
-
-
-def _of_path(joints: ElasticJoints, number: int, settings: PredictionSettings) -> ElasticJoints:
-    """Joints of a path: where blocks turn, the axes of a coarse one turn with the other block, so that the paths show what this changes."""
-    return joints if number >= len(settings.viscosities) else joints.with_axes_of_first()
 
 
 def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSettings, report: Reporter | None) -> list[FollowedPath]:
@@ -198,7 +193,7 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
     def followed(path: int) -> FollowedPath | None:
         viscosity = settings.viscosities_in_turn[path - 1]
         send = progress.sender(viscosity, path)
-        return follow_large(_of_path(joints, path, settings), Tangent(joints), wedging, viscosity, settings, path >= number, send)
+        return follow_large(joints_of_path(joints, path, settings), Tangent(joints), wedging, viscosity, settings, path >= number, send)
 
     made = side_by_side(followed, range(1, number + 1), progress.stop)
     paths = [path for path in made if path is not None]

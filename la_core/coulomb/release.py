@@ -12,7 +12,7 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import least_travel
 from la_core.coulomb.path.turning import STIFFER
 from la_core.coulomb.plateau import reference_size
-from la_core.coulomb.several_paths import BROAD, on_one_plateau, stated_uncertainty
+from la_core.coulomb.several_paths import BROAD, joints_of_path, on_one_plateau, stated_uncertainty
 from la_core.coulomb.sharp_path import go_on_turning
 from la_core.coulomb.solution import CoulombSolution
 from la_core.model import JointStiffness
@@ -53,9 +53,9 @@ def released(
         return Released()
     turning, on = ElasticJoints(joints.assembly, stiffness, 1.0 / STIFFER), list[FollowedPath]()
     senders, iterations = progress.senders_of_more([path.viscosity for path in followed]), 0
-    for start, send in zip(starts, senders, strict=True):
+    for number, (start, send) in enumerate(zip(starts, senders, strict=True), start=1):
         least = max((path.plateau.travel for path in on), default=0.0)
-        if (path := go_on_turning(start, turning, settings, least, send)) is None:
+        if (path := go_on_turning(start, joints_of_path(turning, number, settings), settings, least, send)) is None:
             return Released(iterations=iterations)
         on.append(path)
         iterations += path.iterations - start.iterations

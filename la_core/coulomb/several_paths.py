@@ -3,7 +3,9 @@
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.followed_path import FollowedPath
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
+from la_core.coulomb.followed_path import FollowedPath, PredictionSettings
+from la_core.coulomb.path.elastic_joints import ElasticJoints
 
 # Times the move from the end of a path with smooth joints to the limit state near it.
 MOVED = 5.0
@@ -13,20 +15,29 @@ BROAD = 0.25  # of the value: an answer with a larger uncertainty is not called 
 SAFETY = 2.0  # times the difference between the two finest paths
 
 
+def joints_of_path(joints: ElasticJoints, number: int, settings: PredictionSettings) -> ElasticJoints:
+    """Joints of a path, counted from 1: where blocks turn, the axes of a coarse one turn with the other block.
+
+    The paths then show what this choice changes.
+    """
+    return joints if number >= len(settings.viscosities) else joints.with_axes_of_first()
+
+
 def disagree(followed: list[FollowedPath]) -> bool:
     """Whether the paths end on different plateaus."""
     return len(plateau.groups([path.plateau.value for path in followed])) > 1
 
 
 def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
-    """Return the paths of the plateau that most paths end on, first the finest, whose end is the answer.
+    """Return the paths of the plateau that most paths end on; first the answer, the finest one that ends in a limit state, if one does.
 
     Paths with smooth joints count as one plateau: their smoothing, not the structure, keeps them apart.
     """
     is_smooth = followed[-1].smooth_error > 0.0
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups([path.plateau.value for path in followed])
     most = max(groups, key=lambda group: (len(group), max(group)))
-    return [followed[max(most)], *(followed[i] for i in most if i != max(most))]
+    alike = [followed[max(most)], *(followed[i] for i in most if i != max(most))]
+    return sorted(alike, key=lambda path: path.end.certificate.worst > ACCEPTED_RESIDUAL)
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:

@@ -134,6 +134,11 @@ class ElasticJoints:
         other.turning = None if for_good else self.turning
         return other
 
+    @property
+    def has_turned(self) -> bool:
+        """Whether displacements of second order count."""
+        return self._turned is not None
+
     def with_axes_of_first(self) -> "ElasticJoints":
         """Return the same joints with axes that turn with block a of each, not with b; the same joints where rotations are small."""
         if self.turning is None:
