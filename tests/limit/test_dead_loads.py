@@ -84,6 +84,25 @@ def test_a_load_above_a_notch_acts_on_the_upper_faces_alone() -> None:
     assert scene.loads.point[:, 2] == pytest.approx(0.6)
 
 
+@pytest.mark.parametrize("blocks", [["arch *"], ["arch 2"]])
+def test_a_fill_over_an_arch_acts_on_its_outer_face_alone(blocks: list[str]) -> None:
+    """The joints between voussoirs face up, too, but other blocks cover them."""
+    scene = scenes.build(scenes.arch(8, 0.2, depth=3.0), load(blocks=blocks, mass=100.0, per="m2"))
+    span = np.diff(-1.1 * np.cos(np.pi * np.arange(9) / 8))[slice(None) if blocks == ["arch *"] else slice(1, 2)]
+    assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
+
+
+def test_a_line_across_an_arch_counts_once() -> None:
+    scene = scenes.build(scenes.arch(8, 0.2, depth=3.0), load(blocks=["arch *"], mass=10.0, per="m", start=(-1.0, 1.5), to=(1.0, 1.5)))
+    assert scene.loads.mass.sum() == pytest.approx(20.0)
+    assert not [words for words in scene.warnings if "top faces" in words]
+
+
+def test_a_floor_under_the_next_course_still_acts_on_the_course_that_carries_it() -> None:
+    scene = scenes.build(*STACK, load(blocks=["lower"], mass=10.0, per="m2"), live=(1.0, 0.0, 0.0), settlement=None)
+    assert scene.loads.mass == pytest.approx([10.0])
+
+
 def test_a_load_beside_the_middle_makes_the_model_one_in_space() -> None:
     centred, beside = (scenes.build(*BEAM, load(mass=50.0, at=(0.4, y, 0.3))) for y in (0.5, 0.6))
     assert assemble(centred).effects.plane and not assemble(beside).effects.plane

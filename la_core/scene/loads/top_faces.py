@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, face_corners, polygons_of
+from la_core.geometry import Blocks, face_corners, face_pairs, face_polygons, near_pairs, overlap_of, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
+COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
+OPPOSITE, NEAR = 1e-2, 1e-3  # rad, and of the size of a block: faces of a joint, with the errors of typed coordinates
 COUNTED_TWICE = 1e-6  # of the whole: overlap in plan that is more than round-off
 
 
@@ -45,7 +47,7 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     line : two points (x, y), or None
         Line of the load in plan, m; None for the whole area.
     """
-    face = np.flatnonzero(chosen[blocks.face_block] & (blocks.face_normal[:, 2] > UPWARD))
+    face = _without_joints(blocks, np.flatnonzero(chosen[blocks.face_block] & (blocks.face_normal[:, 2] > UPWARD)))
     plan = _uncovered(blocks, face, _in_plan(blocks, face))
     if line is None:
         parts, share = plan, shapely.area(plan)
@@ -61,6 +63,37 @@ def carried(blocks: Blocks, chosen: np.ndarray, line: tuple[tuple[float, float],
     height = (offset - np.sum(normal[:, :2] * middle, axis=1)) / normal[:, 2]
     overlaps = bool(share.sum() > (1.0 + COUNTED_TWICE) * float(whole))
     return Carried(blocks.face_block[face], np.column_stack([middle, height]), share, overlaps)
+
+
+def _without_joints(blocks: Blocks, face: np.ndarray) -> np.ndarray:
+    """The faces (N,) without those that other blocks cover, where their block has an open one, too.
+
+    A voussoir of an arch carries its fill on its outer face, and not on the joint with its neighbour, which faces up as well. The
+    blocks of a course carry a floor on their only top face, under the course above.
+    """
+    owner = blocks.face_block[face]
+    if not (np.bincount(owner, minlength=len(blocks)) > 1).any():
+        return face
+    is_open = _covered(blocks, face) < COVERED
+    has_open = np.zeros(len(blocks), dtype=bool)
+    has_open[owner[is_open]] = True
+    return face[is_open | ~has_open[owner]]
+
+
+def _covered(blocks: Blocks, face: np.ndarray) -> np.ndarray:
+    """Share (N,) of each of some faces (N,) that faces of other blocks cover."""
+    parts, owner = blocks.parts, blocks.part_block
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
+    pairs = near_pairs(parts, NEAR * size)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    pair, below, above = face_pairs(parts, np.concatenate([pairs, pairs[:, ::-1]]))
+    reach = NEAR * np.tile(size[pairs].min(axis=1), 2)[pair]
+    fits = np.isin(below, face) & (np.linalg.norm(parts.face_normal[below] + parts.face_normal[above], axis=1) <= OPPOSITE)
+    fits &= np.abs(parts.face_offset[below] + parts.face_offset[above]) <= reach
+    below, above = below[fits], above[fits]
+    area = np.zeros(len(parts.face_block))
+    np.add.at(area, below, shapely.area(overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))))
+    return np.asarray(area[face] / shapely.area(face_polygons(parts, face, face)))
 
 
 def _in_plan(blocks: Blocks, face: np.ndarray) -> np.ndarray:

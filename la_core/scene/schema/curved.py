@@ -91,7 +91,9 @@ class Arch(Ring):
 
     name: Name = described("prefix of the voussoirs' names, before their numbers", default="arch")
     depth: Positive = described("along y", "m")
-    rings: Count = described("rings of equal thickness, one around the other, between which the arch can slide and open", default=1)
+    rings: Count = described(
+        "rings one around the other, between which the arch can slide and open; they share `thickness` equally", default=1
+    )
 
     @model_validator(mode="after")
     def _is_bounded_in_rings(self) -> Self:
