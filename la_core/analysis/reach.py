@@ -53,8 +53,10 @@ def candidate_masks(scene: Scene, assembly: Assembly) -> tuple[list[np.ndarray],
     small, large = (free & ~region(assembly, layers) for layers in LAYERS)
     masks = [small, large] if large.sum() < small.sum() else [small]
     least = 1 if request is True else max(LEAST_BLOCKS, LEAST_SHARE * free.sum())
-    affected = f"all but {small.sum()} of {free.sum()} free blocks" if small.any() else "every free block"
-    why_whole = f"the motion of the support may affect {affected}"
+    why_whole = "the motion of the support may affect every free block"
+    if small.any():
+        too_few = f"fewer than {LEAST_BLOCKS} or than {100.0 * LEAST_SHARE:.0f} % are not worth setting aside"
+        why_whole = f"{small.sum()} of {free.sum()} free blocks lie far enough from the support to be set aside; {too_few}"
     return [mask for mask in masks if mask.sum() >= least], why_whole
 
 
