@@ -2,14 +2,18 @@
 
 import io
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from la_core.exchange import write_whole
 
 DPI = 130  # of a PNG
+SALT = "crosscheck"  # of the names of parts of an SVG, which would be random
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -18,9 +22,9 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def rendered(figure: Figure, suffix: str) -> bytes:
-    """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf"."""
+    """Return the content of a figure's file; `suffix` is ".png", ".svg" or ".pdf". The figure stays as it was."""
     metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(suffix, {"Software": None})
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), rc_context({"svg.hashsalt": SALT}), _unmoved(figure):
         warnings.filterwarnings("ignore", "Glyph")  # a letter that the font lacks is drawn as a box
         content = io.BytesIO()
         if suffix == ".png":  # savefig draws twice; one drawing finds the same layout, unless a title has several lines
@@ -36,3 +40,20 @@ def rendered(figure: Figure, suffix: str) -> bytes:
         else:
             figure.savefig(content, format=suffix[1:], dpi=DPI, metadata=metadata)
     return content.getvalue()
+
+
+@contextmanager
+def _unmoved(figure: Figure) -> Iterator[None]:
+    """Put axes and titles back to where they were: the layout of a drawing begins with that of the one before, and would drift."""
+    places = [(axes, axes.get_position(original=True), axes.get_position(), axes.get_in_layout()) for axes in figure.axes]
+    texts = [(text, text.get_position(), text.get_verticalalignment()) for text in figure.texts]
+    try:
+        yield
+    finally:
+        for axes, original, active, in_layout in places:
+            axes.set_position(original, which="original")
+            axes.set_position(active, which="active")
+            axes.set_in_layout(in_layout)  # which set_position ends
+        for text, position, alignment in texts:
+            text.set_position(position)
+            text.set_verticalalignment(alignment)

@@ -273,13 +273,14 @@ def _arrow_key(label: str, colour: str) -> Line2D:
 
 def _scale_words(assembly: Assembly, factor: float, travel: float) -> str:
     """Return the scale of the drawn displacements as a sentence; a travel of 0, m or rad, is unknown."""
+    free = "shape of the mechanism, whose size is free: drawn with "
     if assembly.has_live_load or not np.any(assembly.support_twist):
-        return f"largest displacement drawn: {DRAWN * structure_size(assembly.blocks):.3g} m (displacements linear in it)"
+        return f"{free}a largest displacement of {DRAWN * structure_size(assembly.blocks):.3g} m"
     motion, unit = ("rotation", "mrad") if assembly.is_rotation else ("motion", "mm")
     if travel > 0.0:
         times = format_number(float(f"{factor / travel:.2g}"))
         return f"displacements enlarged about {times} times: the support moved {1e3 * travel:.3g} {unit}"
-    return f"shape of the mechanism, whose size is free: drawn with a support {motion} of {1e3 * factor:.3g} {unit}"
+    return f"{free}a support {motion} of {1e3 * factor:.3g} {unit}"
 
 
 def wrapped(title: str) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from comparison.figures import motions, scene_figures, structure
 from comparison.figures.animation import Story
 from comparison.figures.dissipation import dissipation_figure
 from comparison.figures.line_labels import ROW, Word, write_words
-from comparison.figures.save import DPI, rendered
+from comparison.figures.save import rendered
 from comparison.yade import Results
 from la_core.analysis.stage import analyse
 from la_core.limit.problem import Drive
@@ -122,8 +123,23 @@ def test_a_long_reason_above_a_mechanism_keeps_off_the_heading(name: str) -> Non
     motion = np.where(assembly.blocks.free[:, None], [0.1, 0.0, -1.0, 0.0, 0.0, 0.0], 0.0)
     reasons = {"YADE": "collapsed: a block falls at 0.125 m/s after a settlement of 0.785 mm; YADE looked for new contacts"}
     figure = structure.mechanism_figure(assembly, {"LA": motion, "YADE": np.nan * motion}, "", reasons=reasons, travel=1e-3)
-    figure.set_dpi(DPI)
-    rendered(figure, ".png")
     words = [figure._suptitle, *(axes.title for axes in figure.axes), *(axes.xaxis.label for axes in figure.axes), *figure.legends]
     assert len(words) == 6
-    assert not any(one.get_window_extent().overlaps(other.get_window_extent()) for one, other in combinations(words, 2))
+    drawn: list[list[Any]] = []
+    figure.canvas.mpl_connect("draw_event", lambda event: drawn.append([word.get_window_extent(event.renderer) for word in words]))
+    rendered(figure, ".png")
+    assert not any(one.overlaps(other) for one, other in combinations(drawn[-1], 2))
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+@pytest.mark.parametrize("name", ["assembly", "mechanisms", "dissipation"])
+def test_a_figure_that_is_saved_again_is_the_same(name: str, suffix: str, tmp_path: Path) -> None:
+    """The layout of a drawing begins with that of the one before."""
+    analysis = analyse(scene_of(tmp_path, SCENES["plane"]))
+    figure = scene_figures(Results(analysis))[name]()
+    first = rendered(figure, suffix)
+    assert [rendered(figure, suffix) for _ in range(3)] == [first] * 3
+    assert rendered(scene_figures(Results(analysis))[name](), suffix) == first
+    axes = figure.axes[0]
+    axes.set_title("a title of\ntwo lines")
+    assert rendered(figure, suffix) != first and axes.get_in_layout()
