@@ -8,8 +8,8 @@ import pytest
 from made_up_campaigns import FRICTIONS, INSET, MU, campaign, changed, left_out
 
 from comparison.campaign.columns import METHODS, result_columns
+from comparison.campaign.figures import classic, maps
 from comparison.campaign.figures import lines as plot_lines
-from comparison.campaign.figures import maps
 from comparison.campaign.figures.case_costs import case_cost_figure
 from comparison.campaign.parameter_labels import label, quantity
 from comparison.campaign.report.report import write_campaign_report
@@ -83,6 +83,50 @@ def test_a_structure_that_cannot_stand_has_no_mechanism_and_its_cell_says_so(tmp
     ((figure, _),) = maps.map_figures(sweeps_of(table))
     for axes in figure.axes:
         assert [text.get_text() for text in axes.texts].count(maps.FALLS) == 1
+
+
+def keys_of(figure: Any) -> str:
+    return ", ".join(text.get_text() for text in figure.legends[0].get_texts())
+
+
+def test_the_legend_of_a_map_lists_the_signs_that_are_drawn_and_no_others(tmp_path: Path) -> None:
+    whole = campaign(tmp_path, "two axes")
+    signs = ("! failed", "↓ cannot stand", "– no mechanism known", "methods' mechanisms differ", "mechanism changes")
+    none = dict.fromkeys(f"{method}_mechanism" for method in METHODS)
+    drawn = {
+        (): whole,
+        (signs[0],): changed(whole, 0, **none, state="failed"),
+        (signs[1],): changed(whole, 0, **none, associated_status="infeasible", yade_status="collapsed"),
+        (signs[2],): changed(whole, 0, **none),
+        (signs[3],): changed(whole, 3, yade_mechanism="12-high"),
+    }
+    for present, table in drawn.items():
+        ((figure, _),) = maps.map_figures(sweeps_of(table))
+        assert {sign for sign in signs if sign in keys_of(figure)} == {*present, signs[4]}
+    same = replace(whole, rows=[row | dict.fromkeys(none, "12-one") for row in whole.rows])
+    ((figure, _),) = maps.map_figures(sweeps_of(same))
+    assert keys_of(figure) == "A, B, ...: mechanisms of a scene, equal letters for equal ones"
+
+
+def test_the_legend_of_a_curve_names_changes_of_the_mechanism_where_one_is_drawn(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "one axis")
+    same = replace(table, rows=[row | {"coulomb_mechanism": "12-one"} for row in table.rows])
+    for one, is_told in ((table, True), (same, False)):
+        (drawn,) = plot_lines.reaction_figures(sweeps_of(one))
+        assert ("mechanism changes" in keys_of(drawn.figure)) == is_told
+
+
+def test_the_legend_of_the_classic_iteration_names_a_lost_run_where_one_is_drawn(tmp_path: Path) -> None:
+    table = campaign(tmp_path, "classic")
+    answered = [row | {"classic": 0.4, "classic_status": "solved"} for row in table.rows]
+    opened = [row | {"classic": 0.4, "classic_status": "inaccurate"} for row in table.rows]
+    shown = [
+        [keys_of(figure) for figure, _ in classic.classic_figures(sweeps_of(replace(table, rows=rows), classic=True))]
+        for rows in (table.rows, answered, opened)
+    ]
+    assert [all("no value" in words for words in one) for one in shown] == [True, False, False]
+    assert [any("no value" in words for words in one) for one in shown] == [True, False, False]
+    assert [all(", not converged" in words for words in one) for one in shown] == [False, False, True]
 
 
 def test_labels_of_axes_say_what_it_is_and_in_what_unit() -> None:

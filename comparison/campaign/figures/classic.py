@@ -55,7 +55,8 @@ def _figure(parameter: str, group: list[SweepRows]) -> Figure:
         for place in (value, count):
             scale.label(place)
             place.set_title(sweep.scene, fontsize=9, parse_math=False)
-    shared_axes.legend(figure, _handles(drawn))
+    rows = [row for sweep in group for line in lines(sweep, parameter) if line.words in drawn for row in line.rows]
+    shared_axes.legend(figure, _handles(drawn, rows))
     return figure
 
 
@@ -91,17 +92,21 @@ def _mark_lost(axes: Any, line: Line, scale: Scale) -> None:
     axes.plot(lost, [0.04] * len(lost), "x", transform=axes.get_xaxis_transform(), color=INK, markersize=7, zorder=5)
 
 
-def _handles(names: list[str]) -> list[Line2D]:
-    count = len(names)
+def _handles(names: list[str], rows: list[Row]) -> list[Line2D]:
+    """Keys of the series, and of the signs that their cases have."""
+    count, is_lost = len(names), [not exists(row.get("classic")) for row in rows if row.get("classic_status")]
+    is_open = [exists(row.get("classic")) and row.get("classic_status") != CONVERGED for row in rows]
     hollow: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "color": "white"}
     series = [
         Line2D([], [], color=shade(LIMIT_ANALYSIS, k, count), markersize=6, label=name or "classic iteration", **series_style(k))
         for k, name in enumerate(names)
     ]
+    not_converged = Line2D([], [], marker="o", label="not converged", **hollow)
+    no_value = Line2D([], [], linestyle="none", marker="x", color=INK, label="no value: not converged, or no equilibrium")
     return [
         *series,
         Line2D([], [], color=INK, linewidth=1.1, linestyle="-", label="Coulomb prediction, elastic joints"),
         Line2D([], [], color=INK, linewidth=1.1, linestyle=":", label="associated"),
-        Line2D([], [], marker="o", label="not converged", **hollow),
-        Line2D([], [], linestyle="none", marker="x", color=INK, label="no value: not converged, or no equilibrium"),
+        *([not_converged] if any(is_open) else []),
+        *([no_value] if any(is_lost) else []),
     ]

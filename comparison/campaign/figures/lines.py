@@ -102,8 +102,8 @@ def _figure(parameter: str, group: list[SweepRows], left_out: str, draw: Any, wo
         place.set_title(textwrap.fill(sweep.title, TITLE_WIDTH), fontsize=9, parse_math=False)
         unit = next((row["unit"] for row in sweep.rows if row.get("unit") is not None), None)  # a failed case has no unit
         place.set_ylabel(words or quantity(unit), fontsize=8)
-    rows = [row for sweep in group for row in sweep.rows]
-    shared_axes.legend(figure, [*_method_handles(rows, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
+    shown = [line for sweep in group for line in lines(sweep, parameter) if line.words in drawn]
+    shared_axes.legend(figure, [*_method_handles(shown, len(drawn) == 1 and scale.numeric, reactions), *_series_handles(drawn)])
     series = f"{len(drawn)} of {len(names)} series are drawn." if len(drawn) < len(names) else ""
     return Drawn(figure, parameter, f"{left_out} {series}".strip())
 
@@ -166,11 +166,15 @@ def _draw_intervals(axes: Any, place: list[float], low: np.ndarray, high: np.nda
 
 def _draw_switches(axes: Any, scale: Scale, rows: list[Row]) -> None:
     """Draw a dotted line wherever limit analysis' mechanism changes between neighbouring values of the parameter."""
-    for first, second in pairwise(rows):
-        names = mechanism_name(first, LIMIT), mechanism_name(second, LIMIT)
-        if None not in names and names[0] != names[1]:
-            middle = (scale.place(first[scale.parameter]) + scale.place(second[scale.parameter])) / 2.0
-            axes.axvline(middle, color=INK, linewidth=0.9, linestyle=":", zorder=2)
+    for first, second in _switches(rows):
+        middle = (scale.place(first[scale.parameter]) + scale.place(second[scale.parameter])) / 2.0
+        axes.axvline(middle, color=INK, linewidth=0.9, linestyle=":", zorder=2)
+
+
+def _switches(rows: list[Row]) -> list[tuple[Row, Row]]:
+    """Neighbouring cases between which limit analysis' mechanism changes."""
+    names = [mechanism_name(row, LIMIT) for row in rows]
+    return [pair for pair, (one, other) in zip(pairwise(rows), pairwise(names), strict=True) if None not in (one, other) and one != other]
 
 
 def _values(rows: list[Row], names: list[str]) -> np.ndarray:
@@ -183,7 +187,9 @@ def _measure(rows: list[Row], method: str, name: str) -> np.ndarray:
     return np.array([of_mechanism(row, method, name) for row in rows], dtype=float)
 
 
-def _method_handles(rows: list[Row], bands: bool, reactions: bool) -> list[Any]:
+def _method_handles(shown: list[Line], bands: bool, reactions: bool) -> list[Any]:
+    """Keys of what the lines of all panels show."""
+    rows = [row for line in shown for row in line.rows]
     words = "limit analysis" if not reactions else "limit analysis' prediction"
     handles: list[Any] = [Line2D([], [], color=LIMIT_ANALYSIS, marker="o", markersize=3.5, label=words)]
     mark: dict[str, Any] = {"marker": "o", "markersize": 6.5, "markeredgecolor": INK, "markeredgewidth": 0.6, "linewidth": 0.8}
@@ -196,7 +202,8 @@ def _method_handles(rows: list[Row], bands: bool, reactions: bool) -> list[Any]:
     else:
         handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.6, label="interval of the mechanism"))
         handles.append(Patch(facecolor=tint(LIMIT_ANALYSIS), alpha=0.22, label="bounds (associated)"))
-        handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=":", label="limit analysis' mechanism changes"))
+        if any(_switches(line.rows) for line in shown):
+            handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=":", label="limit analysis' mechanism changes"))
     if any(row.get("verdict") == "disagree" for row in rows):
         handles.append(Line2D([], [], color=INK, linestyle="none", marker="x", markersize=9, label="disagree"))
     return handles

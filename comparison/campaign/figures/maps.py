@@ -84,6 +84,7 @@ def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str
     """Draw two rows per scene: the mechanisms of limit analysis and of YADE at each value."""
     height = sum(0.95 + 0.1 for _ in along)
     figure, axes = shared_axes.panel_figure(len(along), height / len(along) + 0.35, columns=1)
+    panels = []
     for place, sweep in zip(axes, along, strict=True):
         values = sweep.values[parameter]
         rows: list[Row | None] = [next(iter(sweep.where({parameter: value})), None) for value in values]
@@ -91,11 +92,12 @@ def _strips(parameter: str, along: list[SweepRows], lettered: dict[str, dict[str
         row_words = [WORDS[method] for method in methods]
         texts = [shown(value) for value in values]
         grid = MapGrid(sweep.scene, [rows] * len(methods), methods, row_words, texts, label(parameter, sweep.named), "", "")
+        panels.append((grid, methods))
         _draw(place, grid, methods, lettered[sweep.scene])
         place.set_title(sweep.scene, fontsize=9, loc="left", parse_math=False)
         if place is not axes[-1]:
             place.set_xlabel("")
-    shared_axes.legend(figure, _handles(_methods([row for sweep in along for row in sweep.rows])))
+    shared_axes.legend(figure, _handles(panels))
     return figure
 
 
@@ -121,25 +123,32 @@ def _paired(maps: list[tuple[str, MapGrid]], lettered: dict[str, dict[str, str]]
     for place, (scene, grid, method) in zip(axes, panels, strict=True):
         _draw(place, grid, [method] * len(grid.rows), lettered[scene])
         place.set_title(f"{grid.title}: {WORDS[method]}", fontsize=9, parse_math=False)
-    shared_axes.legend(figure, _handles(maps[0][1].methods))
+    shared_axes.legend(figure, _handles([(grid, [method] * len(grid.rows)) for _, grid, method in panels]))
     return figure
 
 
 def _draw(axes: Any, grid: MapGrid, methods: list[str], lettered: Mapping[str, str]) -> None:
     """Draw the cells, lines between different mechanisms, and a sign where the methods differ."""
-    names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
-    strips = len(set(methods)) > 1
-    for i, line in enumerate(grid.rows):
-        signs = [_sign(row, methods[i], lettered) for row in line]
+    for i, (line, method) in enumerate(zip(grid.rows, methods, strict=True)):
+        signs = [_sign(row, method, lettered) for row in line]
         for j, row in enumerate(line):
             apart, crowded = _differ(row), len(line) > WIDE
             words = "" if crowded and j and signs[j] == signs[j - 1] else f"{signs[j]} {APART}" if apart and not crowded else signs[j]
-            _draw_cell(axes, (j, i), row, names[i][j], words, lettered, apart)
-            if j and _changes(names[i][j - 1], names[i][j]):
-                axes.plot([j - 0.5, j - 0.5], [i - 0.5, i + 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
-            if i and not strips and _changes(names[i - 1][j], names[i][j]):
-                axes.plot([j - 0.5, j + 0.5], [i - 0.5, i - 0.5], color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
+            _draw_cell(axes, (j, i), row, _name(row, method), words, lettered, apart)
+    for x, y in _borders(grid, methods):
+        axes.plot(x, y, color=INK, linewidth=2.4, solid_capstyle="butt", zorder=4)
     _finish(axes, grid)
+
+
+def _borders(grid: MapGrid, methods: list[str]) -> Iterator[tuple[list[float], list[float]]]:
+    """Yield both ends, as x and y, of each line between neighbouring cells of different mechanisms; not between strips of two methods."""
+    names = [[_name(row, method) for row in line] for line, method in zip(grid.rows, methods, strict=True)]
+    for i, line in enumerate(names):
+        for j, name in enumerate(line):
+            if j and _changes(line[j - 1], name):
+                yield [j - 0.5, j - 0.5], [i - 0.5, i + 0.5]
+            if i and methods[i - 1] == methods[i] and _changes(names[i - 1][j], name):
+                yield [j - 0.5, j + 0.5], [i - 0.5, i - 0.5]
 
 
 def _finish(axes: Any, grid: MapGrid) -> None:
@@ -195,11 +204,18 @@ def _differ(row: Row | None) -> bool:
     return row is not None and _changes(*(mechanism_name(row, method) for method in BOTH))
 
 
-def _handles(methods: list[str]) -> list[Any]:
-    differ = Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ")
-    return [
-        Patch(facecolor=SHADES[0], edgecolor=FAINT, label="A, B, ...: mechanisms of a scene, equal letters for equal ones"),
-        Line2D([], [], color=INK, linewidth=2.4, label="mechanism changes"),
-        *([differ] if methods == BOTH else []),
-        Line2D([], [], linestyle="none", marker="$!$", color=INK, label=f"failed ({FALLS} cannot stand, {DASH} no mechanism known)"),
+def _handles(panels: list[tuple[MapGrid, list[str]]]) -> list[Any]:
+    """Keys of what the panels show; a panel is a map, and the method of each of its rows."""
+    cells = [(row, method) for grid, methods in panels for line, method in zip(grid.rows, methods, strict=True) for row in line]
+    without = [(row, method) for row, method in cells if row is not None and _name(row, method) is None]
+    signs = {_sign(row, method, {}) for row, method in without}
+    handles: list[Any] = [
+        Patch(facecolor=SHADES[0], edgecolor=FAINT, label="A, B, ...: mechanisms of a scene, equal letters for equal ones")
     ]
+    if any(True for panel in panels for _ in _borders(*panel)):
+        handles.append(Line2D([], [], color=INK, linewidth=2.4, label="mechanism changes"))
+    if any(_differ(row) for row, _ in cells):
+        handles.append(Patch(facecolor="white", edgecolor="#8a8a8a", hatch="////", label=f"{APART} methods' mechanisms differ"))
+    words = {FAILED: "failed", FALLS: "cannot stand", DASH: "no mechanism known"}
+    told = [f"{sign} {word}" for sign, word in words.items() if sign in signs]
+    return [*handles, *([Line2D([], [], linestyle="none", label=", ".join(told))] if told else [])]
