@@ -125,12 +125,13 @@ def mechanism_figure(
     figure = blank_figure(assembly, len(mechanisms), heading)
     handles: list[Patch | Line2D] = [_area("at rest", ROLE_FACE[FREE])]
     handles += [_area(ROLE_NAME[ASIDE], ROLE_FACE[ASIDE])] if assembly.aside.any() else []
+    marked: set[ContactState] = set()
     for canvas, (label, twists) in zip(canvases(figure, assembly, len(mechanisms)), mechanisms.items(), strict=True):
         colour = tint(method_colour(label))
         if np.isfinite(twists).all():
             canvas.axes.set_title(label, parse_math=False, fontsize=10)
             _draw_mechanism(canvas, assembly, twists, factor, colour)
-            _mark_joints(canvas, assembly, factor * twists, (joints or {}).get(label))
+            marked |= _mark_joints(canvas, assembly, factor * twists, (joints or {}).get(label))
             handles.append(_area(f"moves, {label}", colour))
         else:
             reason = textwrap.fill((reasons or {}).get(label, _why_none(falling)), TITLE_WIDTH // 2)
@@ -139,8 +140,7 @@ def mechanism_figure(
             handles += [_area(f"falls, {label}", colour, "xx")] if falling else []
     if known:
         handles.append(Line2D([], [], color=FAINT, linewidth=0.8, label="before"))
-    present = set(np.concatenate(list((joints or {"": np.zeros(0)}).values())).tolist())
-    handles += [_mark(f"joint {word}", style) for state, (word, style) in MARKED.items() if state in present]
+    handles += [_mark(f"joint {word}", style) for state, (word, style) in MARKED.items() if state in marked]
     legend_below(figure, handles)
     return figure
 
@@ -153,18 +153,21 @@ def _draw_mechanism(canvas: Canvas, assembly: Assembly, twists: np.ndarray, fact
     canvas.block_outlines(moves | np.any(assembly.support_twist, axis=1), FAINT)
 
 
-def _mark_joints(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, states: np.ndarray | None) -> None:
-    """Mark each joint that opens or slides in the middle of it, halfway between its displaced blocks (B, 6)."""
+def _mark_joints(canvas: Canvas, assembly: Assembly, displacement: np.ndarray, states: np.ndarray | None) -> set[ContactState]:
+    """Mark each joint that opens or slides in its middle, halfway between its displaced blocks (B, 6), where it is seen.
+
+    Returns the states of the marked joints.
+    """
     if states is None:
-        return
+        return set()
     blocks, interfaces, centre = assembly.blocks, assembly.interfaces, joint_centres(assembly)
     sides = (mechanism.point_velocity(blocks, displacement, centre, side) for side in (interfaces.block_a, interfaces.block_b))
-    middle = centre + sum(sides) / 2.0
-    for state, (_, style) in MARKED.items():
-        marked = np.flatnonzero(states == state)
-        marked = marked[canvas.seen(centre[marked])]
+    middle, seen = centre + sum(sides) / 2.0, canvas.seen(centre)
+    drawn = {state: np.flatnonzero((states == state) & seen) for state in MARKED}
+    for state, marked in drawn.items():
         if len(marked):
-            canvas.marks(middle[marked], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **style)
+            canvas.marks(middle[marked], markersize=1.6 * canvas.dot, markeredgewidth=canvas.dot / 5.0, **MARKED[state][1])
+    return {state for state, marked in drawn.items() if len(marked)}
 
 
 def _draw_falling(canvas: Canvas, assembly: Assembly, falling: Sequence[str], colour: str) -> None:

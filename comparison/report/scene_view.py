@@ -213,7 +213,7 @@ def _motion(comparison: dict[str, Any], live: bool, tilts: bool) -> str:
     if associated_of(comparison).get("status") == "infeasible":
         return f"Blocks that fall, by {by}: no forces between the blocks hold them."
     size = "The displacements are enlarged." if comparison.get("yade") or live else "The size of the motion is free."
-    return f"Blocks that move when {_drive(live, tilts)}, by {by}; marks show joints that open or slide. {size}"
+    return f"Blocks that move when {_drive(live, tilts)}, by {by}; marks show joints that open or slide, where they are seen. {size}"
 
 
 def _drive(live: bool, tilts: bool) -> str:

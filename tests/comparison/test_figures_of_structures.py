@@ -28,6 +28,7 @@ FRAME = 4  # pixels, more than the width of an axes' frame
 
 def has_ink(path: Path, figure: Figure, axes: Axes) -> bool:
     """Whether the picture is of more than one colour within the axes' own frame."""
+    figure.draw_without_rendering()  # which leaves the axes where the picture has them
     pixels = imread(path)
     height, width = pixels.shape[:2]
     frame = axes.get_position().bounds
@@ -157,3 +158,15 @@ def test_friction_that_dissipates_nothing_has_no_figure(tmp_path: Path) -> None:
     results = Results(analyse(scene_of(tmp_path, SCENES["plane"])))
     assert "dissipation" in scene_figures(results) and "dissipation" not in report_figures(results)
     assert all(figure().get_suptitle() == "" for name, figure in report_figures(results).items() if name in ("assembly", "forces"))
+
+
+@pytest.mark.parametrize("name", ["wall_third", "corner_settling_end"])
+def test_the_legend_of_a_mechanism_names_marks_of_joints_where_they_are_drawn(name: str) -> None:
+    """In a large structure in space blocks hide the middle of every joint."""
+    assembly = assemble(shipped(name))
+    motion = np.where(assembly.blocks.free[:, None], [0.0, 0.0, -1.0, 0.0, 0.0, 0.0], 0.0)
+    states = np.full(len(assembly.interfaces), ContactState.SLIDING)
+    figure = structure.mechanism_figure(assembly, {"LA": motion}, joints={"LA": states})
+    is_drawn = any(line.get_marker() == structure.SLIDES["marker"] for line in figure.axes[0].lines)
+    assert is_drawn == (name == "wall_third")
+    assert ("joint slides" in [text.get_text() for text in figure.legends[0].get_texts()]) == is_drawn
