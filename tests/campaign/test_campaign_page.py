@@ -38,12 +38,17 @@ def test_the_matrix_has_a_cell_for_every_case(shape: str, tmp_path: Path) -> Non
     assert all(len(places) == len(panel.columns) for panel in found for _, places in panel.rows)
 
 
-def test_every_sign_of_a_case_is_explained(tmp_path: Path) -> None:
+@pytest.mark.parametrize("lost", [0, 1])
+def test_the_signs_of_the_cases_are_explained_and_no_others(lost: int, tmp_path: Path) -> None:
     table = campaign(tmp_path, "two axes")
+    table = changed(table, 0, state="failed", verdict=None) if lost else table
     write_campaign_report(table)
+    cells = [cell for panel in matrix_panels(table) for _, places in panel.rows for some in places for cell in some]
+    shown = {(cell.symbol, cell.word) for cell in cells}
+    assert (FAILURE in shown) == bool(lost) and len(shown) < len(VERDICTS)
     for page in ("report.html", "report.md"):
         legend = next(line for line in (tmp_path / page).read_text(encoding="utf-8").splitlines() if "Every cell is a link" in line)
-        assert all(f"{sign} {word}" in legend for sign, word in (*VERDICTS.values(), FAILURE))
+        assert {(sign, word) for sign, word in (*VERDICTS.values(), FAILURE) if f"{sign} {word}" in legend} == shown
 
 
 @pytest.mark.parametrize("shape", ["one case", "two axes", "different sweeps", "classic", "directions"])
