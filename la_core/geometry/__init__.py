@@ -2,6 +2,7 @@
 
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks, hold_arrays
+from la_core.geometry.edge_contacts import EdgeContacts, edge_contacts
 from la_core.geometry.faces import face_corners, face_pairs, face_polygons
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
@@ -15,6 +16,7 @@ __all__ = [
     "SLIVER",
     "Blocks",
     "ContactPoints",
+    "EdgeContacts",
     "Interfaces",
     "MissedJoints",
     "Shape",
@@ -22,6 +24,7 @@ __all__ = [
     "compound",
     "contact_points",
     "divided_loft",
+    "edge_contacts",
     "face_corners",
     "face_pairs",
     "face_polygons",

@@ -72,7 +72,7 @@ def find_interfaces(blocks: Blocks) -> Interfaces:
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
     tolerance = TOUCH * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])
     pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
-    overlap, corners, ring = _touching(parts, pair, face_a, face_b, tolerance)
+    overlap, corners, ring = touching(parts, pair, face_a, face_b, tolerance)
     untouched = np.setdiff1d(np.arange(len(pairs)), pair[overlap])  # parts on either side of a joint do not overlap
     _refuse_overlaps(parts, pairs[untouched], tolerance[untouched])
     _refuse_floating(blocks, owner[pairs[pair[overlap]]])
@@ -225,7 +225,7 @@ def separation_by_faces(blocks: Blocks, pairs: np.ndarray) -> np.ndarray:
     return apart
 
 
-def _touching(
+def touching(
     blocks: Blocks, pair: np.ndarray, face_a: np.ndarray, face_b: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Indices of the face pairs that touch, the corners (Q, 3) of their overlaps, and the overlap of each corner (Q,)."""

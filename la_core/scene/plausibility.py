@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from la_core.geometry import ROLES, Blocks, missed_joints
+from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
 
@@ -43,11 +43,13 @@ def implausible(
     repairs : Repairs or None
         Changes of the geometry within its tolerance. None where none was asked for.
     """
+    missed = missed_joints(blocks)
     return (
         *_of_friction(friction),
         *_of_densities([density for density, free in zip(densities, blocks.free, strict=True) if free and density is not None]),
         *_of_sizes(blocks),
-        *_of_gaps(blocks, repairs.tolerance if repairs else 0.0),
+        *_of_gaps(blocks, missed, repairs.tolerance if repairs else 0.0),
+        *_of_edges(blocks, missed),
         *_of_gravity(gravity),
         *_of_weight(blocks, gravity),
         *_of_motion(blocks, gravity, twists),
@@ -84,8 +86,7 @@ def _of_sizes(blocks: Blocks) -> Iterator[str]:
         yield f"{_named(blocks, thin)} thinner than {1e3 * low:g} mm (down to {least:.3g} mm); coordinates are in metres."
 
 
-def _of_gaps(blocks: Blocks, tolerance: float) -> Iterator[str]:
-    missed = missed_joints(blocks)
+def _of_gaps(blocks: Blocks, missed: MissedJoints, tolerance: float) -> Iterator[str]:
     if not len(missed.gap):
         return
     closing = _rounded_up(MARGIN * max(float(missed.gap.max()) / 2.0, tolerance))  # more than what has left these gaps
@@ -96,6 +97,24 @@ def _of_gaps(blocks: Blocks, tolerance: float) -> Iterator[str]:
     named = ", ".join(pairs[:NAMED]) + (", ..." if len(pairs) > NAMED else "")
     what = f"blocks {named} nearly touch" if len(pairs) == 1 else f"{len(pairs)} pairs of blocks nearly touch ({named})"
     yield f"{what}, but no joint connects them there; [geometry] tolerance = {closing:g} closes such gaps."
+
+
+def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
+    """Yield a warning for contacts without a joint, but for those that a tolerance closes, which are told already."""
+    found, told = edge_contacts(blocks), set(map(tuple, missed.pairs.tolist()))
+    kept = [k for k, pair in enumerate(found.pairs.tolist()) if tuple(pair) not in told]
+    if not kept:
+        return
+    first, place = kept[0], found.place + 0.0
+    pairs = [f'"{blocks.names[a]}" and "{blocks.names[b]}"' for a, b in found.pairs[kept[:NAMED]].tolist()]
+    spots = [f"{pair} near ({x:.4g}, {y:.4g}, {z:.4g}) m" for pair, (x, y, z) in zip(pairs, place[kept[:NAMED]].tolist(), strict=True)]
+    where = "along an edge" if found.length[first] > 0.0 else "at a corner"
+    what = f"blocks {pairs[0]} touch {where} alone, near{spots[0].partition(' near')[2]}"
+    if len(kept) > 1:
+        named = ", ".join(spots) + (", ..." if len(kept) > NAMED else "")
+        what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({named})"
+    hint = "where it should hold, cut the edge to a face of some millimetres"
+    yield f"{what}: that is no joint and holds nothing, in neither method; {hint}."
 
 
 def _rounded_up(length: float) -> float:

@@ -1,0 +1,132 @@
+"""Blocks that touch along an edge or at a corner alone, which makes no joint."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from la_core.geometry.blocks import Blocks
+from la_core.geometry.faces import opposite_faces
+from la_core.geometry.interfaces import OPPOSITE, TOUCH, gaps, near_pairs, touching
+from la_core.geometry.polygons import group_members, next_corners, owners
+
+SAME = 10.0  # of the tolerance of a contact: a shorter one is at a corner, and a block this close to its place reaches it
+
+
+@dataclass(frozen=True)
+class EdgeContacts:
+    """Pairs of blocks that touch, but share no face, where no third block with joints to both fills the place.
+
+    Attributes
+    ----------
+    pairs : (P, 2) array of int
+        The blocks; at least one of them is free.
+    place : (P, 3) array
+        Middle of each contact, m.
+    length : (P,) array
+        Length of each contact, m; 0 at a corner.
+    """
+
+    pairs: np.ndarray
+    place: np.ndarray
+    length: np.ndarray
+
+
+def edge_contacts(blocks: Blocks) -> EdgeContacts:
+    """Find the pairs of blocks that touch along an edge or at a corner alone.
+
+    Where courses cross, as in a stack bond, blocks across from each other touch so, too: the blocks beside them have joints with both,
+    and nothing is missing there. Such pairs are left out.
+    """
+    parts, owner = blocks.parts, blocks.part_block
+    size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
+    pairs = near_pairs(parts, TOUCH * size)
+    pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
+    tolerance = TOUCH * size[pairs].min(axis=1)
+    joined = _joined(blocks, pairs, tolerance, size)
+    is_free = blocks.free[owner[pairs]].any(axis=1)
+    alone = is_free & ~_are_among(owner[pairs], joined)
+    pairs, tolerance = pairs[alone], tolerance[alone]
+    near = np.abs(gaps(parts, pairs)) <= tolerance
+    pairs, tolerance = pairs[near], tolerance[near]
+    low, high = _shared_box(parts, pairs, tolerance)
+    place, length = (low + high) / 2.0, np.linalg.norm(high - low, axis=1)
+    touches = np.isfinite(length)
+    pairs, place, length, reach = pairs[touches], place[touches], length[touches], SAME * tolerance[touches]
+    alone = ~_filled(blocks, joined, pairs, place, reach)
+    length = np.where(length > reach, length, 0.0)
+    both, first = np.unique(owner[pairs[alone]], axis=0, return_index=True)
+    return EdgeContacts(both, place[alone][first], length[alone][first])
+
+
+def _joined(blocks: Blocks, pairs: np.ndarray, tolerance: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Sorted pairs (J, 2) of blocks that touch by faces, each in both orders; held blocks, too, although they have no joint."""
+    parts = blocks.parts
+    pair, face_a, face_b = opposite_faces(parts, pairs, tolerance, size, OPPOSITE)
+    overlap, _, _ = touching(parts, pair, face_a, face_b, tolerance)
+    found = blocks.part_block[pairs[pair[overlap]]]
+    return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
+
+
+def _are_among(pairs: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Mask (P,) of the pairs (P, 2) that are also in `others` (J, 2)."""
+    both = np.concatenate([pairs, others])
+    number = both @ np.array([1 + both.max(initial=0), 1])
+    return np.isin(number[: len(pairs)], number[len(pairs) :])
+
+
+def _shared_box(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest corner (P, 3), m, of what the edges of two convex blocks have within the other one; infinite for nothing."""
+    low, high = np.full((len(pairs), 3), np.inf), np.full((len(pairs), 3), -np.inf)
+    for two in (pairs, pairs[:, ::-1]):
+        row, ends = _edges_within(parts, two, tolerance)
+        for end in ends:
+            np.minimum.at(low, row, end)
+            np.maximum.at(high, row, end)
+    return low, high
+
+
+def _edges_within(parts: Blocks, pairs: np.ndarray, tolerance: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """Pieces of edges of the first block of each pair (P, 2) that lie in the second one, grown by the tolerance (P,), m.
+
+    Returns the pair of each of the E pieces, and its two ends (E, 3).
+    """
+    first, second = parts.face_vertex, parts.face_vertex[next_corners(parts.face_start)]
+    once = first < second  # every edge belongs to two faces, which run along it in opposite directions
+    first, second, of_part = first[once], second[once], parts.face_block[owners(parts.face_start)][once]
+    edge_start = np.searchsorted(of_part, np.arange(len(parts) + 1))
+    face_start = parts.part_face_start
+    row, place = group_members(np.diff(edge_start)[pairs[:, 0]])
+    edge = edge_start[pairs[row, 0]] + place
+    start, along = parts.vertices[first[edge]], parts.vertices[second[edge]] - parts.vertices[first[edge]]
+    piece, place = group_members(np.diff(face_start)[pairs[row, 1]])
+    face = face_start[pairs[row[piece], 1]] + place
+    room = parts.face_offset[face] + tolerance[row[piece]] - np.sum(parts.face_normal[face] * start[piece], axis=1)
+    speed = np.sum(parts.face_normal[face] * along[piece], axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = np.where(speed == 0.0, np.where(room < 0.0, -np.inf, np.inf), room / speed)
+    leave, enter = np.ones(len(edge)), np.zeros(len(edge))
+    np.minimum.at(leave, piece, np.where(speed >= 0.0, at, np.inf))
+    np.maximum.at(enter, piece, np.where(speed < 0.0, at, -np.inf))
+    inside = enter <= leave
+    start, along = start[inside], along[inside]
+    return row[inside], (start + enter[inside, None] * along, start + leave[inside, None] * along)
+
+
+def _filled(blocks: Blocks, joined: np.ndarray, pairs: np.ndarray, place: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Whether a block that touches both blocks of a pair (P, 2) of parts by faces is at most `reach` (P,), m, from the place (P, 3)."""
+    parts, (a, b), every = blocks.parts, blocks.part_block[pairs].T, np.arange(len(blocks) + 1)
+    joint_start, part_start = np.searchsorted(joined[:, 0], every), np.searchsorted(blocks.part_block, every)
+    row, nth = group_members(np.diff(joint_start)[a])
+    third = joined[joint_start[a[row]] + nth, 1]
+    with_both = _are_among(np.stack([third, b[row]], axis=1), joined)
+    row, third = row[with_both], third[with_both]
+    of_third, nth = group_members(np.diff(part_start)[third])
+    row, part = row[of_third], part_start[third[of_third]] + nth
+    of_part, nth = group_members(np.diff(parts.part_face_start)[part])
+    face = parts.part_face_start[part[of_part]] + nth
+    distance = np.sum(parts.face_normal[face] * place[row[of_part]], axis=1) - parts.face_offset[face]
+    farthest = np.full(len(part), -np.inf)
+    np.maximum.at(farthest, of_part, distance)
+    filled = np.zeros(len(pairs), dtype=bool)
+    filled[row[farthest <= reach[row]]] = True
+    return filled

@@ -1,0 +1,68 @@
+"""Blocks that touch along an edge or at a corner alone are told with their place; no others are."""
+
+import pytest
+import scenes
+
+from la_core.geometry import edge_contacts
+from la_core.scene import Scene
+
+GROUND = scenes.box("ground", (0.0, 0.0, -0.2), (4.0, 1.0, 0.0), "fixed")
+WALL = scenes.box("wall", (2.0, 0.0, 0.0), (2.5, 1.0, 3.0), "fixed")
+PLANK = ((0.8, 0.0), (0.9, 0.0), (2.0, 2.0), (1.95, 2.05))  # its upper right corner is at the wall
+CUT = ((0.8, 0.0), (0.9, 0.0), (2.0, 1.995), (2.0, 2.0), (1.95, 2.05))
+NO_JOINT = "that is no joint and holds nothing, in neither method; where it should hold, cut the edge to a face of some millimetres."
+
+
+def pushed(*parts: str) -> Scene:
+    return scenes.build(*parts, live=(1.0, 0.0, 0.0), settlement=None)
+
+
+def leaning(profile: tuple[tuple[float, float], ...]) -> Scene:
+    return pushed(GROUND, WALL, scenes.block("plank", prism=(profile, (0.0, 1.0))))
+
+
+def told(scene: Scene) -> list[str]:
+    return [words for words in scene.warnings if "no joint and holds nothing" in words]
+
+
+def test_an_edge_that_leans_on_a_face_is_told_with_both_blocks_and_the_place() -> None:
+    assert told(leaning(PLANK)) == [f'blocks "wall" and "plank" touch along an edge alone, near (2, 0.5, 2) m: {NO_JOINT}']
+    assert not told(leaning(CUT))
+
+
+def test_a_corner_on_a_face_and_an_edge_across_an_edge_are_told() -> None:
+    """A pyramid stands on its tip; two ridges cross, and no corner of one touches the other."""
+    tip = [[0.5, 0.5, 1.0], [0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0]]
+    pyramid = pushed(GROUND, scenes.box("base", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), scenes.block("pyramid", polyhedron=tip))
+    assert told(pyramid) == [f'blocks "base" and "pyramid" touch at a corner alone, near (0.5, 0.5, 1) m: {NO_JOINT}']
+    lower = [[x, y, z] for x in (0.0, 2.0) for y, z in ((0.0, 0.0), (1.0, 0.0), (0.5, 0.5))]
+    upper = [[x, y, z] for y in (-1.0, 2.0) for x, z in ((0.7, 1.0), (1.7, 1.0), (1.2, 0.5))]
+    ridges = pushed(GROUND, scenes.block("lower", polyhedron=lower), scenes.block("upper", polyhedron=upper))
+    found = edge_contacts(ridges.blocks)
+    assert found.place[0] == pytest.approx([1.2, 0.5, 0.5]) and found.length[0] == 0.0
+
+
+def test_blocks_across_a_step_are_told_and_several_pairs_in_one_sentence() -> None:
+    steps = [scenes.box(f"step {k}", (k, 0.0, k), (k + 1.0, 1.0, k + 1.0)) for k in range(3)]
+    (words,) = told(pushed(GROUND, *steps))
+    assert words.startswith(
+        '2 pairs of blocks touch along an edge or at a corner alone ("step 0" and "step 1" near (1, 0.5, 1) m, "step 1" and "step 2" near'
+    )
+
+
+def test_blocks_across_a_cross_of_joints_are_not_told() -> None:
+    """The blocks beside them have joints with both. Without these blocks an edge is all that two blocks share."""
+    stack = {(i, k): scenes.box(f"{i} {k}", (i, 0.0, k), (i + 1.0, 1.0, k + 1.0)) for i in range(3) for k in range(3)}
+    assert not told(pushed(GROUND, *stack.values()))
+    open_ones = [text for place, text in stack.items() if place not in [(0, 1), (1, 0)]]
+    assert len(told(pushed(GROUND, *open_ones))) == 1
+
+
+def test_blocks_whose_other_parts_share_a_joint_are_not_told() -> None:
+    step = ((0.0, 0.0), (2.0, 0.0), (2.0, 0.5), (1.0, 0.5), (1.0, 1.0), (0.0, 1.0))
+    assert not told(pushed(GROUND, scenes.block("step", prism=(step, (0.0, 1.0))), scenes.box("on it", (1.0, 0.0, 0.5), (2.0, 1.0, 1.0))))
+
+
+@pytest.mark.parametrize("name", ["stack_bond_wall", "corner_settling_end", "vault_spreading", "dome_sector", "facade", "rubble_wall"])
+def test_shipped_walls_arches_and_domes_are_told_nothing(name: str) -> None:
+    assert not len(edge_contacts(scenes.shipped(name).blocks).pairs)
