@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 import shapely
 
-from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, retraced, touched, within
+from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched, within
 from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
@@ -137,9 +137,15 @@ class _Found:
 def _found(drawn: Drawn, snap: float) -> _Found:
     """Find the outlines that are closed, and those that the lines of one layer and colour enclose together with them."""
     found = _Found(list(drawn.outlines), {}, [], [], [])
-    for (layer, colour), every in drawn.lines.items():
+    for (layer, colour), of_layer in drawn.lines.items():
+        every = of_layer
         here = [k for k, outline in enumerate(found.outlines) if outline.place == (layer, colour)]
         again = retraced(every, [found.outlines[k].points for k in here], 2.0 * snap)
+        if again.any():  # edges of a stone that is drawn by lines run along its neighbours, too
+            stones = of_own_lines(every, snap, drawn.sagitta, [outline.points for outline in found.outlines])
+            found.outlines += [Outline(stone, layer, colour) for stone in stones]
+            again &= ~(own := retraced(every, stones, 2.0 * snap))
+            every, again = [line for line, is_own in zip(every, own, strict=True) if not is_own], again[~own]
         found.again += [(layer, line) for line, is_again in zip(every, again, strict=True) if is_again]
         lines = [line for line, is_again in zip(every, again, strict=True) if not is_again]
         if not lines:

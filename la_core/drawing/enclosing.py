@@ -10,6 +10,7 @@ import shapely
 SAMPLES = 8  # points of a line that tell where most of it lies
 TOUCHING = 1e-4  # m: outlines drawn without a joint are no farther apart
 ON_EDGE = 1e-3  # m: a line this close to an edge does not lie in the outline
+FREE = 0.05  # of an outline's area or length, that others may cover where it is drawn by lines of its own
 SAME_AREA = 0.01  # difference of area between an outline and what it is after its corners met
 LEAST_TURN, MOST_TURN = 1e-6, np.radians(50.0)  # between two chords of a curve: a circle has eight chords or more
 
@@ -63,6 +64,23 @@ def retraced(lines: Sequence[np.ndarray], outlines: Sequence[np.ndarray], near: 
     if not lines or not outlines:
         return np.zeros(len(lines), dtype=bool)
     return _share(_strings(lines), shapely.boundary(_polygons(outlines)), near) == 1.0
+
+
+def of_own_lines(lines: Sequence[np.ndarray], snap: float, sagitta: float, outlines: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Outlines (n, 2) of lines that bound nothing else, where no other outline (n, 2) is: stones drawn by lines between closed outlines.
+
+    Lines that go on, as a bed joint that is drawn again past an opening, enclose none. snap, sagitta: as in `enclosed`.
+    """
+    faces, _, _ = enclosed(lines, snap, sagitta)
+    if not faces:
+        return []
+    found, others, strings = _polygons(faces), shapely.union_all(_polygons(outlines)), _strings(lines)
+    bounds = shapely.buffer(shapely.boundary(found), 2.0 * snap)
+    line, face = shapely.STRtree(bounds).query(strings, predicate="covered_by")
+    own = [shapely.buffer(shapely.union_all(strings[line[face == k]]), 2.0 * snap) for k in range(len(found))]
+    covered = shapely.length(shapely.intersection(shapely.boundary(found), own)) / shapely.length(shapely.boundary(found))
+    is_free = shapely.area(shapely.intersection(found, others)) < FREE * shapely.area(found)
+    return [faces[k] for k in np.flatnonzero(is_free & (covered > 1.0 - FREE))]
 
 
 def dividing(outlines: Sequence[np.ndarray], lines: Sequence[np.ndarray], near: float) -> tuple[np.ndarray, np.ndarray]:

@@ -137,6 +137,39 @@ def test_edges_that_are_drawn_again_as_lines_change_nothing(jitter: float, tmp_p
     assert len(scene_of(tmp_path, draw).blocks) == BRICKS
 
 
+NINE = [(x, z) for z in (0, 250, 500) for x in (0, 500, 1000)]
+
+
+@pytest.mark.parametrize("missing", [(500, 250), (1000, 250), (0, 500)])
+@pytest.mark.parametrize("jitter", [0.0, 1.0])
+def test_a_stone_of_lines_between_closed_ones_is_a_block(jitter: float, missing: tuple[int, int], tmp_path: Path) -> None:
+    """In the middle, at the end or at the top of a wall: each of its lines, or all but one or two, run along neighbours."""
+    random = np.random.default_rng(1)
+
+    def draw(space: Any) -> None:
+        for x, z in NINE:
+            corners = np.array([(x, z), (x + 500, z), (x + 500, z + 250), (x, z + 250)]) + random.uniform(-jitter, jitter, (4, 2))
+            if (x, z) == missing:
+                draw_lines(space, list(itertools.pairwise([*corners.tolist(), (corners[0] + 0.4 * jitter).tolist()])))
+            else:
+                space.add_lwpolyline(corners.tolist(), close=True, dxfattribs=PLACE)
+
+    scene = scene_of(tmp_path, draw)
+    assert len(scene.blocks) == len(NINE) and not scene.warnings
+    assert scene.blocks.volume.sum() == pytest.approx(0.4 * 1.5 * 0.75, rel=5e-3)
+    assert scene.drawn[0].loose_lines == 0
+
+
+def test_joints_drawn_again_past_an_opening_leave_it_open(tmp_path: Path) -> None:
+    def draw(space: Any) -> None:
+        for x, z in NINE:
+            if (x, z) != (500, 250):
+                space.add_lwpolyline([(x, z), (x + 500, z), (x + 500, z + 250), (x, z + 250)], close=True, dxfattribs=PLACE)
+        draw_lines(space, [((0, z), (1500, z)) for z in (250, 500)] + [((x, 0), (x, 750)) for x in (500, 1000)])
+
+    assert len(scene_of(tmp_path, draw).blocks) == len(NINE) - 1
+
+
 def test_an_open_brick_between_others_is_told_although_they_have_its_edges(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         for x, z in ((0, 0), (500, 0), (1000, 0), (0, 250), (1000, 250), (0, 500), (500, 500), (1000, 500)):
