@@ -21,17 +21,22 @@ from la_core.scene.schema.types import LARGEST_FILE
 SOURCE_FORMATS = (*DRAWING_FORMATS, *FORMATS)  # of files for which a scene can be written
 WORDS = {  # patterns for one word of a layer's or a body's name, for each list; the first list counts
     "ignore": (
-        *("dim", "dims", "dimension*", "text", "texts", "texte*", "bema*", "hatch*", "schraff*"),
-        *("axis", "axes", "achs*", "frame", "rahmen", "defpoints", "note", "notes", "quote*"),
+        *("dim", "dims", "dimension*", "text", "texts", "texte*", "testo", "testi", "bema*", "hatch*", "schraff*", "hachur*", "trattegg*"),
+        *("axis", "axes", "achs*", "axe", "assi", "eje", "ejes", "frame", "rahmen", "cadre", "cartiglio", "defpoints", "note", "notes"),
+        *("quote*", "cotes", "cotation*", "cotas"),
     ),
     "openings": (
-        *("opening*", "window*", "door*", "void*", "*fenster*", "*öffnung*", "*oeffnung*"),
-        *("aperture*", "finestr*", "hueco*"),
+        *("opening*", "window*", "door*", "void*", "*fenster*", "*öffnung*", "*oeffnung*", "*tür", "*türen", "*tuer", "*tueren"),
+        *("aperture*", "finestr*", "porta", "porte", "vano", "vani", "hueco*", "puerta*", "ventana*"),
+        *("ouverture*", "fenêtre*", "fenetre*", "portes", "baie", "baies"),
     ),
-    "support": ("support", "supports", "settl*", "sink*", "setz*", "cediment*", "asient*", "tassement*"),
+    "support": (
+        *("support", "supports", "settl*", "sink*", "setz*", "senk*", "*senkung", "*setzung"),
+        *("cediment*", "asient*", "tassement*", "affaiss*"),
+    ),
     "ground": (
-        *("ground*", "fix", "fixed", "earth", "foundation*", "footing*", "boden*", "*fundament*"),
-        *("terren*", "suelo*", "fondazion*", "cimient*"),
+        *("ground*", "fix", "fixed", "earth", "foundation*", "footing*", "boden*", "*fundament*", "*gründung*"),
+        *("terren*", "terrain*", "suelo*", "fondazion*", "fondation*", "semelle*", "cimient*"),
     ),
 }
 OF_STONE = (  # patterns for words for stones: the jambs of a window are no opening
@@ -50,7 +55,8 @@ OF_STONE = (  # patterns for words for stones: the jambs of a window are no open
         "brick*",
         "masonry",
     ),
-    *("*stein*", "*ziegel*", "gewände*", "*sturz*", "architrav*", "stipit*", "dintel*", "linteau*"),
+    *("*stein*", "*ziegel*", "*gewände*", "*sturz*", "architrav*", "stipit*", "dintel*", "jamba*", "linteau*", "pierre*", "piédroit*"),
+    *("jambage*", "claveau*"),
 )
 MEANING = {"ignore": "not read", "openings": "nothing is built there", "support": "moves", "ground": "stays"}  # of each list
 THICKNESS = 0.4  # m, written where a drawing cannot say it

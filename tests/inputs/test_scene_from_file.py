@@ -1,7 +1,9 @@
 """`crosscheck new --from` writes a scene for a drawing or a file of bodies, and marks what the file cannot say."""
 
+import tomllib
 from pathlib import Path
 
+import ezdxf
 import mesh_files as meshes
 import numpy as np
 import pytest
@@ -73,6 +75,39 @@ def test_a_new_scene_marks_what_may_be_wrong_in_its_drawing(tmp_path: Path) -> N
     text = scene_from_file(tmp_path / "wall.dxf", tmp_path)
     assert "joints    = 0 " in text  # the place of the missing brick, 30 mm wide, is no joint
     assert 'unit      = "mm"\n' in text and "open by 10 mm" in text
+
+
+@pytest.mark.parametrize(
+    ("layers", "lists"),
+    [
+        (
+            ("MAUERSTEINE", "STURZ", "TÜR", "FUNDAMENT", "FUNDAMENT_SENKUNG", "ACHSEN"),
+            {"openings": ["TÜR"], "ground": ["FUNDAMENT"], "support": ["FUNDAMENT_SENKUNG"], "ignore": ["ACHSEN"]},
+        ),
+        (
+            ("Pierres", "Linteau porte", "Porte", "Fenêtre", "Fondation", "Fondation-tassement", "Cotes"),
+            {"openings": ["Fenêtre", "Porte"], "ground": ["Fondation"], "support": ["Fondation-tassement"], "ignore": ["Cotes"]},
+        ),
+        (
+            ("PIETRE", "STIPITE PORTA", "PORTA", "FONDAZIONE", "CEDIMENTO", "ASSI"),
+            {"openings": ["PORTA"], "ground": ["FONDAZIONE"], "support": ["CEDIMENTO"], "ignore": ["ASSI"]},
+        ),
+        (
+            ("SILLARES", "DINTEL PUERTA", "PUERTA", "CIMIENTO", "CIMIENTO ASIENTO", "EJES"),
+            {"openings": ["PUERTA"], "ground": ["CIMIENTO"], "support": ["CIMIENTO ASIENTO"], "ignore": ["EJES"]},
+        ),
+    ],
+)
+def test_layers_are_guessed_in_german_french_italian_and_spanish(
+    layers: tuple[str, ...], lists: dict[str, list[str]], tmp_path: Path
+) -> None:
+    document = ezdxf.new(units=4)
+    for k, layer in enumerate(layers):
+        corners = [(1000 * k + x, z) for x, z in ((0, 0), (900, 0), (900, 500), (0, 500))]
+        document.modelspace().add_lwpolyline(corners, close=True, dxfattribs={"layer": layer})
+    document.saveas(tmp_path / "wall.dxf")
+    (table,) = tomllib.loads(scene_from_file(tmp_path / "wall.dxf", tmp_path))["drawing"]
+    assert {key: table.get(key) for key in ("openings", "ground", "support", "ignore")} == lists
 
 
 @pytest.mark.parametrize("unit", [1.0, 1000.0])
