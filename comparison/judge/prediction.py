@@ -22,7 +22,7 @@ from comparison.judge.tolerances import (
     unbalanced,
     unsure_methods,
 )
-from comparison.numbers import settlement_text
+from comparison.numbers import format_number, settlement_text
 from comparison.verdict import HARDER, Check, Verdict, inside, within
 from comparison.yade import Results
 from la_core import exchange
@@ -92,7 +92,7 @@ def predicted(results: Results) -> Prediction:
         return Prediction(bound.value, unknown, results.per_motion(bound.twists), True, obstacle=obstacle, next_step=MODEL_SLIDING)
     if coulomb is not None and coulomb.status in (Status.SOLVED, Status.INACCURATE):
         slides = mechanism.sliding_share(assembly, coulomb.twists, coulomb.forces) > SLIDING_SHARE or _slides_in_yade(results)
-        doubt, step = _doubt(coulomb)
+        doubt, step = _doubt(coulomb, results.scene.unit)
         stated = stated_uncertainty(analysis)
         return Prediction(coulomb.value, coulomb.interval, results.per_motion(coulomb.twists), slides, stated, doubt=doubt, next_step=step)
     slides = mechanism.sliding_share(assembly, bound.twists, bound.forces) > SLIDING_SHARE or _slides_in_yade(results)
@@ -110,10 +110,10 @@ def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution |
     return dilates, FINER_PATHS if friction == "coulomb" else MODEL_SLIDING
 
 
-def _doubt(coulomb: CoulombSolution) -> tuple[str, str]:
+def _doubt(coulomb: CoulombSolution, unit: str) -> tuple[str, str]:
     """Why a prediction may confirm YADE but not contradict it, and what to do; two times "" where it may do both."""
     if len(coulomb.plateaus):
-        several = ", ".join(f"{value:.4g}" for value in coulomb.plateaus)
+        several = f"{', '.join(format_number(value, 4) for value in coulomb.plateaus.tolist())} {unit}".rstrip()
         return f"The structure has several plateaus ({several}), so a single plateau cannot contradict YADE.", LEAST_FAVOURABLE
     if coulomb.status is not Status.SOLVED:
         residual = f"largest residual {coulomb.certificate:.1e}"
@@ -224,14 +224,14 @@ def _jump(results: Results) -> tuple[str, str]:
 def _difference_words(results: Results, prediction: Prediction) -> str:
     scene, apart = results.scene, abs(results.recorded.result.reaction - prediction.value)
     is_small = not abs(prediction.value) > least_reaction(results.analysis)
-    distance = f"{apart:.4g} {scene.unit}".rstrip() + ("" if is_small else f" ({apart / abs(prediction.value):.1%})")
-    allowed = f"{reaction_tolerance(results, prediction.stated):.4g} {scene.unit}".rstrip()
+    distance = f"{format_number(apart, 4)} {scene.unit}".rstrip() + ("" if is_small else f" ({apart / abs(prediction.value):.1%})")
+    allowed = f"{format_number(reaction_tolerance(results, prediction.stated), 4)} {scene.unit}".rstrip()
     note = "" if prediction.slides else ", although no joint slides"
     return f"YADE differs from the prediction of limit analysis by {distance}{note}; both stated uncertainties and the floor are {allowed}."
 
 
 def _unsure_words(unsure: Unsure, unit: str) -> str:
-    size, allowed = (f"{value:.3g} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
+    size, allowed = (f"{format_number(value, 3)} {unit}".rstrip() for value in (unsure.uncertainty, unsure.allowed))
     named = "YADE" if unsure.method == "YADE" else "Limit analysis"
     return f"{named} states an uncertainty of {size} ({unsure.share:.1%}), too large to decide by ({allowed} allowed)."
 

@@ -261,7 +261,7 @@ def _check_balance(results: Results) -> Check:
     free = assembly.blocks.free
     power = float(np.sum(left_over[free] * analysis.main_answer.twists[free]))
     tolerance = reaction_tolerance(results)
-    sizes = [f"{size:.3g} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
+    sizes = [f"{format_number(size, 3)} {scene.unit}".rstrip() for size in (abs(power), tolerance)]
     worth = f"{sizes[0]} of {scene.quantity}, more than the tolerance of {sizes[1]}"
     reason = f"YADE's mean state is not in equilibrium: its unbalanced forces are worth {worth}."
     check = within("balance along the mechanism", 0.0, power, tolerance, scene.unit, reason, SLOWER_RUN)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from comparison.judge.tolerances import reaction_tolerance
+from comparison.numbers import format_number
 from comparison.verdict import Check, inside, within
 from comparison.yade import Results
 from la_core.geometry import plane_axes
@@ -26,7 +27,9 @@ def check_sections(results: Results) -> Iterator[Check]:
     multiplier = 0.0 if scene.live is None else residuals.multiplier(assembly, forces)
     expected = section_forces.sums_in_equilibrium(assembly, multiplier)
     difference = float(np.abs(section_forces.level_sums(assembly, forces) - expected).max())
-    reason = f"The force sums over horizontal cuts differ by {difference:.4g} N: the two methods do not carry the same weight."
+    reason = (
+        f"The force sums over horizontal cuts differ by {format_number(difference, 4)} N: the two methods do not carry the same weight."
+    )
     largest = float(np.linalg.norm(expected, axis=1).max())
     yield within("force sums over sections", largest, largest + difference, SECTION * scene.weight, "N", reason)
     if scene.live is not None:
