@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from made_up_campaigns import FRICTIONS, INSET, MU, campaign, changed, left_out
 
@@ -161,3 +162,18 @@ def test_all_numbers_of_an_axis_have_one_size(tmp_path: Path) -> None:
     figure.draw_without_rendering()
     written = [text for axes in figure.axes for text in axes.yaxis.get_ticklabels(which="both") if text.get_text()]
     assert len(written) > 4 and len({text.get_fontsize() for text in written}) == 1
+
+
+@pytest.mark.parametrize("greatest", [0.005, 0.06, 0.9, 40.0])
+def test_an_axis_of_seconds_has_at_least_two_numbers(greatest: float, tmp_path: Path) -> None:
+    """Times from 0.0025 s on: of one power of ten or more, or of none."""
+    table = campaign(tmp_path)
+    seconds = np.geomspace(0.0025, greatest, len(table.rows))
+    costs = [{"case": row["case"], "limit_analysis_seconds": float(one)} for row, one in zip(table.rows, seconds, strict=True)]
+    figure = case_cost_figure(replace(table, costs=costs))
+    assert figure is not None
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        low, high = axes.get_ylim()
+        texts = axes.yaxis.get_ticklabels(which="both")
+        assert len([text for text in texts if text.get_text() and low <= text.get_position()[1] <= high]) >= 2

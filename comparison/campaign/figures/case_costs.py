@@ -44,8 +44,7 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
     for axes in (left, right):
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        low, high = axes.get_ylim()
-        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: f"{value:g}") if high < 20.0 * low else NullFormatter())
+        axes.yaxis.set_minor_formatter(_between_decades(*axes.get_ylim()))
         axes.set_ylabel("time of the method (s)", fontsize=9)
     left.margins(x=0.1)
     low, high = left.get_xlim()
@@ -59,6 +58,15 @@ def _finish(left: Any, right: Any, names: list[str]) -> None:
     else:
         right.xaxis.set_major_locator(MaxNLocator(integer=True))
         right.set_xlabel("cases, the most expensive first", fontsize=9)
+
+
+def _between_decades(low: float, high: float) -> Any:
+    """Texts of the ticks between powers of ten, on an axis of seconds that would otherwise have fewer than two texts."""
+    if high < 20.0 * low:
+        return FuncFormatter(lambda value, _: f"{value:g}")
+    if np.floor(np.log10(high)) > np.ceil(np.log10(low)):
+        return NullFormatter()
+    return FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else "")
 
 
 def _handle(table: CampaignTable, name: str) -> Line2D:
