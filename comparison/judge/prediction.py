@@ -113,7 +113,7 @@ def _associated_obstacle(friction: str, drive: Drive, coulomb: CoulombSolution |
 def _doubt(coulomb: CoulombSolution, unit: str) -> tuple[str, str]:
     """Why a prediction may confirm YADE but not contradict it, and what to do; two times "" where it may do both."""
     if len(coulomb.plateaus):
-        several = f"{', '.join(format_number(value, 4) for value in coulomb.plateaus.tolist())} {unit}".rstrip()
+        several = ", ".join(f"{format_number(value, 4)} {unit}".rstrip() for value in coulomb.plateaus.tolist())
         return f"The structure has several plateaus ({several}), so a single plateau cannot contradict YADE.", LEAST_FAVOURABLE
     if coulomb.status is not Status.SOLVED:
         residual = f"largest residual {coulomb.certificate:.1e}"

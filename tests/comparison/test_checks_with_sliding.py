@@ -115,8 +115,8 @@ def test_a_friction_state_below_its_limit_is_not_the_one_that_slides(wall: tuple
         ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.05, "no limit state (largest residual 2.0e-03)"),
         ({"status": Status.INACCURATE, "sliding_residual": 2e-3}, 1.30, "no limit state (largest residual 2.0e-03)"),
         ({"plateaus": np.array([1900.0, 2400.0])}, 1.005, ""),
-        ({"plateaus": np.array([1900.0, 2400.0])}, 1.30, "several plateaus (1900, 2400 N)"),
-        ({"plateaus": np.array([11900.0, 12400.0])}, 1.30, "several plateaus (11900, 12400 N)"),
+        ({"plateaus": np.array([1900.0, 2400.0])}, 1.30, "several plateaus (1900 N, 2400 N)"),
+        ({"plateaus": np.array([11900.0, 12400.0])}, 1.30, "several plateaus (11900 N, 12400 N)"),
         ({"uncertainty": 200.0}, 1.02, "Limit analysis states an uncertainty of 200 N (9.9%), too large"),
     ],
 )
