@@ -74,7 +74,8 @@ def of_own_lines(lines: Sequence[np.ndarray], snap: float, sagitta: float, outli
     faces, _, _ = enclosed(lines, snap, sagitta)
     if not faces:
         return []
-    found, others, strings = _polygons(faces), shapely.union_all(_polygons(outlines)), _strings(lines)
+    others = shapely.union_all(shapely.make_valid(_polygons(outlines)))  # an outline that crosses itself is refused later
+    found, strings = _polygons(faces), _strings(lines)
     bounds = shapely.buffer(shapely.boundary(found), 2.0 * snap)
     line, face = shapely.STRtree(bounds).query(strings, predicate="covered_by")
     own = [shapely.buffer(shapely.union_all(strings[line[face == k]]), 2.0 * snap) for k in range(len(found))]
