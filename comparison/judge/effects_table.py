@@ -3,7 +3,7 @@
 from typing import Any
 
 from la_core.analysis import LimitAnalysis
-from la_core.coulomb import STIFFER, PredictionSettings
+from la_core.coulomb import PredictionSettings
 from la_core.exchange import PLATEAU_SHARE, POSES
 from la_core.geometry import contact_points
 from la_core.model import PLANE_FREEDOMS, Assembly
@@ -80,7 +80,7 @@ def _saved(scene: Scene, whole: Assembly, assembly: Assembly) -> dict[str, dict[
     saved = {
         "friction": {"quasi-static paths, at least": PATHS - 1},
         "elasticity": {"springs": points * components},
-        "rotation": {"travels of a path, at least": round(STIFFER) - 1},
+        "rotation": {"run of YADE over its whole travel": 1},
         "displacement": {"engine in YADE, the collider": 1},
         "recording": {"states": int(PLATEAU_SHARE * scene.yade.get("poses", POSES))},
     }

@@ -158,7 +158,8 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
         return f"turning blocks change it by at most {100.0 * (abs(change) + doubt):.2g} %"
     value = f"{coulomb.released:.4g} {scene.unit}".rstrip()
     size = f"{100.0 * abs(change):.2g} % {'more' if change > 0.0 else 'less'}"
-    return f'turning blocks release a thrust; the answer after that is {value}, {size} (YADE checks it with rotation = "finite")'
+    becomes = f"the {scene.quantity} becomes {value}, {size}"
+    return f'later turning blocks release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
 
 
 def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> Effects:
