@@ -23,6 +23,7 @@ from la_core.errors import SceneError
 from la_core.limit import Solution, Status, solve_associated
 from la_core.model import Assembly, Effects
 from la_core.scene import Scene
+from la_core.text_table import number_text
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,7 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
     change, doubt = change_by_release(coulomb, unit)
     if abs(change) <= max(CHANGED, doubt):
         return f"turning blocks change it by at most {100.0 * (abs(change) + doubt):.2g} %"
-    value = f"{coulomb.released:.4g} {scene.unit}".rstrip()
+    value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
     size = f"{100.0 * abs(change):.2g} % {'more' if change > 0.0 else 'less'}"
     becomes = f"the {scene.quantity} becomes {value}, {size}"
     return f'later turning blocks release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
