@@ -25,10 +25,7 @@ MOST_ITERATIONS = 20  # new tangents of a step
 # Moves with an old tangent that take the time of a new one: on a wall of 1,008 blocks 0.9 ms and 6.6 ms. Smooth joints keep a tangent while
 # its moves lower the logarithm of the residual faster, by time, than the first move did, and at least by LEAST_GAIN.
 MOVES_PER_TANGENT, LEAST_GAIN = 7.0, 0.1
-# Line search: factor between two shares of a Newton step, and shortest share; the last trial is taken even if it is worse. Where blocks
-# turn, gaps of second order close within tiny shares: with the usual search a wall of 21 blocks took 35,000 iterations in place of 300.
-SHORTER, SHORTEST = 2.0, 1.0 / 16.0
-SHORTER_TURNED, SHORTEST_TURNED = 4.0, 1.0 / 256.0
+SHORTEST = 1.0 / 16.0  # of the Newton step in the line search; the last trial is taken even if it is worse
 DIVERGED = 100.0  # times the first residual: the iteration has left the solution
 
 
@@ -46,12 +43,15 @@ class State:
         Displacements and forces of the joints.
     multiplier : float
         Multiplier of the live load times its size; 0 for a settlement.
+    stiffness : (C, k, k) array or None
+        Stiffness of the contact points; None before the first step.
     """
 
     progress: float
     blocks: np.ndarray
     joints: JointState
     multiplier: float = 0.0
+    stiffness: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,11 @@ def advance(
         Force over which contact points part and slip gradually.
     """
     balance = _Balance(joints, before, target, drag, smoothing)
-    now = balance.at(balance.unknowns(guess, before.multiplier))
+    now, iterations = _begun(balance, tangent, guess)
     tolerance = max(TOLERANCE * joints.freedoms / len(joints.weights), LEAST_TOLERANCE)
     first, best, best_at, least = now.size, now, 0, np.inf
     current: LearningTangent | None = None
-    iterations, gain = 0, 0.0
+    gain = 0.0
     while True:
         if now.size <= tolerance:
             return Trial(balance.state(now), iterations)
@@ -133,7 +133,7 @@ def advance(
                 break
             iterations += 1
             try:
-                current = LearningTangent(balance.solver(tangent, now), now.unbalanced)
+                current = LearningTangent(balance.solver(tangent, now.stiffness), now.unbalanced)
             except RuntimeError:  # a singular matrix
                 return Trial(None, iterations)
         share, trial = _searched(balance, now, current.move)
@@ -176,25 +176,41 @@ class _Balance:
         return blocks if self.target.live_at is None else np.append(blocks, multiplier)
 
     def at(self, unknowns: np.ndarray) -> _Iterate:
+        state, stiffness = self.joints.state(self._displacement(unknowns), self.before.joints, self.smoothing)
+        rest = self._unbalanced(unknowns, state.force)
+        live = self.target.live_at is not None
+        size = float(np.hypot(np.linalg.norm(rest[:-1]), rest[-1]) if live else np.linalg.norm(rest))
+        return _Iterate(unknowns, rest, size, state, stiffness)
+
+    def in_same_state(self, tangent: Tangent, unknowns: np.ndarray) -> np.ndarray:
+        """Unknowns in balance if all points close, stick and slide as before the step; raises RuntimeError where none are."""
+        before, stiffness = self.before.joints, self.before.stiffness
+        assert stiffness is not None
+        moved = self._displacement(unknowns) - before.displacement
+        force = before.force - np.einsum("cij,cj->ci", stiffness, moved)
+        return unknowns + self.solver(tangent, stiffness)(self._unbalanced(unknowns, force))
+
+    def _displacement(self, unknowns: np.ndarray) -> np.ndarray:
+        return self.joints.displacement(unknowns[: len(self.joints.weights)], self.target.support)
+
+    def _unbalanced(self, unknowns: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """What contact forces (C, k) leave unbalanced at some unknowns."""
         joints, live_at = self.joints, self.target.live_at
         blocks = unknowns[: len(joints.weights)]
-        displacement = joints.displacement(blocks, self.target.support)
-        state, stiffness = joints.state(displacement, self.before.joints, self.smoothing)
-        rest = joints.unbalanced(state.force) - self.drag * joints.mass * (blocks - self.before.blocks)
+        rest = joints.unbalanced(force) - self.drag * joints.mass * (blocks - self.before.blocks)
         if live_at is None:
-            return _Iterate(unknowns, rest, float(np.linalg.norm(rest)), state, stiffness)
+            return rest
         rest += unknowns[-1] * joints.live_load
-        lag = live_at - float(joints.live_load @ blocks)
-        return _Iterate(unknowns, np.append(rest, lag), float(np.hypot(np.linalg.norm(rest), lag)), state, stiffness)
+        return np.append(rest, live_at - float(joints.live_load @ blocks))
 
     def state(self, iterate: _Iterate) -> State:
         blocks = iterate.unknowns[: len(self.joints.weights)]
         multiplier = self.before.multiplier if self.target.live_at is None else float(iterate.unknowns[-1])
-        return State(self.target.progress, blocks, iterate.joints, multiplier)
+        return State(self.target.progress, blocks, iterate.joints, multiplier, iterate.stiffness)
 
-    def solver(self, tangent: Tangent, iterate: _Iterate) -> Solve:
-        """Factorise the tangent at an iterate and return the function that solves with it; raises RuntimeError where it is singular."""
-        solve, load = tangent.factorised(iterate.stiffness, self.drag), self.joints.live_load
+    def solver(self, tangent: Tangent, stiffness: np.ndarray) -> Solve:
+        """Factorise the tangent of a stiffness and return the function that solves with it; raises RuntimeError where it is singular."""
+        solve, load = tangent.factorised(stiffness, self.drag), self.joints.live_load
         if self.target.live_at is None:
             return solve
 
@@ -206,13 +222,27 @@ class _Balance:
         return with_multiplier
 
 
+def _begun(balance: _Balance, tangent: Tangent, guess: np.ndarray) -> tuple[_Iterate, int]:
+    """Return the first iterate, and the iterations that it took.
+
+    Where blocks turn, the second order of a guess opens points that hardly press. A block on such a point would then move far. So the step
+    begins where all points keep their state, if this leaves less unbalanced: `facade` took 17,000 iterations without it, and takes 1,200.
+    """
+    now = balance.at(balance.unknowns(guess, balance.before.multiplier))
+    if not balance.joints.has_turned or balance.smoothing > 0.0 or balance.before.stiffness is None:
+        return now, 0
+    try:
+        other = balance.at(balance.in_same_state(tangent, now.unknowns))
+    except RuntimeError:  # a singular matrix
+        return now, 1
+    return (other if other.size < now.size else now), 1
+
+
 def _searched(balance: _Balance, now: _Iterate, move: np.ndarray) -> tuple[float, _Iterate]:
-    """Return the largest share of a move, 1 or less in steps of a factor, that leaves less unbalanced, else the shortest, and its end."""
-    is_fine = balance.joints.has_turned and balance.smoothing == 0.0
-    shorter, shortest = (SHORTER_TURNED, SHORTEST_TURNED) if is_fine else (SHORTER, SHORTEST)
+    """Return the largest share 1, 1/2, ... of a move that leaves less unbalanced, else the shortest, and where it leads."""
     share = 1.0
     while True:
         trial = balance.at(now.unknowns + share * move)
-        if trial.size < now.size or share <= shortest:
+        if trial.size < now.size or share <= SHORTEST:
             return share, trial
-        share /= shorter
+        share /= 2.0
