@@ -158,7 +158,7 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
     if abs(change) <= max(CHANGED, doubt):
         return f"turning blocks change it by at most {100.0 * (abs(change) + doubt):.2g} %"
     value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
-    size = f"{100.0 * abs(change):.2g} % {'more' if change > 0.0 else 'less'}"
+    size = f"{100.0 * abs(change):.2g} ± {100.0 * doubt:.1g} % {'more' if change > 0.0 else 'less'}"
     becomes = f"the {scene.quantity} becomes {value}, {size}"
     return f'later turning blocks release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
 
