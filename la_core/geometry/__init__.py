@@ -3,7 +3,7 @@
 from la_core.geometry import shapes
 from la_core.geometry.blocks import ROLES, Blocks, hold_arrays
 from la_core.geometry.edge_contacts import EdgeContacts, edge_contacts
-from la_core.geometry.faces import face_corners, face_pairs, face_polygons
+from la_core.geometry.faces import face_corners, face_pairs, face_polygons, opposite_faces
 from la_core.geometry.interfaces import Interfaces, find_interfaces, gaps, near_pairs, nearest_gap, overlaps
 from la_core.geometry.missed_joints import MissedJoints, missed_joints
 from la_core.geometry.points import SLIVER, ContactPoints, contact_points, joint_rooms, without_slivers
@@ -37,6 +37,7 @@ __all__ = [
     "near_pairs",
     "nearest_gap",
     "next_corners",
+    "opposite_faces",
     "overlap_of",
     "overlaps",
     "owners",

@@ -92,6 +92,19 @@ def test_a_fill_over_an_arch_acts_on_its_outer_face_alone(blocks: list[str]) -> 
     assert scene.loads.mass == pytest.approx(100.0 * 3.0 * span)
 
 
+@pytest.mark.parametrize("east", [0.0, 1000.0])
+def test_a_joint_carries_nothing_however_far_the_structure_is_from_the_origin(east: float) -> None:
+    """Its faces differ by a tenth of a millimetre, as typed coordinates do."""
+    ground = scenes.box("ground", (east, 0.0, -0.2), (east + 2.5, 1.0, 0.0), "fixed")
+    profiles = {"left": (0.0, 1.0, 1.5, 0.0), "right": (1.0001, 2.5, 2.5, 1.5)}
+    stones = [
+        scenes.block(name, prism=(tuple((east + x, z) for x, z in zip(across, (0.0, 0.0, 1.0, 1.0), strict=True)), (0.0, 1.0)))
+        for name, across in profiles.items()
+    ]
+    scene = scenes.build(ground, *stones, load(blocks=["right"], mass=10.0, per="m2"), live=(1.0, 0.0, 0.0), settlement=None)
+    assert scene.loads.mass == pytest.approx([10.0])
+
+
 def test_a_line_across_an_arch_counts_once() -> None:
     scene = scenes.build(scenes.arch(8, 0.2, depth=3.0), load(blocks=["arch *"], mass=10.0, per="m", start=(-1.0, 1.5), to=(1.0, 1.5)))
     assert scene.loads.mass.sum() == pytest.approx(20.0)

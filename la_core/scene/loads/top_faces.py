@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from la_core.geometry import Blocks, face_corners, face_pairs, face_polygons, near_pairs, overlap_of, polygons_of
+from la_core.geometry import Blocks, face_corners, face_polygons, near_pairs, opposite_faces, overlap_of, polygons_of
 
 UPWARD = 0.1  # z of a normal from which on a face is a top face; the extrados of an arch carries its fill down to steep flanks
 COVERED = 0.9  # of its area: a face that other blocks cover so far is a joint
@@ -86,11 +86,10 @@ def _covered(blocks: Blocks, face: np.ndarray) -> np.ndarray:
     size = np.linalg.norm(blocks.high - blocks.low, axis=1)[owner]
     pairs = near_pairs(parts, NEAR * size)
     pairs = pairs[owner[pairs[:, 0]] != owner[pairs[:, 1]]]
-    pair, below, above = face_pairs(parts, np.concatenate([pairs, pairs[:, ::-1]]))
-    reach = NEAR * np.tile(size[pairs].min(axis=1), 2)[pair]
-    fits = np.isin(below, face) & (np.linalg.norm(parts.face_normal[below] + parts.face_normal[above], axis=1) <= OPPOSITE)
-    fits &= np.abs(parts.face_offset[below] + parts.face_offset[above]) <= reach
-    below, above = below[fits], above[fits]
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    _, below, above = opposite_faces(parts, both, NEAR * size[both].min(axis=1), size, OPPOSITE)
+    chosen = np.isin(below, face)
+    below, above = below[chosen], above[chosen]
     area = np.zeros(len(parts.face_block))
     np.add.at(area, below, shapely.area(overlap_of(face_polygons(parts, below, below), face_polygons(parts, above, below))))
     return np.asarray(area[face] / shapely.area(face_polygons(parts, face, face)))
