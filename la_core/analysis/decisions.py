@@ -156,11 +156,11 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
         return f"turning blocks may release a thrust, because the mechanism's interval is {size}"
     change, doubt = change_by_release(coulomb, unit)
     if abs(change) <= max(CHANGED, doubt):
-        return f"turning blocks change it by at most {100.0 * (abs(change) + doubt):.2g} %"
+        return f"turning blocks change it by at most {number_text(100.0 * (abs(change) + doubt), 2)} %"
     value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
-    size = f"{100.0 * abs(change):.2g} ± {100.0 * doubt:.1g} % {'more' if change > 0.0 else 'less'}"
+    size = f"{number_text(100.0 * abs(change), 2)} ± {number_text(100.0 * doubt, 1)} % {'more' if change > 0.0 else 'less'}"
     becomes = f"the {scene.quantity} becomes {value}, {size}"
-    return f'later turning blocks release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
+    return f'turning blocks later release a thrust, and {becomes} (rotation = "finite" has YADE check this)'
 
 
 def _with_friction_decided(scene: Scene, effects: Effects, search: Sliding) -> Effects:

@@ -37,7 +37,7 @@ def on_one_plateau(followed: list[FollowedPath]) -> list[FollowedPath]:
     groups = [list(range(len(followed)))] if is_smooth else plateau.groups([path.plateau.value for path in followed])
     most = max(groups, key=lambda group: (len(group), max(group)))
     alike = [followed[max(most)], *(followed[i] for i in most if i != max(most))]
-    return sorted(alike, key=lambda path: path.end.certificate.worst > ACCEPTED_RESIDUAL)
+    return sorted(alike, key=lambda path: not path.end.certificate.worst <= ACCEPTED_RESIDUAL)  # NaN is no limit state
 
 
 def stated_uncertainty(chosen: FollowedPath, followed: list[FollowedPath]) -> float:

@@ -1,6 +1,8 @@
 """The error that a prediction states itself, and its certificate."""
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +19,7 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import Falling, QuasiStaticPath
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
+from la_core.coulomb.several_paths import on_one_plateau
 from la_core.limit.associated import Status, solve_associated
 from la_core.limit.problem import Drive
 
@@ -68,6 +71,20 @@ def test_end_of_the_path_is_certified(name) -> None:
     assert solution.uncertainty >= 0.0
     assert len(solution.path_value) == len(solution.path_settlement) > 10
     assert (np.diff(solution.path_settlement) > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("worst", "chosen"),
+    [((1e-6, 1e-6), 1), ((1e-6, 1e-3), 0), ((1e-3, 1e-3), 1), ((math.nan, 1e-3), 1), ((1e-6, math.nan), 0)],
+)
+def test_the_answer_is_the_finest_path_that_ends_in_a_limit_state(worst: tuple[float, float], chosen: int) -> None:
+    """An undefined residual proves nothing."""
+    paths = [
+        SimpleNamespace(smooth_error=0.0, plateau=SimpleNamespace(value=0.3), end=SimpleNamespace(certificate=SimpleNamespace(worst=one)))
+        for one in worst
+    ]
+    alike = on_one_plateau(paths)
+    assert alike[0] is paths[chosen] and len(alike) == 2
 
 
 def test_mechanism_that_is_not_the_states_own_fails_the_certificate() -> None:

@@ -266,6 +266,18 @@ def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
     assert asked.reasons["rotation"] == "requested in the scene"
 
 
+@pytest.mark.parametrize(
+    ("released", "doubt", "words"),
+    [(2.6, 0.12, "160 ± 12 % more"), (0.4, 0.004, "60 ± 0.4 % less"), (1.3, 1.2, "change it by at most 150 %")],
+)
+def test_rotation_gives_large_changes_in_full(released: float, doubt: float, words: str) -> None:
+    analysis = analyse(la_core.variant(RELEASES, {"effects.rotation": "small"}))
+    assert analysis.coulomb is not None
+    value = analysis.coulomb.value
+    made_up = replace(analysis.coulomb, uncertainty=0.0, released=released * value, released_uncertainty=doubt * value)
+    assert words in with_rotation_explained(RELEASES, analysis.assembly, made_up).reasons["rotation"]
+
+
 @pytest.mark.parametrize(("ends", "words"), [((0.0, math.inf), "is unlimited"), ((math.nan, math.nan), "is unknown")])
 def test_rotation_names_an_interval_without_a_width(ends: tuple[float, float], words: str) -> None:
     analysis = analyse(RELEASES)
