@@ -114,7 +114,7 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
         named = ", ".join(spots) + (", ..." if len(kept) > NAMED else "")
         what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({named})"
     hint = "where it should hold, cut the edge to a face of some millimetres"
-    yield f"{what}: that is no joint and holds nothing, in neither method; {hint}."
+    yield f"{what}: that is no joint and holds nothing in either method; {hint}."
 
 
 def _rounded_up(length: float) -> float:

@@ -10,7 +10,7 @@ GROUND = scenes.box("ground", (0.0, 0.0, -0.2), (4.0, 1.0, 0.0), "fixed")
 WALL = scenes.box("wall", (2.0, 0.0, 0.0), (2.5, 1.0, 3.0), "fixed")
 PLANK = ((0.8, 0.0), (0.9, 0.0), (2.0, 2.0), (1.95, 2.05))  # its upper right corner is at the wall
 CUT = ((0.8, 0.0), (0.9, 0.0), (2.0, 1.995), (2.0, 2.0), (1.95, 2.05))
-NO_JOINT = "that is no joint and holds nothing, in neither method; where it should hold, cut the edge to a face of some millimetres."
+NO_JOINT = "that is no joint and holds nothing in either method; where it should hold, cut the edge to a face of some millimetres."
 
 
 def pushed(*parts: str) -> Scene:

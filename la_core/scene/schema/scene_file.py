@@ -190,8 +190,8 @@ class RequestedEffects(Table):
         "small: contacts in YADE are those of the joints; finite: YADE looks for new ones", default="auto"
     )
     rotation: Literal["auto", "small", "finite"] = described(
-        "small: the prediction is for small settlements; auto: limit analysis also says what turning blocks release; "
-        "finite: both methods answer for settlements after this release, and YADE covers its whole travel",
+        "small: the prediction is for small displacements; auto: the same, and limit analysis also says what turning blocks release; "
+        "finite: both methods answer for displacements after this release, and YADE covers its whole travel",
         default="auto",
     )
     recording: Literal["auto", "plateau", "states"] = described("states that YADE stores: on the plateau, or all the way", default="auto")
