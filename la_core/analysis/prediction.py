@@ -1,5 +1,6 @@
 """From bounds to the prediction, on the smallest region whose answer provably holds for the whole structure."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -64,7 +65,7 @@ def with_prediction(model: StructuralModel, bounds: Pair, settings: AnalysisSett
         predicted = _predicted(model, region, decision.search, settings.prediction, listener)
         obstacle = _why_not_valid(bounds, predicted)
         if not obstacle:
-            return _explained(model, _with_whole_at_rest(model, predicted))
+            return _explained(model, _with_whole_at_rest(model, _with_release_proven(bounds[0], predicted)))
         reason = f"the whole structure is modelled, because {obstacle}"
     whole = _with_effects(bounds, decision.effects.with_effect("reach", False, reason))
     return _explained(model, _predicted(model, whole, decision.search, settings.prediction, listener))
@@ -108,6 +109,18 @@ def _why_not_valid(whole: Pair, region: Pair) -> str:
         if obstacle := reach.why_not_valid(complete.assembly, reduced.assembly, answer.twists, answer.forces):
             return obstacle
     return ""
+
+
+def _with_release_proven(whole: Answers, region: Pair) -> Pair:
+    """Return a region's answers without the value after a release where its state does not hold for the whole structure."""
+    at_inset, sharp = region
+    coulomb = at_inset.coulomb
+    if coulomb is None or coulomb.released_state is None:
+        return region
+    if not reach.why_not_valid(whole.assembly, at_inset.assembly, *coulomb.released_state):
+        return region
+    changed = replace(at_inset, coulomb=replace(coulomb, released=math.nan, released_uncertainty=math.nan, released_state=None))
+    return changed, changed if sharp is at_inset else sharp
 
 
 def _predicted(

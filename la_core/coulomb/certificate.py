@@ -21,9 +21,9 @@ from scipy import sparse
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.implicit_step import State
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath
-from la_core.limit import Cones, Programme, ProgrammeOutcome
+from la_core.limit import Cones, Drive, Programme, ProgrammeOutcome
 from la_core.measures import residuals
-from la_core.model import global_forces
+from la_core.model import global_forces, support_motion, twists_of
 
 ACCEPTED_RESIDUAL = 1e-5  # every residual of a certified end
 END_VISCOSITY = 1e-9  # of the last stretch, to the certified end
@@ -126,6 +126,15 @@ def certify(joints: ElasticJoints, before: State, last: State) -> Certificate:
         float(np.sum(np.abs(dissipation + np.sum(friction * rates.slip, axis=1)))) / put_in,
         abs(float(block_power.sum()) + driving - float(dissipation.sum())) / put_in,
     )
+
+
+def mechanism_and_forces(joints: ElasticJoints, end: End) -> tuple[np.ndarray, np.ndarray]:
+    """Twists (B, 6) and contact forces (C, 3), N, at the end of a path, as those of a `CoulombSolution`."""
+    assembly, last = joints.assembly, end.last
+    speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
+    twists = twists_of(assembly, (last.blocks - end.before.blocks) / (last.progress - end.before.progress)) + motion
+    size = 1.0 / (assembly.weight * joints.live_size) if joints.live else speed
+    return twists * size, global_forces(assembly, last.joints.force)
 
 
 def end_of(path: QuasiStaticPath) -> End:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from la_core.coulomb import plateau
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, mechanism_and_forces
 from la_core.coulomb.followed_path import LARGE, FollowedPath, PredictionSettings, Reporter, SharedProgress, follow_large
 from la_core.coulomb.interval import ONE_VALUE, relative_width, stated_interval
 from la_core.coulomb.path.elastic_joints import ElasticJoints
@@ -26,8 +26,8 @@ from la_core.coulomb.release import released
 from la_core.coulomb.several_paths import BROAD, disagree, joints_of_path, left_by_smoothing, on_one_plateau, stated_uncertainty
 from la_core.coulomb.sharp_path import follow
 from la_core.coulomb.solution import CoulombSolution, without_answer
-from la_core.limit import Drive, Solution, Status
-from la_core.model import Assembly, JointStiffness, global_forces, support_motion, twists_of
+from la_core.limit import Solution, Status
+from la_core.model import Assembly, JointStiffness
 from la_core.side_by_side import side_by_side
 
 # Of the value, from the nearest end of its mechanism's interval, where blocks that dilate lock. Of 66 values that YADE confirmed none was
@@ -135,7 +135,7 @@ def _followed_from_rest(
     has_one_value = relative_width(solution.interval, solution.value, joints.value_in_units(1.0)) <= ONE_VALUE
     if settings.with_release and not has_one_value:
         after = released(joints, stiffness, followed, settings, progress)
-        solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty)
+        solution = replace(solution, released=after.value, released_uncertainty=after.uncertainty, released_state=after.state)
         iterations += after.iterations
     return replace(solution, at_rest=_value_at_rest(joints, rest), seconds=time.perf_counter() - start, iterations=iterations)
 
@@ -208,16 +208,13 @@ def _smooth_paths(joints: ElasticJoints, wedging: float, settings: PredictionSet
 
 def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[FollowedPath]) -> CoulombSolution:
     """Answer from all paths: the finest path of the plateau that most paths end on."""
-    assembly = joints.assembly
     alike = on_one_plateau(followed)
     chosen, is_smooth = alike[0], followed[-1].smooth_error > 0.0
-    before, last, certificate = chosen.end.before, chosen.end.last, chosen.end.certificate
+    last, certificate = chosen.end.last, chosen.end.certificate
     value, uncertainty = chosen.plateau.value, stated_uncertainty(chosen, followed)
     met = np.array([*(path.plateau.value for path in followed), *chosen.on_the_way])
     several = [] if is_smooth else [float(met[group].mean()) for group in plateau.groups(met.tolist())]
-    stride = last.progress - before.progress
-    speed, motion = support_motion(assembly, (Drive.LIVE if joints.live else Drive.YIELDING).value)
-    twists = twists_of(assembly, (last.blocks - before.blocks) / stride) + motion
+    twists, forces = mechanism_and_forces(joints, chosen.end)
     still_smooth = chosen.exhausted and is_smooth  # a path that was cut short before its joints became sharp
     reached = last.progress >= least_travel(joints) and not still_smooth
     certified = certificate.worst <= ACCEPTED_RESIDUAL and reached
@@ -229,8 +226,8 @@ def _answer(joints: ElasticJoints, stiffness: JointStiffness, followed: list[Fol
         Status.SOLVED if certified and certain else Status.INACCURATE,
         value * unit,
         (low * unit, high * unit),
-        twists * (1.0 / (assembly.weight * joints.live_size) if joints.live else speed),
-        global_forces(assembly, last.joints.force),
+        twists,
+        forces,
         at_rest=float("nan"),
         drift=chosen.plateau.change / plateau.reference_size(value),
         dilatancy_residual=certificate.parting,

@@ -6,7 +6,9 @@ paths that branch off end within 0.07 % of those whose blocks turn from rest on 
 
 from dataclasses import dataclass
 
-from la_core.coulomb.certificate import ACCEPTED_RESIDUAL
+import numpy as np
+
+from la_core.coulomb.certificate import ACCEPTED_RESIDUAL, mechanism_and_forces
 from la_core.coulomb.followed_path import FollowedPath, PredictionSettings, SharedProgress
 from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import least_travel
@@ -23,11 +25,15 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Released:
-    """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it."""
+    """Value after a release and its uncertainty (N, N m or multiplier), NaN where unknown, and the Newton iterations of the way to it.
+
+    state: its mechanism and contact forces, see `CoulombSolution.released_state`.
+    """
 
     value: float = NAN
     uncertainty: float = NAN
     iterations: int = 0
+    state: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def released(
@@ -65,7 +71,7 @@ def released(
     if not (is_certified and uncertainty <= BROAD * reference_size(value)):
         return Released(iterations=iterations)
     unit = joints.value_in_units(1.0)
-    return Released(value * unit, uncertainty * unit, iterations)
+    return Released(value * unit, uncertainty * unit, iterations, mechanism_and_forces(turning, chosen.end))
 
 
 def change_by_release(coulomb: CoulombSolution, unit: float) -> tuple[float, float]:

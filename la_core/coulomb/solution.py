@@ -69,6 +69,8 @@ class CoulombSolution:
     released, released_uncertainty : float
         Value of a prediction with small rotations after turning blocks have released a thrust, and its uncertainty, in the unit of the
         value. NaN where it is unknown, or where nothing called for it.
+    released_state : tuple of two arrays (B, 6) and (C, 3), or None
+        Mechanism and contact forces of that value, as `twists` and `forces`. None where there is no such value, or it comes from a file.
     """
 
     status: Status
@@ -94,6 +96,7 @@ class CoulombSolution:
     path_value: np.ndarray = field(default_factory=_empty)
     released: float = NAN
     released_uncertainty: float = NAN
+    released_state: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def certificate(self) -> float:

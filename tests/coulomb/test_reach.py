@@ -170,6 +170,23 @@ def test_a_mechanism_that_comes_near_what_is_set_aside_refuses_the_region() -> N
         assert reach.why_not_valid(whole, region, twists, forces) == (words if refused else "")
 
 
+def test_a_value_after_a_release_is_told_where_its_own_state_is_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = analyse(end_settles())
+    assert told.assembly.aside.any() and told.coulomb is not None and told.coulomb.released_state is not None
+    _, released = told.coulomb.released_state
+    original = reach.why_not_valid
+
+    def refused(whole: Assembly, reduced: Assembly, twists: np.ndarray, forces: np.ndarray) -> str:
+        return "its blocks fall" if np.array_equal(forces, released) else original(whole, reduced, twists, forces)
+
+    monkeypatch.setattr(reach, "why_not_valid", refused)
+    left_out = analyse(end_settles())
+    assert left_out.assembly.aside.any() and left_out.coulomb is not None
+    assert np.isfinite(told.coulomb.released) and np.isnan(left_out.coulomb.released)
+    assert left_out.coulomb.value == told.coulomb.value
+    assert "turning blocks may release a thrust" in left_out.assembly.effects.reasons["rotation"]
+
+
 def test_what_moves_as_a_whole_is_modelled_as_a_whole_and_the_reason_is_told() -> None:
     whole, part = reduced(pushed_row(), reach.LAYERS[0])
     assert part.aside.any()
