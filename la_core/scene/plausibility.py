@@ -8,6 +8,7 @@ import numpy as np
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
+from la_core.text_table import number_text
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
 SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
@@ -107,12 +108,12 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
         return
     first, place = kept[0], found.place + 0.0
     pairs = [f'"{blocks.names[a]}" and "{blocks.names[b]}"' for a, b in found.pairs[kept[:NAMED]].tolist()]
-    spots = [f"{pair} near ({x:.4g}, {y:.4g}, {z:.4g}) m" for pair, (x, y, z) in zip(pairs, place[kept[:NAMED]].tolist(), strict=True)]
+    places = [", ".join(number_text(along, 4) for along in one) for one in place[kept[:NAMED]].tolist()]
     where = "along an edge" if found.length[first] > 0.0 else "at a corner"
-    what = f"blocks {pairs[0]} touch {where} alone, near{spots[0].partition(' near')[2]}"
+    what = f"blocks {pairs[0]} touch {where} alone, near ({places[0]}) m"
     if len(kept) > 1:
-        named = ", ".join(spots) + (", ..." if len(kept) > NAMED else "")
-        what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({named})"
+        spots = [f"{pair} near ({one}) m" for pair, one in zip(pairs, places, strict=True)] + ["..."] * (len(kept) > NAMED)
+        what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({', '.join(spots)})"
     hint = "where it should hold, cut the edge to a face of some millimetres"
     yield f"{what}: that is no joint and holds nothing in either method; {hint}."
 

@@ -30,6 +30,12 @@ def test_an_edge_that_leans_on_a_face_is_told_with_both_blocks_and_the_place() -
     assert not told(leaning(CUT))
 
 
+def test_the_place_is_in_full_far_from_the_origin() -> None:
+    stones = [scenes.box(f"stone {k}", (-20000.0 + k, 0.0, k), (-19999.0 + k, 1.0, k + 1.0)) for k in range(2)]
+    (words,) = told(pushed(scenes.box("ground", (-20000.0, 0.0, -0.2), (-19998.0, 1.0, 0.0), "fixed"), *stones))
+    assert "near (−19999, 0.5, 1) m:" in words
+
+
 def test_a_corner_on_a_face_and_an_edge_across_an_edge_are_told() -> None:
     """A pyramid stands on its tip; two ridges cross, and no corner of one touches the other."""
     tip = [[0.5, 0.5, 1.0], [0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0]]
