@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import scenes
 from made_up_campaigns import INSET, MU, campaign, changed
+from made_up_comparisons import frictional_comparison
 
 from comparison.campaign import mechanism_labels
 from comparison.campaign.columns import METHODS, answers_of
@@ -82,6 +83,14 @@ def test_a_small_moment_deviates_as_the_judge_measures_it(tmp_path: Path) -> Non
     summary = comparison_summary(Results(analysis), None, [], [])
     row = campaign(tmp_path).rows[0] | answers_of(summary, {}) | {"yade_uncertainty": 0.0, "coulomb_uncertainty": 0.0}
     assert deviation(row | {"yade": floor, "coulomb": 0.0}) == pytest.approx(1.0)
+
+
+def test_a_row_has_the_value_after_a_release_at_the_inset_of_both_methods() -> None:
+    comparison = frictional_comparison()
+    assert answers_of(comparison, {})["coulomb_released"] is None
+    comparison["limit_analysis"]["coulomb"] |= {"released": None, "shared_inset": {"released": 331.0, "released_uncertainty": 1.2}}
+    row = answers_of(comparison, {})
+    assert (row["coulomb_released"], row["coulomb_released_uncertainty"]) == (331.0, 1.2)
 
 
 @pytest.mark.parametrize("weight", [None, 0.0])

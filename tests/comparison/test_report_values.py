@@ -7,7 +7,7 @@ import pytest
 from made_up_comparisons import comparison_of, frictional_comparison, page_and_markdown, values_part
 
 from comparison.judge.summary import limit_analysis_summary
-from comparison.numbers import Units
+from comparison.numbers import Units, format_number
 from comparison.report import report, values
 from comparison.report.scene_view import view_of_scene
 from comparison.verdict.verdict_table import verdict_cells, verdict_title
@@ -37,6 +37,18 @@ def test_the_coulomb_prediction_stands_with_its_interval_and_what_yade_is_above_
     (top,) = (line for line in markdown.splitlines() if line.startswith("| two pads | ? inconclusive"))
     assert "| 0.3660 ± 0.0008 kN | 0.36330 to 0.37130 kN |" in top
     assert top.endswith("| −0.00250 kN (−0.68 %) |")
+
+
+def test_the_value_after_a_release_stands_below_the_prediction_where_it_is_known(tmp_path: Path) -> None:
+    comparison = frictional_comparison()
+    name = "limit analysis: prediction after turning blocks release thrusts"
+    assert name not in page_and_markdown(tmp_path, comparison)[0]
+    comparison["limit_analysis"]["coulomb"] |= {"released": 331.0, "released_uncertainty": 1.2}
+    rows = list(values.value_rows(values.values_of(comparison, Units(comparison["weight"]))))
+    (place,) = (k for k, row in enumerate(rows) if row[0] == name)
+    assert rows[place - 1][0] == "limit analysis: Coulomb prediction"
+    assert rows[place][1:] == ("0.331 ± 0.001 kN", f"{format_number(331.0 / comparison['weight'])} of W")
+    assert name in page_and_markdown(tmp_path, comparison)[0]
 
 
 def test_the_verdict_table_shows_the_uncertainty_of_both_methods_and_several_plateaus() -> None:
