@@ -2,7 +2,7 @@
 
 import html
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from typing import Any, TypeGuard
 
@@ -23,6 +23,11 @@ def number_text(value: float | None, digits: int = 6) -> str:
         return "–"
     text = f"{value:.0f}" if 10.0**digits <= abs(value) < 1e6 else f"{value:.{digits}g}"
     return text.replace("-", "−", 1) if value < 0.0 else text
+
+
+def place_text(place: Iterable[float]) -> str:
+    """A place, m, such as "(1.5, 0, 2) m": four digits, and whole metres in full, as coordinates of a survey need them."""
+    return f"({', '.join(number_text(along + 0.0, 4) for along in place)}) m"
 
 
 def over_weight(value: float | None, weight: float) -> float | None:

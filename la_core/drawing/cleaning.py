@@ -9,6 +9,7 @@ import shapely
 
 from la_core.drawing.enclosing import conforming, divided, dividing, enclosed, of_own_lines, retraced, touched, within
 from la_core.drawing.outlines import Drawn, LayerCount, OpenOutline, Outline, all_but_closed, by_layer
+from la_core.text_table import place_text
 
 SNAP = 1e-4  # m: ends of lines this close meet, whatever the tolerance
 DOUBLE = 0.8  # of the area of both: outlines that share so much are one outline drawn twice
@@ -238,5 +239,4 @@ def _contours(polygons: np.ndarray, outlines: Sequence[Outline], left_out: np.nd
 
 
 def _place(outline: Outline) -> str:
-    x, z = outline.points.mean(axis=0)
-    return f'layer "{outline.layer}", near ({x:.4g}, {z:.4g})'
+    return f'layer "{outline.layer}", near {place_text(outline.points.mean(axis=0).tolist())}'

@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 
 from la_core.drawing.outlines import LayerCount, OpenOutline
-from la_core.text_table import number_text
+from la_core.text_table import number_text, place_text
 
 MOST_NAMED = 3  # open outlines that a sentence names
 
@@ -41,7 +41,7 @@ def open_words(outlines: Sequence[OpenOutline]) -> str:
         return ""
     gap = number_text(1e3 * max(one.gap for one in outlines), 3)
     layers = ", ".join(_quoted(layer) for layer in dict.fromkeys(one.layer for one in outlines))
-    places = ", ".join(f"({one.x:.4g}, {one.z:.4g}) m" for one in outlines[:MOST_NAMED])
+    places = ", ".join(place_text((one.x, one.z)) for one in outlines[:MOST_NAMED])
     hint = "close what is open in the drawing"
     if len(outlines) == 1:
         return f"the outline on layer {layers} that begins at {places} is open by {gap} mm, so it is left out; {hint}"
@@ -87,7 +87,7 @@ def _is_one(some: Sequence[LayerCount]) -> bool:
 def _listed(some: Sequence[LayerCount], word: str) -> str:
     """How many of a kind, on which layers, and where the first one is."""
     on_layers = ", ".join(f"{one.count} {word}{'' if one.count == 1 else 's'} on layer {_quoted(one.layer)}" for one in some)
-    return f"{on_layers} (the first near ({some[0].x:.4g}, {some[0].z:.4g}) m)"
+    return f"{on_layers} (the first near {place_text((some[0].x, some[0].z))})"
 
 
 def _quoted(text: str) -> str:

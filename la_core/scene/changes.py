@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from la_core.scene.scene import Scene
+from la_core.text_table import place_text
 
 LISTED = 10  # of the places that could not be repaired
 ROUND_OFF = 1e-7  # m: a smaller move changed nothing
@@ -60,10 +61,9 @@ def change_rows(changes: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if unclosed:
         yield "places that are not closed", str(len(unclosed))
     for one in unclosed[:LISTED]:
-        where = ", ".join(f"{value:.4g}" for value in one["vertex"])
         first, second = one["blocks"]
         kind = "gap" if one["gap"] > 0.0 else "overlap"
-        yield f'  "{first}" and "{second}", at ({where}) m', f"{kind} of {1e3 * abs(one['gap']):.3g} mm"
+        yield f'  "{first}" and "{second}", at {place_text(one["vertex"])}', f"{kind} of {1e3 * abs(one['gap']):.3g} mm"
     if len(unclosed) > LISTED:
         yield "  and others", str(len(unclosed) - LISTED)
 

@@ -8,7 +8,7 @@ import numpy as np
 from la_core.geometry import ROLES, Blocks, MissedJoints, edge_contacts, missed_joints
 from la_core.repair import Repairs
 from la_core.scene.loads.plausibility import FRICTION
-from la_core.text_table import number_text
+from la_core.text_table import place_text
 
 DENSITY = (500.0, 4000.0)  # kg/m3: pumice and light brick, basalt and heavy stone lie between them
 SIZE = (0.01, 10.0)  # m: thinnest and longest extent of a block that a wall is built of
@@ -106,13 +106,12 @@ def _of_edges(blocks: Blocks, missed: MissedJoints) -> Iterator[str]:
     kept = [k for k, pair in enumerate(found.pairs.tolist()) if tuple(pair) not in told]
     if not kept:
         return
-    first, place = kept[0], found.place + 0.0
+    first, places = kept[0], [place_text(place) for place in found.place[kept[:NAMED]].tolist()]
     pairs = [f'"{blocks.names[a]}" and "{blocks.names[b]}"' for a, b in found.pairs[kept[:NAMED]].tolist()]
-    places = [", ".join(number_text(along, 4) for along in one) for one in place[kept[:NAMED]].tolist()]
     where = "along an edge" if found.length[first] > 0.0 else "at a corner"
-    what = f"blocks {pairs[0]} touch {where} alone, near ({places[0]}) m"
+    what = f"blocks {pairs[0]} touch {where} alone, near {places[0]}"
     if len(kept) > 1:
-        spots = [f"{pair} near ({one}) m" for pair, one in zip(pairs, places, strict=True)] + ["..."] * (len(kept) > NAMED)
+        spots = [f"{pair} near {one}" for pair, one in zip(pairs, places, strict=True)] + ["..."] * (len(kept) > NAMED)
         what = f"{len(kept)} pairs of blocks touch along an edge or at a corner alone ({', '.join(spots)})"
     hint = "where it should hold, cut the edge to a face of some millimetres"
     yield f"{what}: that is no joint and holds nothing in either method; {hint}."

@@ -17,6 +17,7 @@ from la_core.scene.generators.mesh import MeshFile
 from la_core.scene.generators.wall import NamedShape
 from la_core.scene.schema.drawing import Drawing
 from la_core.scene.schema.types import LARGEST, LARGEST_FILE, MOST_BLOCKS
+from la_core.text_table import place_text
 
 INSTALL_DRAWING = 'install the extra "drawing": pip install --editable ".[drawing]" in the project\'s folder, or pip install ezdxf'
 LAYER, COLOUR = "layer:", "colour:"
@@ -199,10 +200,10 @@ def _covered(table: Drawing, blocks: list[Outline], openings: list[Outline]) -> 
     share = np.bincount(hole, weights=shared, minlength=len(holes))
     worst = int(np.argmax(share))
     if share[worst] > REFUSED:
-        x, z = (openings[worst].points.mean(axis=0) + np.array(table.shift)).tolist()
+        where = place_text((openings[worst].points.mean(axis=0) + np.array(table.shift)).tolist())
         layers = ", ".join(dict.fromkeys(f'"{blocks[k].layer}"' for k in stone[(hole == worst) & (shared > 0.0)].tolist()))
         raise SceneError(
-            f'{_at(table)}: the opening on layer "{openings[worst].layer}" near ({x:.4g}, {z:.4g}) m',
+            f'{_at(table)}: the opening on layer "{openings[worst].layer}" near {where}',
             f"lies in blocks on layer {layers}, and an opening cuts nothing out of a block",
             hint="draw the block around the opening, with a slit of 1 mm from the hole to an edge; list a layer of frames in `ignore`, and "
             "also the opening's own layer where the block may stay solid",
@@ -227,7 +228,7 @@ def _named(table: Drawing, number: int, outline: Outline, role: str) -> NamedSha
     try:
         shape = prism(profile.tolist(), (0.0, thickness))
     except ValueError as error:
-        where = f'{_at(table)}: block "{name}" on layer "{outline.layer}", near ({x:.4g}, {z:.4g}) m'
+        where = f'{_at(table)}: block "{name}" on layer "{outline.layer}", near {place_text((x, z))}'
         raise SceneError(where, str(error)) from error
     groups = (f"{LAYER}{outline.layer}", f"{COLOUR}{outline.colour}")
     return NamedShape(name, role, density, shape, joint=table.joints, groups=groups)

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from la_core.geometry import FACE_FLATNESS, Shape, polyhedron
 from la_core.scene.schema.types import LARGEST
+from la_core.text_table import place_text
 
 WELD = 1e-6  # of the body's size: corners closer than this are one; single precision resolves a tenth of it
 MOST_CORNERS = 1000  # of one body: more belong to a scan or an ornament, not to a block with plane joints
@@ -139,8 +140,8 @@ def _refuse_dents(vertices: np.ndarray, triangles: np.ndarray, faces: list[np.nd
     on_surface = np.concatenate([points, edges, corners.mean(axis=1)])
     depth = -np.max(on_surface @ hull.equations[:, :3].T + hull.equations[:, 3], axis=1)
     if depth.max() > FACE_FLATNESS:
-        where = ", ".join(f"{x:.4g}" for x in centre + size * on_surface[np.argmax(depth)])
-        raise ValueError(f"is not convex: its deepest dent, near ({where}), lies {size * depth.max():.3g} m below its convex hull")
+        where = place_text((centre + size * on_surface[np.argmax(depth)]).tolist())
+        raise ValueError(f"is not convex: its deepest dent, near {where}, lies {size * depth.max():.3g} m below its convex hull")
     volume = abs(np.sum(corners[:, 0] * np.cross(corners[:, 1], corners[:, 2]))) / 6.0
     if abs(volume - hull.volume) > FOLDED * hull.volume:
         raise ValueError(f"is folded: its faces enclose {volume / hull.volume:.3g} of the volume of its convex hull")
