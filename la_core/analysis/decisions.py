@@ -155,8 +155,10 @@ def _effect_of_turning(scene: Scene, assembly: Assembly, coulomb: CoulombSolutio
         size = {"not stated": "unknown", "unlimited": "unlimited"}.get(interval_status(coulomb.interval), f"{width:.2g} of the value")
         return f"turning blocks may release a thrust, because the mechanism's interval is {size}"
     change, doubt = change_by_release(coulomb, unit)
-    if abs(change) <= max(CHANGED, doubt):
+    if abs(change) + doubt <= ONE_VALUE:
         return f"turning blocks change it by at most {number_text(100.0 * (abs(change) + doubt), 2)} %"
+    if abs(change) <= max(CHANGED, doubt):
+        return f"it is uncertain whether turning blocks change it ({number_text(100.0 * change, 2)} ± {number_text(100.0 * doubt, 1)} %)"
     value = f"{number_text(coulomb.released, 4)} {scene.unit}".rstrip()
     size = f"{number_text(100.0 * abs(change), 2)} ± {number_text(100.0 * doubt, 1)} % {'more' if change > 0.0 else 'less'}"
     becomes = f"the {scene.quantity} becomes {value}, {size}"

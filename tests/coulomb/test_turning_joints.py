@@ -268,9 +268,14 @@ def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
 
 @pytest.mark.parametrize(
     ("released", "doubt", "words"),
-    [(2.6, 0.12, "160 ± 12 % more"), (0.4, 0.004, "60 ± 0.4 % less"), (1.3, 1.2, "change it by at most 150 %")],
+    [
+        (2.6, 0.12, "160 ± 12 % more"),
+        (0.4, 0.004, "60 ± 0.4 % less"),
+        (0.97, 1.2, "it is uncertain whether turning blocks change it (−3 ± 120 %)"),
+        (0.998, 0.001, "turning blocks change it by at most 0.3 %"),
+    ],
 )
-def test_rotation_gives_large_changes_in_full(released: float, doubt: float, words: str) -> None:
+def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: float, words: str) -> None:
     analysis = analyse(la_core.variant(RELEASES, {"effects.rotation": "small"}))
     assert analysis.coulomb is not None
     value = analysis.coulomb.value
