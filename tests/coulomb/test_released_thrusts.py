@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import scenes
 from coulomb_problems import problem
+from turning_scenes import FINITE, OF_YADE, RELEASES, SMALL
 from verdict_scenes import FRESH_SEED, SEED, drawn
 
 import la_core
@@ -21,9 +22,6 @@ from la_core.coulomb.path import quasi_static_path
 from la_core.limit import Drive, Status, solve_associated
 from la_core.scene import Scene
 
-RELEASES = drawn(0, FRESH_SEED).scene  # a wall whose turning blocks release a fifth of the reaction
-FINITE = {"effects.rotation": "finite"}
-
 
 def predicted(scene: Scene) -> CoulombSolution:
     """Prediction of a scene."""
@@ -32,17 +30,8 @@ def predicted(scene: Scene) -> CoulombSolution:
     return coulomb
 
 
-@pytest.mark.parametrize(
-    ("number", "seed", "yade"),
-    [
-        pytest.param(0, FRESH_SEED, 0.0660, id="wall"),
-        pytest.param(10, SEED, 0.2209, id="support that turns"),
-        pytest.param(94, SEED, 0.1856, id="reaction that rises"),
-        pytest.param(69, FRESH_SEED, 0.0348, id="release between 8 and 32 travels"),
-    ],
-)
+@pytest.mark.parametrize(("number", "seed", "yade"), OF_YADE)
 def test_the_value_after_a_release_is_that_of_yade_over_its_whole_travel(number: int, seed: int, yade: float) -> None:
-    """YADE's values were measured on joints 16 or 64 times as stiff as those of limit analysis."""
     scene = drawn(number, seed).scene
     coulomb = predicted(scene)
     assert coulomb.released / scene.weight == pytest.approx(yade, rel=5e-3)
@@ -88,7 +77,7 @@ def test_a_wall_without_a_locked_thrust_keeps_its_value() -> None:
     assert math.isfinite(change) and abs(change) + doubt < CHANGED
 
 
-@pytest.mark.parametrize("more", [{"effects.rotation": "small"}, FINITE, {"yade.wedging": 1e-5}], ids=["small", "finite", "wedged"])
+@pytest.mark.parametrize("more", [SMALL, FINITE, {"yade.wedging": 1e-5}], ids=["small", "finite", "wedged"])
 def test_nothing_is_followed_where_it_is_not_asked_for(more: dict[str, object]) -> None:
     coulomb = predicted(la_core.variant(RELEASES, more))
     assert math.isnan(coulomb.released) and math.isnan(coulomb.released_uncertainty)

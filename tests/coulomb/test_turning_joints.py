@@ -1,7 +1,6 @@
 """Blocks that turn by a finite angle release a thrust that friction locked in; small rotations keep it."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,12 +8,12 @@ import pytest
 import scenes
 from coulomb_problems import problem
 from scipy.spatial.transform import Rotation
+from turning_scenes import FINITE, OF_YADE, RELEASES
 from verdict_scenes import FRESH_SEED, SEED, drawn
 
 import comparison
 import la_core
 from la_core.analysis import analyse
-from la_core.analysis.decisions import with_rotation_explained
 from la_core.analysis.path_settings import settings_after_path, settings_of_long_run
 from la_core.coulomb import ACCEPTED_RESIDUAL, STIFFER, follow_path, followed_path, prediction, sharp_path
 from la_core.coulomb.certificate import certified_end, certify
@@ -22,15 +21,9 @@ from la_core.coulomb.path.elastic_joints import ElasticJoints
 from la_core.coulomb.path.quasi_static_path import QuasiStaticPath, first_travel, least_travel
 from la_core.coulomb.path.rest import come_to_rest
 from la_core.coulomb.path.tangent import Tangent
-from la_core.errors import SceneError
 from la_core.limit import Status
 from la_core.model import twists_of
 from la_core.scene import Scene
-from la_core.scene.variants import full_model
-
-FINITE = {"effects.rotation": "finite"}
-RELEASES = drawn(0, FRESH_SEED).scene  # YADE has 0.0808 W over the first tenth of a millimetre, and 0.0660 W after its whole travel
-
 
 # --- displacements ----------------------------------------------------------------------------------------------------------------
 
@@ -131,16 +124,9 @@ def test_finite_rotations_release_a_thrust_that_small_ones_keep() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "seed", "yade"),
-    [
-        pytest.param(10, SEED, 0.2209, id="support that turns"),
-        pytest.param(94, SEED, 0.1856, id="reaction that rises"),
-        pytest.param(69, FRESH_SEED, 0.0348, id="release between 8 and 32 travels"),
-        pytest.param(164, FRESH_SEED, 0.01535, id="support that turns and releases nothing"),
-    ],
+    ("number", "seed", "yade"), [*OF_YADE, pytest.param(164, FRESH_SEED, 0.01535, id="support that turns and releases nothing")]
 )
 def test_finite_rotations_lead_to_the_value_of_yade_over_its_whole_travel(number: int, seed: int, yade: float) -> None:
-    """YADE's values were measured on joints 16 or 64 times as stiff as those of limit analysis."""
     scene = drawn(number, seed).scene
     coulomb = analyse(la_core.variant(scene, FINITE)).coulomb
     assert coulomb is not None and coulomb.status is Status.SOLVED
@@ -248,64 +234,7 @@ def test_scenes_without_a_locked_thrust_keep_their_answer(name: str) -> None:
     assert finite.value == pytest.approx(small.value, rel=3e-3, abs=2.0 * (small.uncertainty + finite.uncertainty))
 
 
-# --- the effect -------------------------------------------------------------------------------------------------------------------
-
-
-def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
-    wide = analyse(RELEASES).assembly.effects
-    assert wide.rotation == "small"
-    assert (
-        'release a thrust, and the reaction becomes 1930 N, 18 ± 0.05 % less (rotation = "finite" has YADE check this)'
-        in wide.reasons["rotation"]
-    )
-    kept = analyse(scenes.shipped("wall_third")).assembly.effects
-    assert "turning blocks change it by at most 0." in kept.reasons["rotation"]
-    narrow = analyse(scenes.shipped("ferris_tin_loi_1")).assembly.effects
-    assert narrow.rotation == "small" and "another mechanism alone" in narrow.reasons["rotation"]
-    asked = analyse(la_core.variant(RELEASES, {"effects.rotation": "small"})).assembly.effects
-    assert asked.reasons["rotation"] == "requested in the scene"
-
-
-@pytest.mark.parametrize(
-    ("released", "doubt", "words"),
-    [
-        (2.6, 0.12, "160 ± 12 % more"),
-        (0.4, 0.004, "60 ± 0.4 % less"),
-        (0.97, 1.2, "it is uncertain whether turning blocks change it (−3 ± 120 %)"),
-        (0.998, 0.001, "turning blocks change it by at most 0.3 %"),
-    ],
-)
-def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: float, words: str) -> None:
-    analysis = analyse(la_core.variant(RELEASES, {"effects.rotation": "small"}))
-    assert analysis.coulomb is not None
-    value = analysis.coulomb.value
-    made_up = replace(analysis.coulomb, uncertainty=0.0, released=released * value, released_uncertainty=doubt * value)
-    assert words in with_rotation_explained(RELEASES, analysis.assembly, made_up).reasons["rotation"]
-
-
-@pytest.mark.parametrize(("ends", "words"), [((0.0, math.inf), "is unlimited"), ((math.nan, math.nan), "is unknown")])
-def test_rotation_names_an_interval_without_a_width(ends: tuple[float, float], words: str) -> None:
-    analysis = analyse(RELEASES)
-    assert analysis.coulomb is not None
-    unknown = replace(analysis.coulomb, interval=ends, released=math.nan)
-    effects = with_rotation_explained(RELEASES, analysis.assembly, unknown)
-    assert effects.reasons["rotation"].endswith(words)
-
-
-def test_without_sliding_there_is_nothing_to_release() -> None:
-    effects = analyse(la_core.variant(scenes.shipped("arch_spreading"), FINITE)).assembly.effects
-    assert effects.friction == "none-slides" and effects.rotation == "small"
-    assert "no joint slides" in effects.reasons["rotation"]
-
-
-def test_bounds_refuse_finite_rotations() -> None:
-    with pytest.raises(SceneError, match=r"effects\.rotation"):
-        analyse(la_core.variant(RELEASES, FINITE | {"effects.friction": "associated"}))
-
-
-def test_the_full_model_keeps_the_rotations_of_its_scene() -> None:
-    assert full_model(RELEASES).effects.rotation == "auto"
-    assert full_model(la_core.variant(RELEASES, FINITE)).effects.rotation == "finite"
+# --- beside YADE ------------------------------------------------------------------------------------------------------------------
 
 
 def test_yade_covers_its_whole_travel_with_joints_as_stiff() -> None:

@@ -1,0 +1,71 @@
+"""The effect of rotations: what a scene may ask for, and what its reason says of turning blocks."""
+
+import math
+from dataclasses import replace
+
+import pytest
+import scenes
+from turning_scenes import FINITE, RELEASES, SMALL
+
+import la_core
+from la_core.analysis import analyse
+from la_core.analysis.decisions import with_rotation_explained
+from la_core.errors import SceneError
+from la_core.scene.variants import full_model
+
+
+def test_rotation_is_explained_by_what_the_mechanism_allows() -> None:
+    wide = analyse(RELEASES).assembly.effects
+    assert wide.rotation == "small"
+    assert (
+        'release a thrust, and the reaction becomes 1930 N, 18 ± 0.05 % less (rotation = "finite" has YADE check this)'
+        in wide.reasons["rotation"]
+    )
+    kept = analyse(scenes.shipped("wall_third")).assembly.effects
+    assert "turning blocks change it by at most 0." in kept.reasons["rotation"]
+    narrow = analyse(scenes.shipped("ferris_tin_loi_1")).assembly.effects
+    assert narrow.rotation == "small" and "another mechanism alone" in narrow.reasons["rotation"]
+    asked = analyse(la_core.variant(RELEASES, SMALL)).assembly.effects
+    assert asked.reasons["rotation"] == "requested in the scene"
+
+
+@pytest.mark.parametrize(
+    ("released", "doubt", "words"),
+    [
+        (2.6, 0.12, "160 ± 12 % more"),
+        (0.4, 0.004, "60 ± 0.4 % less"),
+        (0.97, 1.2, "it is uncertain whether turning blocks change it (−3 ± 120 %)"),
+        (0.998, 0.001, "turning blocks change it by at most 0.3 %"),
+    ],
+)
+def test_rotation_says_how_much_turning_blocks_change(released: float, doubt: float, words: str) -> None:
+    analysis = analyse(la_core.variant(RELEASES, SMALL))
+    assert analysis.coulomb is not None
+    value = analysis.coulomb.value
+    made_up = replace(analysis.coulomb, uncertainty=0.0, released=released * value, released_uncertainty=doubt * value)
+    assert words in with_rotation_explained(RELEASES, analysis.assembly, made_up).reasons["rotation"]
+
+
+@pytest.mark.parametrize(("ends", "words"), [((0.0, math.inf), "is unlimited"), ((math.nan, math.nan), "is unknown")])
+def test_rotation_names_an_interval_without_a_width(ends: tuple[float, float], words: str) -> None:
+    analysis = analyse(RELEASES)
+    assert analysis.coulomb is not None
+    unknown = replace(analysis.coulomb, interval=ends, released=math.nan)
+    effects = with_rotation_explained(RELEASES, analysis.assembly, unknown)
+    assert effects.reasons["rotation"].endswith(words)
+
+
+def test_without_sliding_there_is_nothing_to_release() -> None:
+    effects = analyse(la_core.variant(scenes.shipped("arch_spreading"), FINITE)).assembly.effects
+    assert effects.friction == "none-slides" and effects.rotation == "small"
+    assert "no joint slides" in effects.reasons["rotation"]
+
+
+def test_bounds_refuse_finite_rotations() -> None:
+    with pytest.raises(SceneError, match=r"effects\.rotation"):
+        analyse(la_core.variant(RELEASES, FINITE | {"effects.friction": "associated"}))
+
+
+def test_the_full_model_keeps_the_rotations_of_its_scene() -> None:
+    assert full_model(RELEASES).effects.rotation == "auto"
+    assert full_model(la_core.variant(RELEASES, FINITE)).effects.rotation == "finite"
